@@ -14,7 +14,7 @@ namespace {
 
 using Odds = std::vector<std::vector<double>>;
 
-// Reference: enumeration of all associations.
+// Reference that enumerates all associations.
 struct Enumeration {
   explicit Enumeration(const Odds& of)
       : odds(of), chosen(of.size(), -1), marginal(of.size(), std::vector<double>(of[0].size())) {
@@ -123,8 +123,8 @@ TEST(Association, EqualsTheClosedFormForOneTrack) {
   EXPECT_DOUBLE_EQ(association.miss_probability(0), 0.25);
 }
 
-// A group without loops: each track may be one of two detections and each detection one of two
-// tracks. Messages are exact there.
+// A group without loops: each track has two possible detections and each detection two possible
+// tracks. Message passing is exact for such groups.
 TEST(Association, MessagePassingIsExactWithoutLoops) {
   constexpr std::size_t kCount = 12;
   static_assert(kCount > Association::kExactMax);

@@ -21,7 +21,7 @@
 namespace vantage::estimator {
 namespace {
 
-using namespace test::words;  // NOLINT(google-build-using-namespace): made for this
+using namespace test::words;  // NOLINT(google-build-using-namespace): names for tests
 using vantage::test::is_near;
 
 FilterSpec still_spec(int targets, double communication_range_m = 5.0) {
@@ -107,9 +107,9 @@ TEST(Hearing, CountsTeammatesInRangeAtEachStep) {
 // of any robot.
 TEST(BeliefFusion, FirstBeliefIsWeightedMeanOfTeammates) {
   const std::vector<Gaussian> of_one = {
-      around(1.0, 0.0, Eigen::Vector2d(0.25, 1.0).asDiagonal()),               // Ω of 4 and 1
-      around(3.0, 2.0, Eigen::Vector2d(1.0 / 9, 1.0 / 9).asDiagonal()),        // 9 and 9
-      around(-2.0, 5.0, Eigen::Vector2d(1.0 / 16.0, 1.0 / 25).asDiagonal())};  // 16 and 25
+      around(1.0, 0.0, Eigen::Vector2d(0.25, 1.0).asDiagonal()),         // diagonal of Ω: 4, 1
+      around(3.0, 2.0, Eigen::Vector2d(1.0 / 9, 1.0 / 9).asDiagonal()),  // 9, 9
+      around(-2.0, 5.0, Eigen::Vector2d(1.0 / 16.0, 1.0 / 25).asDiagonal())};  // 16, 25
   const double weights[] = {2.0, 9.0, 20.0};
   models::Information expected{Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero()};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -135,7 +135,7 @@ TEST(BeliefFusion, FirstBeliefIsWeightedMeanOfTeammates) {
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-// Compared with a search over all κ.
+// The weight κ is compared with the best one of a search over all κ.
 TEST(Hearing, WeightsATeammateToMaximiseTheDeterminant) {
   vantage::test::Random random(6);
   int between = 0;
@@ -198,12 +198,12 @@ TEST(Hearing, CountsBeliefsOfUnknownTargets) {
       {of(v, M.leftCols(3)), &FilterCounters::malformed_beliefs},
       {of(v, models::StateMatrix::Zero(4, 4)), &FilterCounters::singular},
       {of(v, -M), &FilterCounters::singular},
-      {of(v, 1e200 * M), &FilterCounters::singular},  // its determinant is not finite
+      {of(v, 1e200 * M), &FilterCounters::singular},  // infinite determinant
   };
   for (const Wrong& wrong : all) {
     for (const Time told_at : {instant(1), instant(2)}) {
       if (&wrong == &all.back() && told_at < instant(2)) {
-        continue;  // prediction changes it
+        continue;  // changed by prediction
       }
       DistributedFilter filter(spec);
       models::RobotBelief told = told_by("Q2", told_at, {});
@@ -234,8 +234,8 @@ TEST(BeliefFusion, CountsGridMismatchOnlyWhenGridIsPresent) {
   EXPECT_EQ(filter.counters().grid_mismatches, 1);
 }
 
-// A belief that is two steps old is predicted with the walls of both steps. Receiving the filter's
-// own old belief therefore changes neither mean nor covariance.
+// A two-step-old belief is predicted with reflection at walls in both steps. When the filter
+// receives its own old belief, mean and covariance therefore do not change.
 TEST(Hearing, ReflectsOldBeliefsAtWalls) {
   for (const bool stay_inside : {false, true}) {
     for (const double x_m : {0.0, 19.7}) {
@@ -275,7 +275,7 @@ TEST(Rebase, ContinuesFromACompleteBelief) {
   before.grid = filter.grid().geometry();
   before.last_seen_utime.assign(filter.grid().last_seen_utime().size(), 0);
   before.last_seen_utime[5] = to_utime(instant(2));
-  filter.rebase(told_by("Q1", instant(2), {kOne[0], kOne[0], kOne[0]}));  // is replaced
+  filter.rebase(told_by("Q1", instant(2), {kOne[0], kOne[0], kOne[0]}));  // is overwritten
   filter.rebase(before);
   const models::RobotBelief after = filter.belief();
   EXPECT_EQ(after.stamp.time, instant(3));
@@ -293,7 +293,7 @@ TEST(Rebase, ContinuesFromACompleteBelief) {
     EXPECT_EQ(after.targets[i].information.vector, before.targets[i].information.vector);
   }
   EXPECT_TRUE(filter.counters().named().empty());
-  // A step at that instant or earlier is rejected.
+  // A step at the time of the belief or earlier is rejected.
   EXPECT_EQ(take_step(filter, instant(3), at(0, 0), {}).viewpoint.height_m, 1.2);
   EXPECT_EQ(filter.counters().steps_out_of_order, 1);
 }

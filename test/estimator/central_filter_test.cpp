@@ -55,7 +55,7 @@ std::vector<models::RobotMeasurement> looks_at(const std::vector<Eigen::Vector2d
   return looks;
 }
 
-// Every observation is received at once and empty scans are not used.
+// Every observation is received without delay, and empty scans are not used.
 TEST(CentralFilter, EqualsADistributedFilterWithAllMeasurements) {
   const std::vector<Eigen::Vector2d> targets_m = {{-2.0, 1.0}, {3.0, -1.0}, {-10.0, 18.0}};
   const std::vector<models::Gaussian> priors = {prior_at(-2.3, 1.2), prior_at(3.5, -1.4),

@@ -26,8 +26,8 @@ TEST(Confinement, ChangesNothingFarFromWallsAndObstacles) {
 }
 
 TEST(Confinement, EqualsTheTruncatedNormalAtAWall) {
-  // Only the wall at x = 4 is near: what is left of N(4 + aσ, σ²) is u < −a, with mean −λ,
-  // λ = φ(a)/Φ(−a), and variance 1 + aλ − λ². The edge lies midway between two columns.
+  // Only the wall at x = 4 is near. N(4 + aσ, σ²) is truncated to u < −a: mean −λ with λ =
+  // φ(a)/Φ(−a), variance 1 + aλ − λ². The wall is midway between two columns of the rule.
   const double sigma_m = 0.2;
   const double a = 0.217;
   const Gaussian belief{Eigen::Vector2d(4.0 + a * sigma_m, 0.0),
@@ -76,11 +76,11 @@ TEST(Confinement, TendsToTheCentreWithTheWorldsVariance) {
     belief = confine(belief, room);
   }
   EXPECT_TRUE(is_near(belief.mean, Eigen::Vector2d::Zero(), 0.02));
-  // A uniform draw is the widest that a confined diffusion can get.
+  // The uniform distribution is the widest limit of a confined diffusion.
   EXPECT_LT(belief.covariance(0, 0), 64.0 / 12.0);
   EXPECT_LT(belief.covariance(1, 1), 16.0 / 12.0);
-  // Conditioned to have stayed inside, it is the ground mode of the room, cos(πx/L), of variance
-  // L² (1/12 − 1/(2π²)); the Gaussian family and the half-second steps are not that exactly.
+  // A diffusion that has never left the room tends to the density cos(πx/L), of variance L² (1/12 −
+  // 1/(2π²)). Gaussian beliefs and steps of 0.5 s only approximate it.
   const double ground_mode = 1.0 / 12.0 - 1.0 / (2.0 * kPi * kPi);
   EXPECT_NEAR(belief.covariance(0, 0), 64.0 * ground_mode, 0.25 * 64.0 * ground_mode);
 }
@@ -117,8 +117,8 @@ TEST(Confinement, KeepsBeliefsDefiniteAndMeansInside) {
 }
 
 TEST(Confinement, AppliesToATeammatesBeliefOfTheLastStep) {
-  // The target turns back in the meantime. A belief without this would be more certain of its
-  // velocity, and would win the fusion.
+  // The target is reflected during the step. A belief without this reflection would have a more
+  // certain velocity and would dominate the fusion.
   for (const bool samples : {false, true}) {
     FilterSpec spec = test::open_spec({models::TargetKind::kDoubleIntegrator, 2, 0.001},
                                       test::far_sighted(models::SensorKind::kPosition), 1);
@@ -126,7 +126,7 @@ TEST(Confinement, AppliesToATeammatesBeliefOfTheLastStep) {
     spec.estimator.samples = samples;
     spec.communication_range_m = 100.0;
     Gaussian leaving{Eigen::Vector4d(19.75, 0.0, 0.8, 0.0), Eigen::Matrix4d::Zero()};
-    leaving.covariance.diagonal() << 0.0025, 0.0025, 0.04, 0.04;  // one in twelve is still inside
+    leaving.covariance.diagonal() << 0.0025, 0.0025, 0.04, 0.04;  // after a step 1/12 is inside
     DistributedFilter filter(spec);
     filter.rebase(test::prior(test::instant(0), {leaving}));
     models::RobotBelief of_before = test::prior(test::instant(0), {leaving});
@@ -240,7 +240,7 @@ TEST(Reflection, MirrorsABeliefBeyondAWall) {
       beyond.mean(1) = std::copysign(4.0, inside.mean(1)) - inside.mean(1);
       signs(1) = signs(3) = -1.0;
     }
-    const int rounds = i / 12 % 5 - 2;  // to the wall opposite and back
+    const int rounds = i / 12 % 5 - 2;  // to the opposite wall and back
     beyond.mean(0) += 16.0 * rounds;
     beyond.mean(1) += 8.0 * rounds;
     beyond.mean(2) *= signs(2);
@@ -279,7 +279,8 @@ TEST(Reflection, EqualsSampledMomentsInACorner) {
   }
   const Eigen::Vector4d expected = sum / kSamples;
   const Eigen::Matrix4d covariance = squares / kSamples - expected * expected.transpose();
-  // The rule's columns are 0.6 m apart here, and the velocity's sign jumps between two of them.
+  // The tolerance covers the rule's columns, which are 0.6 m apart; the velocity's sign changes
+  // between two of them.
   EXPECT_TRUE(is_near(after.mean, expected, 0.1));
   EXPECT_TRUE(is_near(after.covariance, covariance, 0.1));
 }
@@ -291,10 +292,10 @@ TEST(Inset, IsTheSpaceForTheCentreOfADisc) {
   EXPECT_EQ(room.bounds.max_m, Eigen::Vector2d(3.8, 1.8));
   EXPECT_EQ(room.obstacles.front().footprint.min_m, Eigen::Vector2d(0.8, -0.2));
   EXPECT_EQ(room.obstacles.front().footprint.max_m, Eigen::Vector2d(2.2, 1.2));
-  EXPECT_EQ(inset(world, 2.0).bounds.max_m, world.bounds.max_m);  // nothing would be left
+  EXPECT_EQ(inset(world, 2.0).bounds.max_m, world.bounds.max_m);  // no space would remain
 }
 
-// A target turns back when its side touches the wall, one radius before its centre would.
+// A target is reflected when its edge touches the wall, with its centre one radius before the wall.
 TEST(Reflection, IsAtTheTargetsRadiusFromTheWall) {
   FilterSpec spec = test::open_spec({models::TargetKind::kDoubleIntegrator, 2, 1e-6},
                                     test::far_sighted(models::SensorKind::kRangeBearing), 1);
@@ -307,11 +308,11 @@ TEST(Reflection, IsAtTheTargetsRadiusFromTheWall) {
     test::take_step(filter, test::instant(k), test::at(0.0, 0.0), {});
   }
   const Gaussian later = test::known(filter, 0);
-  EXPECT_NEAR(later.mean(0), 18.6, 0.02);  // 19 + 2, turned back at 19.8
+  EXPECT_NEAR(later.mean(0), 18.6, 0.02);  // 19 + 2, reflected at 19.8
   EXPECT_NEAR(later.mean(2), -1.0, 0.02);
 }
 
-// Simulated truth: targets that turn back at the walls, in steps of 20 ms, and are observed at the
+// The simulated targets are reflected at the walls, in steps of 20 ms, and are observed at the
 // start only.
 TEST(Reflection, KeepsTheFilterConsistentAtTheWall) {
   const models::TargetModel drift{models::TargetKind::kDoubleIntegrator, 2, 0.001};
@@ -360,12 +361,12 @@ TEST(Reflection, KeepsTheFilterConsistentAtTheWall) {
   double worst = 0.0;
   const double honest = mean_nees(true, &worst);
   EXPECT_GT(honest, 0.5);
-  EXPECT_LT(honest, 3.0);  // 2 for a Gaussian; the truth is not one
+  EXPECT_LT(honest, 3.0);  // 2 if the truth were Gaussian
   EXPECT_LT(worst, 30.0);
-  EXPECT_GT(mean_nees(false, &worst), 5.0);  // else this would not be a test
+  EXPECT_GT(mean_nees(false, &worst), 5.0);  // otherwise the test is void
 }
 
-// A corridor without width has no inside to turn back to.
+// A corridor of width 0 has no interior, so beliefs are not reflected.
 TEST(Reflection, ChangesNothingBetweenCoincidentWalls) {
   Gaussian belief;
   belief.mean = Eigen::Vector4d(3.9, 2.1, 0.4, -0.3);

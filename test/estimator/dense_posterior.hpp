@@ -12,8 +12,8 @@
 #include "models/belief/gaussian.hpp"
 #include "models/sensor/sensor.hpp"
 
-// Brute-force reference for measurement updates. It shares only the softness of limits with the
-// estimator, which has its own test.
+// Brute-force reference for measurement updates. Its only common code with the estimator is the
+// softness of limits, which has a separate test.
 
 namespace vantage::estimator::test {
 
@@ -23,9 +23,10 @@ struct DenseMoments {
   double share_in_view = 0.0;
 };
 
-/// Moments of prior × N(z; h(y), V) × view_probability(y) on a Cartesian grid: a coarse one over
-/// prior and range finds where anything is, a fine one of `points` a side integrates there. Without
-/// prior (Ω = 0) the sensor's range is the box. Limits are left out with `is_limited` false.
+/// Moments of prior × N(z; h(y), V) × view_probability(y) on a Cartesian grid: a coarse grid over
+/// prior and range finds the region with probability mass, and a fine grid of `points` × `points`
+/// integrates over it. Without prior (Ω = 0) the grid covers the range. `is_limited` false: no
+/// limits.
 inline std::optional<DenseMoments> dense_posterior(const Eigen::VectorXd& prior_mean,
                                                    const Eigen::MatrixXd& prior_information,
                                                    const models::SensorModel& sensor,
@@ -140,7 +141,7 @@ inline std::optional<DenseMoments> dense_posterior(const Eigen::VectorXd& prior_
   return out;
 }
 
-/// Error of a mean in σ of the oracle, and of a covariance relative to the oracle's.
+/// Error of a mean in σ of the reference, and error of a covariance relative to the reference.
 struct Difference {
   double mean_sigma = 0.0;
   double covariance_share = 0.0;

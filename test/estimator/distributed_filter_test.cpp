@@ -11,12 +11,12 @@
 #include "test/support/allocation_counter.hpp"
 #include "test/support/near.hpp"
 
-// One robot: the filter against a textbook filter, and its handling of late or invalid input.
+// Tests of the filter of one robot: comparison with a textbook filter, and late or invalid input.
 
 namespace vantage::estimator {
 namespace {
 
-using namespace test::words;  // NOLINT(google-build-using-namespace): made for this
+using namespace test::words;  // NOLINT(google-build-using-namespace): names for tests
 using vantage::test::is_near;
 
 constexpr int kTargets = 5;
@@ -66,8 +66,8 @@ struct JointKalmanFilter {
 };
 
 void expect_textbook(SensorKind kind) {
-  // Slow, accurately known targets: if h were nonlinear over a belief, the filter would differ from
-  // an extended Kalman filter.
+  // Slow, accurately known targets, for which h is linear over a belief. Otherwise the filter would
+  // differ from an extended Kalman filter.
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 1e-5};
   const models::SensorModel sensor = test::far_sighted(kind);
   std::mt19937_64 rng(11);
@@ -112,7 +112,8 @@ TEST(DistributedFilter, OfOneRobotEqualsTheJointExtendedKalmanFilter) {
 }
 
 TEST(DistributedFilter, OfOneRobotIsConsistentOnItsOwnModel) {
-  // Linear-Gaussian truth from discovery on: the summed squared error is exactly χ² distributed.
+  // The truth is linear and Gaussian from the discovery on, so the summed squared error is χ²
+  // distributed.
   const models::TargetModel model{TargetKind::kRandomWalk, 2, 0.02};
   const models::SensorModel sensor = test::far_sighted(SensorKind::kPosition);
   double nees = 0.0;
@@ -127,7 +128,7 @@ TEST(DistributedFilter, OfOneRobotIsConsistentOnItsOwnModel) {
       for (Eigen::Vector2d& y_m : truth) {
         y_m += std::sqrt(0.02 * 0.5) * test::normal_vector(2, rng);
       }
-      // Every third instant has no scan, so that prediction is tested as well.
+      // Every third step has no scan, so that prediction is tested, too.
       std::vector<models::RobotMeasurement> looks;
       if (k % 3 != 0) {
         looks.push_back(look_at(sensor, instant(k), wander(k), truth, rng));
@@ -166,14 +167,14 @@ TEST(DistributedFilter, UsesAMeasurementBetweenStepsAtItsTime) {
   EXPECT_TRUE(is_near(known(filter, 0).covariance, expected.covariance, 1e-12));
 }
 
-/// Two filters over the same world; one of them receives the observations of `late_steps` `delay`
-/// steps later.
+/// Two filters over the same world; one of them receives the observations of `late_steps` with a
+/// delay of `delay` steps.
 class LateMeasurements : public ::testing::Test {
  protected:
   void run(int delay, int history_steps) {
     const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.01};
     models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
-    sensor.range_max_m = 6.0;  // so that some looks miss some targets
+    sensor.range_max_m = 6.0;  // m; not all targets are always in view
     FilterSpec spec = open_spec(model, sensor, 3);
     spec.sensor = sensor;
     spec.estimator.detection_probability = 0.9;
@@ -187,7 +188,7 @@ class LateMeasurements : public ::testing::Test {
     for (int k = 1; k <= 30; ++k) {
       models::RobotMeasurement look = look_at(sensor, instant(k), wander(k), truth, rng);
       std::erase_if(look.detections, [&](const models::Detection& d) {
-        return k % 4 == 1 ||  // the detector fails now and then
+        return k % 4 == 1 ||  // missed detections
                !models::in_view(sensor, wander(k), truth[static_cast<std::size_t>(d.target_id)]);
       });
       models::RobotBelief teammate =
@@ -257,7 +258,7 @@ TEST(DistributedFilter, DiscoversWithTheNoiseOfTheFirstMeasurement) {
   const auto& z = look.detections[0].measurement;
   const double range_m = z.z(0);
   const double bearing_rad = 0.4 + z.z(1);
-  // The measured position, except for the curvature of its arc, 2 cm.
+  // The mean is the measured position, except for the curvature of the arc, 2 cm.
   EXPECT_NEAR(g.mean(0), 1.0 + range_m * std::cos(bearing_rad), 0.03);
   EXPECT_NEAR(g.mean(1), 2.0 + range_m * std::sin(bearing_rad), 0.03);
   // Across the line of sight the spread is r σ_b, along it σ_r.
@@ -315,8 +316,8 @@ TEST(DistributedFilter, CountsEveryUnusedInput) {
   EXPECT_TRUE(is_near(known(filter, 0).mean, before.mean, 1e-12));
 }
 
-// A starting filter receives a teammate's observation and a belief that already contains it: it
-// counts once.
+// A starting filter receives a teammate's observation and a belief that already contains this
+// observation. The information must count once.
 TEST(DistributedFilter, CountsAMeasurementOfItsStartOnce) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(14);
@@ -358,9 +359,9 @@ TEST(DistributedFilter, StepsWithoutAllocating) {
   filter.rebase(test::prior(instant(0), start));
   for (int k = 1; k <= 20; ++k) {
     auto look = look_at(sensor, instant(k), wander(k), truth, rng);
-    look.detections.pop_back();  // one target is expected and not reported
+    look.detections.pop_back();  // one target in view is not reported
     auto seen = look_at(sensor, instant(k), at(truth[0].x() + 0.3, truth[0].y()), truth, rng);
-    seen.robot = "Q2";  // almost over a target
+    seen.robot = "Q2";  // almost above a target
     models::RobotBelief teammate = test::prior(instant(k - 1), start);
     teammate.robot = "Q2";
     const models::RobotMeasurement* looks[] = {&look, &seen};
@@ -415,7 +416,7 @@ TEST(DistributedFilter, IgnoresMeasurementsBeforeTheLastRebase) {
     }
     EXPECT_EQ(filter.counters().late_measurements, rebase - 1);
     filter.rebase(test::prior(instant(first + 3), {told}));
-    // Two steps old, and from before the rebase but within the step that the rebase ended.
+    // An observation that is two steps old, and one from the step that ended at the rebase.
     for (const double ago_s : {1.1, 0.2}) {
       const Time seen = instant(first + 3) - from_seconds(ago_s);
       DistributedFilter other = filter;

@@ -7,7 +7,7 @@
 #include "estimator/distributed_filter.hpp"
 #include "test/estimator/filter_support.hpp"
 
-// A sample-based filter in the field, with one target.
+// Fixture data of a sample-based filter for one target in a field.
 
 namespace vantage::estimator::test {
 
@@ -51,7 +51,7 @@ inline FilterSpec field_spec(bool samples) {
   return spec;
 }
 
-/// Returns an empty scan of `robot` from that viewpoint.
+/// Returns an empty scan of `robot` from viewpoint `from`.
 inline models::RobotMeasurement look_of(const std::string& robot, int step,
                                         const models::Viewpoint& from) {
   models::RobotMeasurement look;

@@ -54,7 +54,7 @@ inline models::Viewpoint at(double x_m, double y_m, double yaw_rad = 0.0) {
   return {{x_m, y_m, yaw_rad}, 0.0};
 }
 
-/// Mean of ε' Σ⁻¹ ε (NEES) of 2-D beliefs; 2 if their covariances are right.
+/// Mean of ε' Σ⁻¹ ε (NEES) of 2-D beliefs; 2 if their covariances are correct.
 class MeanNees {
  public:
   void add(const models::Gaussian& belief, const Eigen::Vector2d& truth_m) {

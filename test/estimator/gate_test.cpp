@@ -8,12 +8,12 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// Handling of detections outside the gate of their target.
+// Tests of detections outside the gate of their target.
 
 namespace vantage::estimator {
 namespace {
 
-using namespace test::words;  // NOLINT(google-build-using-namespace): made for this
+using namespace test::words;  // NOLINT(google-build-using-namespace): names for tests
 using vantage::test::is_near;
 
 // Two stationary targets whose ids are swapped in every tenth scan.
@@ -42,7 +42,7 @@ TEST(DistributedFilter, GateRejectsSwappedIds) {
 }
 
 // A false alarm with an unused id starts a track. The first detection of the true target is gated,
-// the second one replaces the track.
+// the second detection replaces the track.
 TEST(DistributedFilter, GateDropsATrackOfAFalseId) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(6);
@@ -96,7 +96,8 @@ TEST(DistributedFilter, GateKeepsBothHypothesesUntilTheNextMeasurement) {
   }
 }
 
-// The belief of a teammate without the gated detection does not cancel the doubt.
+// The belief of a teammate that has not received the gated detection does not remove the second
+// hypothesis.
 TEST(DistributedFilter, GateIsResolvedByItsOwnNextMeasurementOnly) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(13);
@@ -116,7 +117,7 @@ TEST(DistributedFilter, GateIsResolvedByItsOwnNextMeasurementOnly) {
   }
   EXPECT_EQ(filter.counters().gated, 1);
   EXPECT_LT((known(filter, 0).mean - there_m).norm(), 1.2);
-  // Afterwards a more certain teammate is accepted again.
+  // Afterwards a more certain belief of a teammate is adopted again.
   models::RobotBelief surer =
       test::prior(instant(2), {{there_m, 0.001 * Eigen::Matrix2d::Identity()}});
   surer.robot = "Q2";
@@ -125,8 +126,8 @@ TEST(DistributedFilter, GateIsResolvedByItsOwnNextMeasurementOnly) {
   EXPECT_NEAR(known(filter, 0).covariance(0, 0), 0.001, 1e-6);
 }
 
-// A range alone does not locate a target. Detections outside the gate are therefore used, or the
-// belief would never move.
+// A range alone does not locate a target. Detections outside the gate are therefore used; otherwise
+// a wrong belief could not be corrected.
 TEST(DistributedFilter, DoesNotGateRangesAndBearings) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRange);
   std::mt19937_64 rng(12);

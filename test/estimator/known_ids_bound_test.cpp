@@ -23,8 +23,9 @@
 //
 // Each target is tracked twice on the same observations. *Known ids*: the filter knows which
 // detection is the target's. *Oracle*: the filter knows which detections belong to other targets,
-// and only has to separate its own from false alarms. A filter without ids has less information
-// than the oracle. The posterior mean has the minimum mean square error for its information.
+// and only has to separate the target's own detection from false alarms. A filter without ids has
+// less information than the oracle. The posterior mean has the minimum mean square error for its
+// information.
 
 namespace vantage {
 namespace {
@@ -105,9 +106,9 @@ class Posterior {
     }
   }
 
-  /// Updates by `candidates`, of which at most one is this target's; `is_told`: there are no
-  /// others.
-  // long: one likelihood, and the particles drawn by it.
+  /// Updates with `candidates`, at most one of which originates from the target. `is_told`: no
+  /// candidate is a false alarm.
+  // long: one likelihood, and the resampling of the particles by it.
   void look(const models::SensorModel& sensor, const Eigen::Vector2d& eye_m,
             const std::vector<models::Measurement>& candidates, bool is_told,
             const models::DetectionModel& detection) {
@@ -186,7 +187,7 @@ class Posterior {
   std::mt19937_64 rng_;
   std::vector<State> states_;
   std::vector<State> next_;
-  std::vector<double> likelihoods_;  ///< summed up
+  std::vector<double> likelihoods_;  ///< cumulative sums
 };
 
 /// Errors summed over targets and time.
@@ -227,7 +228,7 @@ void chase(std::vector<Eigen::Vector2d>& eyes_m, const std::vector<Posterior>& b
 
 enum class Chase { kByKnownIds, kByOracle };
 
-// long: one trial, in the order of what happens.
+// long: one trial, in the order of its events.
 Both trial(unsigned seed, Chase by, int steps, std::size_t particles,
            const models::DetectionModel& detection) {
   std::mt19937_64 rng(seed);

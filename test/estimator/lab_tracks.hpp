@@ -2,7 +2,7 @@
 
 #include "estimator/multi_target.hpp"
 
-// Sensor and filter of targets without ids in a small lab.
+// Sensor and filter for detections without ids in a small lab.
 
 namespace vantage::estimator::test {
 

@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-// The map publisher of Q1, and Q2 at the other end of an in-process bus.
+// The map publisher of Q1 on an in-process bus, with a second bus end for Q2.
 class MapPublisherTest : public ::testing::Test {
  protected:
   void deliver() {
@@ -54,7 +54,7 @@ class MapPublisherTest : public ::testing::Test {
     return heard_.back();
   }
 
-  // Publishes SCAN_Q1 by `robot` without any hit.
+  // Publishes a scan without hits on SCAN_Q1 with the robot name `robot`.
   models::InputRef scan(int step, const std::string& robot = "Q1") {
     models::RangeScan scan;
     scan.stamp.time = time_of(step);
@@ -94,7 +94,7 @@ class MapPublisherTest : public ::testing::Test {
   bus::Bus bus_{*own_end_, 1};
   bus::Bus ear_{*ear_end_, 2};
   bus::Bus replay_bus_{*replay_end_, 3, "REPLAY_"};
-  std::map<std::int64_t, bus::Bus> mates_;  ///< by run
+  std::map<std::int64_t, bus::Bus> mates_;  ///< by run id
   MapPublisher publisher_{bus_, scenario_, "Q1"};
   std::vector<models::RobotMap> heard_;
 
@@ -242,8 +242,8 @@ TEST_F(MapPublisherTest, IsReproducedFromItsNamedInputs) {
     EXPECT_EQ(again[k].step, heard_[k].step);
   }
   EXPECT_TRUE(replayer.counters().empty());
-  // A map that names an unknown input, or no belief, is not made. It waits for two seconds; the
-  // maps after it do not wait longer.
+  // A map that names an unknown input, or no belief, is not reproduced. The replay waits two
+  // seconds for the input; later maps do not wait longer.
   models::RobotMap strange = heard_.back();
   strange.inputs.push_back({"SCAN_Q1", 77, 0});
   bus_.publish(bus::map_channel("Q1"), strange);

@@ -75,7 +75,8 @@ State turned(const State& x, double by_rad, bool mirrored) {
 }
 
 TEST(Samples, WalkIntoReversesBothVelocitiesAtTheMeetingPoint) {
-  // 2 m apart, closing at 2 m/s: they meet after 0.8 s. In every direction, and mirrored.
+  // The targets are 2 m apart and approach at 2 m/s, so they meet after 0.8 s, in every direction
+  // and mirrored.
   for (int quarter = 0; quarter < 4; ++quarter) {
     for (const bool mirrored : {false, true}) {
       const auto t = [&](const State& x) { return turned(x, quarter * 0.5 * kPi, mirrored); };
@@ -90,7 +91,7 @@ TEST(Samples, WalkIntoReversesBothVelocitiesAtTheMeetingPoint) {
 }
 
 TEST(Samples, WalkIntoKeepsVelocityOfTheOvertakenTarget) {
-  // 1 m behind and 0.8 m/s faster: they meet after 0.75 s.
+  // The second target is 1 m behind and 0.8 m/s faster, so they meet after 0.75 s.
   const Met met = after(exactly({0.0, 0.0, 0.2, 0.0}), exactly({-1.0, 0.0, 1.0, 0.0}), 1.0);
   EXPECT_FALSE(met.one_has);
   EXPECT_TRUE(is_near(met.one.mean, State(0.2, 0.0, 0.2, 0.0), 1e-3));
@@ -104,7 +105,7 @@ TEST(Samples, WalkIntoKeepsAStationaryTargetStationary) {
 }
 
 TEST(Samples, WalkIntoReversesTheApproachingComponent) {
-  // From below, nearly along y; then from the left, nearly along x.
+  // The first target approaches from below, almost along y, and then from the left, almost along x.
   const Met y = after(exactly({0.05, -1.0, 0.3, 1.0}), exactly({0.2, 0.0, 0.0, 0.0}), 1.0);
   EXPECT_TRUE(is_near(y.one.mean.tail<2>(), Eigen::Vector2d(0.3, -1.0), 1e-3));
   const Met x = after(exactly({-1.0, 0.05, 1.0, 0.3}), exactly({0.0, 0.2, 0.0, 0.0}), 1.0);
@@ -152,7 +153,8 @@ TEST(Meet, IsIndependentOfTheStepLength) {
     }
     return sum / kKeys;
   };
-  // Area that a disc sweeps, times the density of the position difference: σ² = 2 m².
+  // Share of meetings: the area swept by a disc times the density of the position difference, σ² =
+  // 2 m².
   const double swept_m2 = 2.0 * kDistance_m * 0.5 * 0.5;
   const double share = swept_m2 / (2.0 * kPi * 2.0);
   EXPECT_LT(slower_mps(1), 1.15 * share * 2.0 * 0.5);
@@ -180,8 +182,8 @@ TEST(Samples, WalkIntoWeightsMeetingsBySampleWeight) {
   EXPECT_NEAR(1.0 - since, 0.1 * (1.0 - before), 0.1 * (1.0 - before));
 }
 
-/// Moves the pair in 500 small steps by brute force. A target whose step would bring it closer than
-/// kDistance_m to the other is reflected.
+/// Moves the pair in 500 small steps by brute force. A target is reflected if its step would end
+/// closer than kDistance_m to the other.
 Pair stepped(Pair pair, double dt_s, std::mt19937_64& rng) {
   constexpr int kSteps = 500;
   for (int i = 0; i < kSteps; ++i) {
@@ -216,7 +218,7 @@ State drawn(const Gaussian& belief, std::mt19937_64& rng) {
 }
 
 TEST(Samples, WalkIntoAgreesWithBruteForce) {
-  // They probably meet within 2 s, but may miss each other.
+  // The targets probably meet within 2 s, but may miss each other.
   const Gaussian one = around({0.0, 0.0, 0.8, 0.1}, 0.25, 0.15);
   const Gaussian other = around({1.6, 0.3, -0.5, 0.0}, 0.25, 0.15);
   std::mt19937_64 rng(3);
@@ -279,8 +281,8 @@ TEST(DistributedFilter, IsConsistentAfterUnobservedMeetings) {
     return Gaussian{belief.mean.head<2>(), belief.covariance.topLeftCorner<2, 2>()};
   };
   for (int i = 0; i < 3000; ++i) {
-    // The velocity noise over 4 s is 0.06 m/s, compared with a σ of 0.05 m/s. It is drawn once, at
-    // the start.
+    // The velocity noise over 4 s, 0.06 m/s, is drawn once at the start. The velocity has a σ of
+    // 0.05 m/s.
     Pair pair{drawn(kTowardsEachOther[0], rng), drawn(kTowardsEachOther[1], rng)};
     std::normal_distribution<double> noise(0.0, std::sqrt(kModel.q * 4.0 / 3.0));
     for (State* x : {&pair.one, &pair.other}) {
@@ -296,8 +298,8 @@ TEST(DistributedFilter, IsConsistentAfterUnobservedMeetings) {
 }
 
 TEST(MeetingsOfAFilter, ApplyToATeammatesBeliefOfTheLastStep) {
-  // A belief sent before the meeting and predicted without the meeting would be too certain, and
-  // would win the fusion.
+  // A belief that is sent before the meeting and predicted without it would be too certain and
+  // would dominate the fusion.
   DistributedFilter alone = knows_two(0.2);
   DistributedFilter told = knows_two(0.2);
   for (int step = 1; step <= 4; ++step) {
@@ -380,7 +382,7 @@ TEST(MeetingsOfAFilter, AllocateNothing) {
   }
 }
 
-// Both targets turn back, whatever their ids and table positions. A target far from both gets no
+// Both targets are reflected, for any ids and table positions. A target far from both gets no
 // samples.
 TEST(Meetings, ReverseBothTargetsForAnyIds) {
   const State from_left(0.0, 0.0, 1.0, 0.0);
@@ -409,7 +411,7 @@ TEST(Meetings, ReverseBothTargetsForAnyIds) {
   }
 }
 
-// Meetings are checked from exactly the distance on at which the two can meet within the time.
+// Meetings are computed exactly up to the distance at which two targets can meet within the time.
 TEST(Meetings, IncludeTargetsThatCanJustReachEachOther) {
   constexpr double kTime_s = 1.5;
   for (int quarter = 0; quarter < 4; ++quarter) {

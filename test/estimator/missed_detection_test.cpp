@@ -61,8 +61,8 @@ TEST(MissedDetection, ChangesNothingWhenTheBeliefIsFullyInView) {
 }
 
 TEST(MissedDetection, EqualsTheTruncatedNormalForAHalfPlane) {
-  // A wide field of view, far away, covers x < 2 + a of N((2, 0), I) and never misses what is
-  // there: what is left is u > a, mean λ = φ(a)/(1 − Φ(a)), variance 1 + aλ − λ². The edge lies
+  // A distant sensor with a wide field of view covers x < 2 + a of N((2, 0), I) and has p_D = 1.
+  // The belief is truncated to u > a: mean λ = φ(a)/(1 − Φ(a)), variance 1 + aλ − λ². The edge is
   // midway between two columns of the rule.
   const double far_m = 1000.0;
   const double a = 0.217;
@@ -79,7 +79,7 @@ TEST(MissedDetection, EqualsTheTruncatedNormalForAHalfPlane) {
 TEST(MissedDetection, WidensABeliefAroundAnObservedCentre) {
   const Gaussian after = missed_detection(standard(), disc(1.0), at(2, 0), kOpen, 0.9);
   EXPECT_TRUE(is_near(after.mean, standard().mean, 1e-12));
-  // ∫ over the covered disc in closed form: Z = 1 − p(1 − e^−½), E[r²] = 2 − p(2 − 3e^−½).
+  // Integrals over the covered disc in closed form: Z = 1 − p(1 − e^−½), E[r²] = 2 − p(2 − 3e^−½).
   const double p = 0.9;
   const double Z = 1.0 - p * (1.0 - std::exp(-0.5));
   const double variance = 0.5 * (2.0 - p * (2.0 - 3.0 * std::exp(-0.5))) / Z;
@@ -91,7 +91,7 @@ TEST(MissedDetection, RespectsLineOfSight) {
   models::World walled = kOpen;
   walled.obstacles.push_back({{{-1.0, -15.0}, {-0.8, 15.0}}, 10.0});
   const Gaussian after = missed_detection(standard(), disc(50.0), at(-10, 0), walled, 0.9);
-  // Only the few points that lie on the near side of the wall were covered.
+  // The sensor covers only the few points on its side of the wall.
   EXPECT_TRUE(is_near(after.mean, standard().mean, 0.05));
   const Gaussian open = missed_detection(standard(), disc(10.0), at(-8.5, 0), kOpen, 0.9);
   EXPECT_GT(open.mean(0), after.mean(0) + 0.2);
@@ -131,13 +131,13 @@ TEST(MissedDetection, IsConsistentOverTruthsDrawnFromTheBelief) {
   EXPECT_LT((mean_error / missed).norm(), 0.05);
 }
 
-// The detection probability is given by the scenario and by the sensor: the smaller one is used.
+// Scenario and sensor both have a detection probability; the smaller one is used.
 TEST(DistributedFilter, WeightsAMissByTheSensorsMissProbability) {
   const Gaussian before = standard();
   for (const auto& [of_scenario, of_sensor] : {std::pair(0.9, 0.6), std::pair(0.6, 0.9)}) {
     FilterSpec spec = test::open_spec({models::TargetKind::kStatic, 2, 0.0},
                                       test::far_sighted(models::SensorKind::kRangeBearing), 1);
-    spec.sensor.range_max_m = 1.5;  // a part of the belief
+    spec.sensor.range_max_m = 1.5;  // m; covers a part of the belief
     spec.estimator.detection_probability = of_scenario;
     spec.detection.detection_probability = of_sensor;
     DistributedFilter filter(spec);
@@ -167,7 +167,7 @@ TEST(MissedDetection, StaysSymmetricAndPositiveDefinite) {
     const auto from = at(place(rng), place(rng), place(rng));
     models::SensorModel sensor = disc(3.0);
     sensor.fov_rad = radians(94.0);
-    for (int look = 0; look < 10; ++look) {  // the same scan repeatedly
+    for (int look = 0; look < 10; ++look) {  // repeats the same scan
       belief = missed_detection(belief, sensor, from, kOpen, 1.0);
       ASSERT_EQ(belief.covariance, belief.covariance.transpose());
       ASSERT_TRUE(models::to_information(belief));
@@ -176,7 +176,7 @@ TEST(MissedDetection, StaysSymmetricAndPositiveDefinite) {
   }
 }
 
-// Teammates, including the robot itself, with different ranges and detection probabilities.
+// The robots of the team have different ranges and detection probabilities.
 TEST(DistributedFilter, WeightsATeammatesMissByItsSensor) {
   const Gaussian before = standard();
   FilterSpec spec = test::open_spec({models::TargetKind::kStatic, 2, 0.0},
@@ -206,7 +206,7 @@ TEST(DistributedFilter, WeightsATeammatesMissByItsSensor) {
   expect("Q1", 1.1, 0.5);  // its own spec overrides its team entry
   expect("Q2", 1.5, 0.6);
   expect("Q3", 2.0, 0.8);
-  expect("Q9", 1.1, 0.5);  // the scan is from outside the team
+  expect("Q9", 1.1, 0.5);  // not in the team
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ TEST(Moments, IgnoreZeroWeights) {
   EXPECT_TRUE(is_near(moments(mixture).covariance, one.belief.covariance, 1e-12));
 }
 
-// Distances are measured by the heavier component's covariance, in either order.
+// Distances are in σ of the heavier component's covariance, for either order.
 TEST(Reduce, MergesComponentsWithinTheGivenSigma) {
   for (const double other_sigma_m : {0.05, 5.0}) {
     for (const double side : {-1.0, 1.0}) {
@@ -104,7 +104,7 @@ TEST(Reduce, MergesComponentsWithinTheGivenSigma) {
   }
 }
 
-// Merging widens a component but does not extend its merge distance.
+// Merging increases a component's covariance but not its merge distance.
 TEST(Reduce, ComparesWithTheOriginalHeavierComponent) {
   Mixture mixture = {at_x(0.5, 0.0, 0.5), at_x(0.3, 0.9, 0.5), at_x(0.2, 1.1, 0.5)};
   reduce(mixture, 8, 2.0, 0.0);
@@ -114,8 +114,8 @@ TEST(Reduce, ComparesWithTheOriginalHeavierComponent) {
   EXPECT_EQ(mixture[1].belief.mean(0), 1.1);
 }
 
-// The nearest component is found by the covariance of the one that absorbs it: a wide one is near
-// from farther away.
+// The nearest component is that with the smallest distance in σ of its own covariance. A wide
+// component is therefore near at a larger distance.
 TEST(Reduce, MergesExcessComponentsWithTheNearest) {
   for (const auto& [wide_m, is_to_wide] : {std::pair(1.0, false), std::pair(4.0, true)}) {
     Mixture mixture = {at_x(1.5, 0.0, wide_m), at_x(0.9, 10.0, 1.0), at_x(0.75, 6.0, 1.0),

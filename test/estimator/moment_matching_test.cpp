@@ -26,7 +26,8 @@ TEST(ProductRule, HasTheMomentsOfTheNormalDistribution) {
         moment[power] += rule.weight[at] * std::pow(rule.point[at], power);
       }
       EXPECT_NEAR(rule.point[at], rule.point[0] + i * rule.spacing, 1e-12);
-      // As a normal distribution is there: before its points are put apart a little.
+      // The weights are those of a normal distribution at points from −3 to 3, before these points
+      // are spread slightly.
       const double put_apart = 3.0 / std::abs(rule.point[0]);
       EXPECT_NEAR(rule.weight[at] / rule.weight[0],
                   std::exp(0.5 * (9.0 - std::pow(put_apart * rule.point[at], 2))), 1e-9);
@@ -40,8 +41,8 @@ TEST(ProductRule, HasTheMomentsOfTheNormalDistribution) {
   }
 }
 
-// exp(−½ (y − m)ᵀ W (y − m)) is a measurement of the position: a Kalman filter's update, the
-// velocity after it, and how likely it was.
+// exp(−½ (y − m)ᵀ W (y − m)) is a position measurement. Posterior, velocity and likelihood must
+// equal those of a Kalman filter.
 TEST(Reweighted, ByAGaussianEqualsAKalmanUpdate) {
   vantage::test::Random random(11);
   for (int trial = 0; trial < 60; ++trial) {
@@ -50,7 +51,7 @@ TEST(Reweighted, ByAGaussianEqualsAKalmanUpdate) {
     const Eigen::VectorXd mean = random.vector<4>(-3.0, 3.0).head(dim);
     const Eigen::MatrixXd P = random.spd(dim, 0.3);
     const Eigen::MatrixXd P_pp = P.topLeftCorner(n, n);
-    // About half as informative as the prior, and about one σ away.
+    // The measurement has about half of the prior's information and is about one σ away.
     const Eigen::MatrixXd W_inverse = 2.0 * P_pp + 0.3 * random.spd(n, 0.1);
     const Eigen::MatrixXd W = W_inverse.inverse();
     const Eigen::VectorXd off =
@@ -81,7 +82,8 @@ TEST(Reweighted, ByAGaussianEqualsAKalmanUpdate) {
   }
 }
 
-// If only one point of the rule is possible, the result is there and as wide as one of its cells.
+// If the likelihood allows only one point of the rule, the result has its mean there and the width
+// of one cell.
 TEST(Reweighted, IsAtLeastOneCellWide) {
   Eigen::Matrix4d root = Eigen::Matrix4d::Zero();
   root << 2.0, 0.0, 0.0, 0.0, 0.5, 1.5, 0.0, 0.0, 0.3, -0.2, 1.0, 0.0, 0.1, 0.4, 0.2, 0.7;
@@ -125,10 +127,10 @@ TEST(Reweighted, KeepsABeliefWithoutUsableWeights) {
   EXPECT_EQ(same.mean, belief.mean);
   EXPECT_EQ(same.covariance, belief.covariance);
   EXPECT_EQ(share, 1.0);
-  // A contradicting likelihood: the remaining share is slightly below or above a millionth.
+  // The likelihood contradicts the prior. Its remaining share is slightly below or above 10⁻⁶.
   for (const double left : {0.99e-6, 1.01e-6}) {
     const auto likelihood = [&](const models::PositionVector& y_m) {
-      return y_m(0) > 1.0 ? 2.0 * left : 1e-9;  // the rule's middle column is on the other side
+      return y_m(0) > 1.0 ? 2.0 * left : 1e-9;  // excludes the middle column
     };
     const ProductRule& rule = ProductRule::of(2);
     const double half = 0.5 * (1.0 - rule.weight[7]);

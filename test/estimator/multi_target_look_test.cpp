@@ -15,7 +15,7 @@
 #include "test/estimator/lab_tracks.hpp"
 #include "test/support/near.hpp"
 
-// Updates of tracks without ids by one scan, computed by hand, and tracks that are confirmed and
+// Tests of the update of tracks without ids by one scan, and of tracks that are confirmed and
 // deleted by counts.
 
 namespace vantage::estimator {
@@ -29,7 +29,7 @@ using vantage::test::is_near;
 MultiTargetSpec spec_of(int targets, models::DetectionModel detection,
                         Tracker tracker = Tracker::kLabelled) {
   MultiTargetSpec spec = test::spec_of(targets, detection, tracker);
-  spec.world.bounds.max_m.y() = 3.0;  // 56 m²
+  spec.world.bounds.max_m.y() = 3.0;  // area 56 m²
   spec.tracks_max = targets + 2;
   return spec;
 }
@@ -77,7 +77,7 @@ TEST(MultiTargetUpdate, AgreesWithBayesRuleForOneTrackAndOneDetection) {
   tracks[1].label = 77;
   filter.look(tracks, {sensor, detection, from, instant(4), 500}, {&z, 1});
 
-  // The target's position by the detection alone.
+  // The target's position from the detection only.
   scenario::EstimatorSpec vague = spec.estimator;
   const models::Gaussian found =
       models::to_gaussian(*discover(vague, sensor, from, z.measurement)).value();
@@ -155,8 +155,8 @@ TEST(MultiTargetUpdate, GatesDetectionsBeyondFourSigma) {
   }
 }
 
-// r ← r (1 − p) / (1 − r p), where p is the smaller of the assumed and the true detection
-// probability, at most 0.99. With an assumed probability of zero the position does not change.
+// r ← r (1 − p) / (1 − r p), where p is the smaller of the filter's and the sensor's detection
+// probability, at most 0.99. If the filter's probability is 0, the position does not change.
 TEST(MultiTargetUpdate, EmptyScanUsesSmallerDetectionProbability) {
   const auto after = [](double believed, double true_probability) {
     MultiTargetSpec spec = spec_of(2, {true_probability, 0.5});
@@ -177,7 +177,8 @@ TEST(MultiTargetUpdate, EmptyScanUsesSmallerDetectionProbability) {
   EXPECT_NEAR(after(1.0, 1.0), right(0.99), 0.004);
 }
 
-// n tracks of equal existence probability, of which at most N exist: binomial distribution.
+// The number of existing targets among n tracks of equal existence probability is binomial,
+// truncated at N.
 TEST(MultiTargetUpdate, LimitsTheNumberOfTargets) {
   constexpr double r = 0.4;
   for (const int targets : {1, 2, 3, 4}) {
@@ -318,7 +319,7 @@ TEST(MultiTargetUpdate, AssignsADetectionToOneTrackByDefault) {
       EXPECT_EQ(tracks[nearer].last_seen, instant(1));
       EXPECT_EQ(tracks[other].last_seen, instant(0));
       if (tracker == Tracker::kLabelled) {
-        // Certainly in view: r (1 - p) / (1 - r p).
+        // The track is certainly in view: r (1 - p) / (1 - r p).
         EXPECT_NEAR(tracks[other].existence, 0.9 * 0.2 / (1.0 - 0.9 * 0.8), 1e-6);
       }
       if (tracker ==

@@ -71,7 +71,7 @@ TEST(MultiTargetFilter, EqualsTheKnownIdFilterForOneCertainTarget) {
   EXPECT_EQ(tracks[0].last_seen, instant(1));
 }
 
-// r ← r (1 − p_D) / (1 − r p_D) of one that is certainly in view.
+// A missed target that is certainly in view has r ← r (1 − p_D) / (1 − r p_D).
 TEST(MultiTargetFilter, LowersTheExistenceOfMissedTargets) {
   MultiTargetFilter filter(spec_of(3, {0.8, 0.5}));
   auto tracks = filter.no_tracks();
@@ -82,7 +82,7 @@ TEST(MultiTargetFilter, LowersTheExistenceOfMissedTargets) {
   EXPECT_NEAR(tracks[1].existence, 0.6, 1e-9);
 }
 
-// Two tracks of existence r and at most one target: r (1 − r) / (1 − r²).
+// Two tracks of existence r and at most one target: each has r (1 − r) / (1 − r²).
 TEST(MultiTargetFilter, EstimatesTheNumberOfTargets) {
   MultiTargetFilter filter(spec_of(1, {0.8, 0.5}));
   auto tracks = filter.no_tracks();
@@ -150,9 +150,10 @@ TEST(MultiTargetFilter, IsIndependentOfDetectionOrder) {
   }
 }
 
-// Up to the error of the quadrature of empty scans: its points lie along the world's axes.
+// Invariance holds up to the quadrature error of empty scans, as the quadrature points are aligned
+// with the world's axes.
 TEST(MultiTargetFilter, IsInvariantToRotation) {
-  const double turn_rad = 0.5 * kPi;  // the world is a square: its walls are where they were
+  const double turn_rad = 0.5 * kPi;  // maps the square world onto itself
   const auto plain = tracked(spec_of(3, {0.9, 1.0}), 0.0, false, 12);
   const auto turned = tracked(spec_of(3, {0.9, 1.0}), turn_rad, false, 12);
   const Eigen::Rotation2D<double> turn(turn_rad);
@@ -186,8 +187,8 @@ TEST(MultiTargetFilter, FindsExactlyTheTargetsAmongFalseAlarms) {
   EXPECT_EQ(confirmed, 3);
 }
 
-// Mean NEES of one target among false alarms: 2 if the covariance is right. The spread of the mean
-// over 100 runs is below 0.2.
+// Mean NEES of one target among false alarms: 2 if the covariance is correct. The standard
+// deviation of the mean over 100 runs is below 0.2.
 TEST(MultiTargetFilter, IsConsistentAmongFalseAlarms) {
   const models::SensorModel sensor = lab_sensor();
   const MultiTargetSpec spec = spec_of(1, {0.89, 2.0});

@@ -5,7 +5,7 @@
 #include "estimator/app/replay_node.hpp"
 #include "test/estimator/filter_support.hpp"
 
-// A filter that is limited to the neighbourhood of its robot.
+// Tests of a filter that is limited to the neighbourhood of its robot.
 
 namespace vantage::estimator {
 namespace {
@@ -26,7 +26,7 @@ FilterSpec near_spec(double neighbourhood_m) {
   return spec;
 }
 
-/// Targets 5 m apart along x, from 0.
+/// Returns targets 5 m apart along x, from 0.
 std::vector<Eigen::Vector2d> row_of_targets() {
   std::vector<Eigen::Vector2d> row;
   for (int i = 0; i < 30; ++i) {
@@ -121,8 +121,8 @@ TEST(NeighbourhoodFilter, FusesTeammatesBeliefsInTheSharedArea) {
   EXPECT_EQ(own.counters().grid_mismatches, 1);
 }
 
-// The same grid while the robot moves in a square of half the neighbourhood; it contains all that
-// is near from any position there.
+// The grid stays the same while the robot moves in a square of half the neighbourhood. It contains
+// the neighbourhood of each position in this square.
 TEST(NeighbourhoodFilter, MovesItsLocalGridRarely) {
   const auto grid_at = [](double x_m, double y_m) {
     FilterSpec spec = near_spec(kNear_m);

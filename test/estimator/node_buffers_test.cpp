@@ -79,7 +79,7 @@ struct TestBus {
   bus::Bus bus{*end, 1, "REPLAY_"};
 };
 
-// Frames that do not show the robot do not displace its poses from the buffer, however many arrive.
+// Any number of frames without the robot does not displace its poses from the buffer.
 TEST(EstimatorNode, BuffersPosesOnlyFromFramesShowingTheRobot) {
   TestBus test_bus;
   const scenario::Scenario scenario = team_of(2);

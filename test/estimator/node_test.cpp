@@ -50,7 +50,7 @@ models::MocapFrame frame_at(Time time, const std::map<std::string, Pose2>& poses
   return frame;
 }
 
-/// An in-process bus with a world's end (sensors, mocap) and a subscriber to all beliefs.
+/// An in-process bus with a publisher of sensor and mocap messages and a subscriber to all beliefs.
 class NodeTest : public ::testing::Test {
  protected:
   void deliver() {
@@ -152,7 +152,7 @@ TEST_F(NodeTest, WaitsForItsOwnMeasurementForALimitedTime) {
   look_comes(t1 + 500ms, 72ms);
   look_comes(t1 + 1000ms, 20ms);
   look_comes(t1 + 1500ms, 47ms);
-  run_until(t1 + 3100ms, {&node});  // and no more
+  run_until(t1 + 3100ms, {&node});  // no further observations
 
   ASSERT_EQ(heard.size(), 7u);
   const Duration made_after[] = {50ms, 77ms, 50ms, 52ms, Duration{83'333}, 50ms, 50ms};
@@ -161,7 +161,7 @@ TEST_F(NodeTest, WaitsForItsOwnMeasurementForALimitedTime) {
     EXPECT_EQ(heard[i].second.stamp.time, instant);
     EXPECT_LT(std::chrono::abs(heard[i].first - instant - made_after[i]), 1us) << i;
   }
-  EXPECT_EQ(heard[1].second.inputs.size(), 2u);  // the first, too late for its own, and its own
+  EXPECT_EQ(heard[1].second.inputs.size(), 2u);  // the late first observation and the second
   EXPECT_EQ(node.deadlines_missed(), 0);
 }
 
@@ -170,7 +170,7 @@ TEST_F(NodeTest, CountsSkippedSteps) {
   std::vector<Time> heard;
   world_.subscribe<models::RobotBelief>(
       bus::belief_channel("Q1"), [&](const auto& belief) { heard.push_back(belief.stamp.time); });
-  node.tick(kStart + 1960ms);  // instants at 0.4, 0.9, 1.4 and 1.9 s; 1.9 + lag is just over
+  node.tick(kStart + 1960ms);  // instants at 0.4, 0.9, 1.4 and 1.9 s; 1.9 + delay is over
   deliver();
   EXPECT_EQ(heard, std::vector<Time>{kStart + 1900ms});
   EXPECT_EQ(node.deadlines_missed(), 3);
@@ -190,7 +190,7 @@ TEST_F(NodeTest, CountsUnusableInputs) {
     counts[count.name] = count.count;
   }
   EXPECT_EQ(counts["misaddressed"], 1);
-  EXPECT_EQ(counts["stale_beliefs"], 1);  // once, not at every step
+  EXPECT_EQ(counts["stale_beliefs"], 1);  // not once per step
   EXPECT_EQ(counts["viewpoint_unknown"], 4);
 }
 
@@ -203,7 +203,7 @@ TEST_F(NodeTest, UsesTeammatesMeasurementsButNotTheirPositions) {
   const auto mocap = world_.publish(bus::kVicon, frame_at(t1 - 10ms, {{"Q1", {1.0, 2.0, 0.5}}}));
   const auto seen =
       world_.publish(bus::measurement_channel("Q2"), look("Q2", t1, {0.0, -1.0, 0.3}));
-  world_.publish(bus::measurement_channel("Q2"), look("Q1", t1, {}));  // misaddressed
+  world_.publish(bus::measurement_channel("Q2"), look("Q1", t1, {}));  // wrong channel
   deliver();
   run_until(t1 + 60ms, {&node});
   ASSERT_EQ(heard.size(), 1u);
@@ -226,7 +226,7 @@ TEST_F(NodeTest, RefusesAnUnknownRobot) {
   EXPECT_THROW(EstimatorNode(robot_bus_, clock_, scenario_, "Q9"), UsageError);
 }
 
-// 64 observations of each robot and the newest 256 poses are kept.
+// The node keeps 64 observations of each robot and the newest 256 poses.
 TEST_F(NodeTest, KeepsTheNewestInputs) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   std::vector<models::RobotBelief> heard;
@@ -333,8 +333,8 @@ TEST_F(NodeTest, PublishesTheConfiguredBeliefs) {
 /// A log of all messages on the bus, in order, and its replay.
 class Replay : public NodeTest {
  protected:
-  /// Flies two robots for `steps` steps with jitter: some observations are late or arrive with the
-  /// mocap frame.
+  /// Simulates two robots for `steps` steps with jitter: some observations are late or arrive
+  /// together with the mocap frame.
   void fly(int steps) {
     EstimatorNode robot(robot_bus_, clock_, scenario_, "Q1");
     EstimatorNode mate(mate_bus_, clock_, scenario_, "Q2");
@@ -440,7 +440,7 @@ TEST_F(Replay, ReproducesBeliefs) {
 
 TEST_F(Replay, IsIndependentOfDeliveryTimes) {
   fly(20);
-  // The node's own beliefs arrive before the inputs that they were made from.
+  // The node's own beliefs arrive before the inputs from which they were computed.
   std::vector<Logged> jittered = log_;
   for (std::size_t i = 1; i < jittered.size(); ++i) {
     for (std::size_t j = i; j > 0 && j + 3 > i && jittered[j].channel == "BELIEF_Q1" &&
@@ -468,7 +468,7 @@ TEST_F(Replay, ContinuesFromTheLogWhenAnInputIsMissing) {
   EXPECT_EQ(player.node.inputs_missing(), 1);
   EXPECT_EQ(player.node.steps_rebased(), 1);
   EXPECT_EQ(player.node.steps_redone(), 29);
-  EXPECT_EQ(player.node.differences(), 0);  // no late look has to go back beyond the loss
+  EXPECT_EQ(player.node.differences(), 0);  // no late observation precedes the loss
   EXPECT_TRUE(same_content(player.made.front(), beliefs_in(log_).front(), 1e-9));
 }
 

@@ -73,7 +73,7 @@ TEST(OccupancyFusion, PrefersAHitToMissesOfTheSameScan) {
   const Pose2 at{2.03, 1.51, 0.3};
   const std::vector<double> ranges_m = models::beam_scan(world, kScanner, at, random.engine());
   OccupancyFusion(kScanner, {}).fuse(at, ranges_m, belief);
-  // The wall's row of cells is grazed by beams that end farther along it.
+  // Beams that end farther along the wall also pass through the wall's row of cells.
   int hits = 0;
   for (int column = 6; column <= 14; ++column) {
     const double l = belief.log_odds(11 * 20 + column);
@@ -203,11 +203,12 @@ TEST(OccupancyFusion, HasNoHitNearMaximumRange) {
   }
 }
 
-// With much noise the cell before the hit is not known to be free, unless its middle is nearer.
+// With large noise, a cell before the hit is marked free only if its centre is closer than the
+// reading.
 TEST(OccupancyFusion, MarksCellsWithNearerCentresFree) {
   const BeamSensor noisy{1, 1.0, 0.0, 1.5, 0.1};
   for (const auto& [range_m, of_middle] : {std::pair(0.39, 0.0), std::pair(0.41, -1.0)}) {
-    OccupancyBelief belief(kLine, 9.0);  // middles at 0.2, 0.4, … m from the vehicle
+    OccupancyBelief belief(kLine, 9.0);  // centres at 0.2, 0.4, … m from the vehicle
     OccupancyFusion(noisy, {2.0, -1.0}).fuse({0.1, 0.1, 0.0}, std::vector<double>{range_m}, belief);
     EXPECT_EQ(belief.log_odds(0), -1.0);
     EXPECT_EQ(belief.log_odds(1), -1.0);
@@ -215,13 +216,13 @@ TEST(OccupancyFusion, MarksCellsWithNearerCentresFree) {
     EXPECT_EQ(belief.log_odds(3), 2.0);
     EXPECT_EQ(belief.log_odds(4), 0.0);
   }
-  OccupancyBelief belief(kLine, 9.0);  // by noise below zero: it stands in a free cell all the same
+  OccupancyBelief belief(kLine, 9.0);  // reading < 0 by noise: own cell is free
   OccupancyFusion(noisy, {2.0, -1.0}).fuse({0.1, 0.1, 0.0}, std::vector<double>{-0.05}, belief);
   EXPECT_EQ(belief.log_odds(0), -1.0);
   EXPECT_EQ(belief.log_odds(1), 2.0);
 }
 
-// A scan that is counted and one that is fused see the same cells, each once; and so does the next.
+// Counting and fusing a scan visit the same cells, each cell once, also for successive scans.
 TEST(OccupancyFusion, CountsUpdatedCells) {
   const models::World world{{{0.0, 0.0}, {4.0, 4.0}}, 3.0, {{{{1.1, 1.1}, {2.1, 2.4}}, 3.0}}, {}};
   const GridGeometry grid = GridGeometry::covering(world.bounds, 0.2);

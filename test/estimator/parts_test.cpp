@@ -14,7 +14,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// The belief about an unseen target as several Gaussians.
+// Tests of splitting the belief of an unseen target into several Gaussians.
 
 namespace vantage::estimator {
 namespace {
@@ -89,7 +89,8 @@ TEST(Parts, SplitAtTheWidthLimit) {
   }
 }
 
-// The mean of a ring lies inside it, in the area that was seen empty. Plans therefore use parts.
+// The mean of a ring lies inside it, in the area that an empty scan covered. Plans therefore use
+// parts.
 TEST(Parts, AvoidEmptyObservedAreas) {
   const models::SensorModel sensor = test::field_sensor();
   for (const double yaw_rad : {0.0, 1.0, -2.5}) {
@@ -138,7 +139,7 @@ TEST(MixtureOfAFilter, ContainsTargetsWiderThanAFifthOfTheRange) {
     Gaussian belief{Eigen::Vector4d::Zero(), Eigen::Matrix4d::Zero()};
     belief.covariance.diagonal() << sigma_m * sigma_m, 1.0, 0.01, 0.01;
     DistributedFilter filter = test::knows(belief);
-    const models::Viewpoint from = at(0.0, -12.0, 0.5 * kPi);  // sees hardly any of it
+    const models::Viewpoint from = at(0.0, -12.0, 0.5 * kPi);  // covers little of the belief
     take_step(filter, instant(1), from, {test::look_of("Q1", 1, from)});
     ASSERT_GT(filter.counters().missed_detections, 0);
     const models::BeliefMixture mixture = filter.mixture();

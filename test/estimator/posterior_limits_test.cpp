@@ -14,7 +14,7 @@
 #include "test/estimator/dense_posterior.hpp"
 #include "test/estimator/filter_support.hpp"
 
-// Effect of each sensor limit on the posterior moments, one limit at a time.
+// Tests of the effect of each sensor limit on the posterior moments, one limit at a time.
 
 namespace vantage::estimator {
 namespace {
@@ -123,8 +123,8 @@ void expect_as_by_brute_force(SensorKind kind, const Case& each, int dim, double
   EXPECT_EQ(found->mahalanobis2, without->mahalanobis2) << what;
 }
 
-// With two noise levels. The camera's posterior is integrated on a coarse grid, so its tolerance is
-// larger.
+// The test uses two noise levels. The camera's posterior is integrated on a coarse grid, so its
+// tolerance is larger.
 TEST_P(AtLimits, EqualsBruteForceInThePlane) {
   std::vector<Case> cases = {{"far", 0.3, [](SensorModel& sensor) { sensor.range_max_m = 2.9; }},
                              {"near", -0.3, [](SensorModel& sensor) { sensor.range_min_m = 3.1; }},
@@ -163,7 +163,7 @@ TEST(PosteriorMoments, EqualBruteForceInSpace) {
       0.05);
 }
 
-// A sensor kind with exact limits: a mirrored scene gives mirrored moments.
+// For a sensor kind with exact limits, a mirrored scene gives mirrored moments.
 TEST(PosteriorMoments, AreSymmetricAtExactLimits) {
   models::SensorLaw law = SensorKind(SensorKind::kRange).law();
   law.sees = [](const SensorModel&, const models::Viewpoint&, const models::SightLine&) {

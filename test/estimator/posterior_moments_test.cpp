@@ -46,7 +46,7 @@ TEST(PosteriorMoments, OfANegativeRangeSurroundTheRobot) {
   EXPECT_NEAR(found->covariance_m2.trace(), squares / mass, 0.003 * squares / mass);
 }
 
-// The noise exceeds a full turn, but each direction counts once.
+// The noise exceeds a full turn, but each direction has equal weight.
 TEST(PosteriorMoments, OfAnUninformativeBearingEqualThePrior) {
   const Eigen::Vector2d mean_m(2.0, 0.5);
   const Eigen::Matrix2d P = Eigen::Vector2d(0.16, 0.04).asDiagonal();
@@ -77,8 +77,8 @@ struct Prior {
   [[nodiscard]] PositionPrior as_prior() const { return {mean_m, P_m2.inverse()}; }
 };
 
-// A position sensor gives the Kalman update, rotated by its heading, in the plane and in space, and
-// with correlated noise.
+// A position sensor gives the Kalman update, rotated by the robot's heading, in the plane and in
+// space, also for correlated noise.
 TEST(PosteriorMoments, OfPositionsEqualAKalmanUpdate) {
   vantage::test::Random random(21);
   const models::SensorModel sensor = far_sighted(models::SensorKind::kPosition);
@@ -134,7 +134,7 @@ TEST(PosteriorMoments, OfACalibratedSensorUseTheTrueRange) {
       EXPECT_LT((found->mean_m - right->mean_m).norm(), 1e-9);
       EXPECT_LT((found->covariance_m2 - right->covariance_m2).norm(), 1e-9);
       EXPECT_NEAR(found->mahalanobis2, right->mahalanobis2, 1e-9);
-      // The same moments by brute force.
+      // Brute force gives the same moments.
       const auto oracle = test::dense_posterior(prior.mean_m, prior.P_m2.inverse(), calibrated,
                                                 from, said, false, 160);
       ASSERT_TRUE(oracle);
@@ -145,7 +145,7 @@ TEST(PosteriorMoments, OfACalibratedSensorUseTheTrueRange) {
   }
 }
 
-// Compared with the minimum over a grid of positions.
+// Compares the distance with the minimum over a grid of positions.
 TEST(PosteriorMoments, ReportTheDistanceOfMeasurementAndPrior) {
   vantage::test::Random random(23);
   for (const auto kind : {models::SensorKind::kRange, models::SensorKind::kBearing,

@@ -83,8 +83,8 @@ TEST(FitRanges, ReportsAmbiguityOfAStraightPath) {
   EXPECT_LT((*beacon.other - Eigen::Vector2d(12.0, -7.0 * side)).norm(), 0.5);
 }
 
-// From a straight path half of the ranges belong to one position and half to another. Each is as
-// likely as its mirror image, which is likelier than either of the other pair.
+// On a straight path, half of the ranges fit one position and half another. Each position is as
+// likely as its mirror image, and the mirror image is likelier than the other two candidates.
 TEST(FitRanges, ReportsTheLikeliestAlternativePosition) {
   const Eigen::Vector2d places_m[] = {{12.0, 7.0}, {20.0, -4.0}};
   for (unsigned seed = 1; seed <= 8; ++seed) {
@@ -102,7 +102,7 @@ TEST(FitRanges, ReportsTheLikeliestAlternativePosition) {
   }
 }
 
-// At a correlation ρ of successive errors, (1 + ρ)/(1 − ρ) of them count as one.
+// If successive errors have correlation ρ, (1 + ρ)/(1 − ρ) of them count as one.
 TEST(FitRanges, CountsLastingErrorsOnce) {
   const auto correlation = [](double of_successive) {
     const test::RangeSceneSpec spec{
@@ -115,8 +115,8 @@ TEST(FitRanges, CountsLastingErrorsOnce) {
   EXPECT_NEAR(correlation(0.8), 9.0, 2.5);
 }
 
-// Ten laps with the same error at the same position. Errors are correlated over a quarter of a
-// metre only, and yet ten laps count as one.
+// Ten laps with the same error at the same position. Errors are correlated over 0.25 m only. Ten
+// laps still count as one.
 TEST(FitRanges, CountsRepeatedErrorsOfAPositionOnce) {
   std::mt19937_64 rng(2);
   std::normal_distribution<double> noise(0.0, 0.3);
@@ -170,7 +170,8 @@ std::vector<TakenRange> ranges_of(const std::function<TakenRange(int)>& range) {
   return out;
 }
 
-// Numbers whose squares overflow, and positions that make all beacons indistinguishable.
+// The ranges include numbers with overflowing squares and positions that cannot distinguish the
+// beacons.
 TEST(FitRanges, EndsWithAFitOrARefusalForAnyRanges) {
   const auto at = [](double x_m, double range_m) {
     return TakenRange{Eigen::Vector2d(x_m, 0.5 * x_m), range_m, 0};
@@ -212,7 +213,7 @@ TEST(FitRanges, SurvivesOutliersOnly) {
   EXPECT_TRUE(fit.beacons.back().joint.allFinite());
 }
 
-// All numbers of the fit differ: each range is compared with its prediction.
+// All numbers of the fit are different. Each range is compared with its prediction.
 TEST(Judge, ScoresRangesWithinFourSigma) {
   RangeFit fit;
   fit.calibration = {1.1, 0.5};
@@ -224,7 +225,7 @@ TEST(Judge, ScoresRangesWithinFourSigma) {
   Eigen::Matrix4d root;
   root << 0.02, 0.0, 0.0, 0.0, -0.1, 0.3, 0.0, 0.0, 0.05, 0.1, 0.2, 0.0, -0.07, 0.02, 0.1, 0.25;
   beacon.joint = root * root.transpose();
-  const Eigen::Vector2d robot_m(1.0, -2.0);  // 3 and 4 m away: 5 m, towards (0.6, 0.8)
+  const Eigen::Vector2d robot_m(1.0, -2.0);  // 5 m away, direction (0.6, 0.8)
   const Eigen::Vector4d slopes(5.0, 1.0, 1.1 * 0.6, 1.1 * 0.8);
   const double sigma_m = std::hypot(0.3, (root.transpose() * slopes).norm());
   const double expected_m = 1.1 * 5.0 + 0.5;
@@ -296,7 +297,7 @@ TEST(FitRanges, RequiresTheStatedMinimumOfRanges) {
   EXPECT_THROW(fit_ranges(ranges, 1), UsageError);
 }
 
-// The sensor reads 2 m too short for a beacon nearer than that: no range is above zero.
+// The sensor reads 2 m too short and the beacon is nearer than 2 m, so no range is positive.
 TEST(FitRanges, FitsABeaconWithNonPositiveRangesOnly) {
   std::mt19937_64 rng(8);
   std::normal_distribution<double> noise(0.0, 0.02);
@@ -319,7 +320,7 @@ TEST(FitRanges, FitsABeaconWithNonPositiveRangesOnly) {
 }
 
 // Along a nearly straight path a position is likelier than its mirror image. Repeating each range
-// does not change the probability: of 600 ranges the same number is used, and two count as one.
+// does not change the probability: two equal ranges count as one.
 TEST(FitRanges, DuplicateRangesAddNoCertainty) {
   int cases = 0;
   for (const double bend_m : {0.05, 0.1, 0.15}) {

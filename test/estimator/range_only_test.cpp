@@ -44,7 +44,7 @@ TEST(RangeOnlyFilter, KeepsBothMirrorImagesUntilTheRobotTurns) {
   const Eigen::Vector2d beacon_m(10.0, 6.0);
   std::mt19937_64 rng(1);
   std::normal_distribution<double> noise(0.0, 0.1);
-  for (int k = 0; k <= 100; ++k) {  // along the x axis: y and −y explain it equally well
+  for (int k = 0; k <= 100; ++k) {  // along the x axis: y and −y fit equally
     const Eigen::Vector2d robot_m(0.1 * k, 0.0);
     filter.update(robot_m, (beacon_m - robot_m).norm() + noise(rng));
   }
@@ -143,8 +143,8 @@ RangeOnlySpec keeping_all(int hypotheses) {
   return spec;
 }
 
-/// Returns the posterior of a hypothesis by the textbook second-order Kalman filter, as the moments
-/// of the two cases inlier and outlier.
+/// Returns the posterior of a hypothesis: the moments of the cases inlier, updated by the textbook
+/// second-order Kalman filter, and outlier.
 BeaconHypothesis posterior_of(const BeaconHypothesis& prior, const RangeOnlySpec& spec,
                               const Eigen::Vector2d& robot_m, double range_m) {
   const double s = spec.calibration.range_scale;
@@ -209,7 +209,7 @@ double density_at(const std::vector<BeaconHypothesis>& all, const Eigen::Vector2
   return sum;
 }
 
-// The ring is uniform, at the measured distance and with its σ, for any scale.
+// The ring of hypotheses is uniform, at the calibrated distance and with its σ, for any scale.
 TEST(RangeOnlyFilter, StartsWithAnEvenRingOfTheNoisesWidth) {
   RangeOnlySpec spec;
   spec.calibration.range_scale = 2.0;
@@ -247,7 +247,7 @@ TEST(RangeOnlyFilter, StartsWithAnEvenRingOfTheNoisesWidth) {
       const Eigen::Vector2d out = (h.mean_m - robot_m).normalized();
       const Eigen::Vector2d along(-out.y(), out.x());
       EXPECT_NEAR(out.dot(h.covariance_m2 * along), 0.0, 1e-12) << "along the ring or across it";
-      // In addition to the noise, the radial spread is the depth of the arc over 1σ along it.
+      // The radial spread consists of the noise and the depth of the arc over 1σ along it.
       const double along_m2 = along.dot(h.covariance_m2 * along);
       const double depth_m = distance_m * (1.0 - std::cos(std::sqrt(along_m2) / distance_m));
       EXPECT_NEAR(out.dot(h.covariance_m2 * out) - kSigma_m * kSigma_m, depth_m * depth_m,
@@ -255,7 +255,8 @@ TEST(RangeOnlyFilter, StartsWithAnEvenRingOfTheNoisesWidth) {
       EXPECT_GE(along.dot(h.covariance_m2 * along), kSigma_m * kSigma_m - 1e-12);
     }
   }
-  // At a distance below the noise the beacon may be in any direction: no hypothesis is degenerate.
+  // If the distance is below the noise, the beacon may be in any direction, and no hypothesis is
+  // degenerate.
   RangeOnlyFilter near(spec);
   near.update(robot_m, 0.1);
   for (const BeaconHypothesis& h : near.hypotheses()) {
@@ -293,7 +294,7 @@ TEST(RangeOnlyFilter, MergingKeepsTheMoments) {
   EXPECT_LT((after.covariance_m2 - before.covariance_m2).norm(), 1e-9);
 }
 
-// An outlier leaves the eight hypotheses where the first range has put them.
+// The second range is an outlier, so it does not change the eight hypotheses of the first range.
 TEST(RangeOnlyFilter, MergesHypothesesWithinTheStatedDistance) {
   const auto left = [](double scale, double distance_m, double merge_sigma) {
     RangeOnlySpec spec = keeping_all(8);
@@ -311,7 +312,7 @@ TEST(RangeOnlyFilter, MergesHypothesesWithinTheStatedDistance) {
   const double apart_sigma = std::sqrt(apart_m.dot(ring[0].covariance_m2.inverse() * apart_m));
   EXPECT_EQ(left(1.0, 10.0, 0.999 * apart_sigma).second, 8u);
   EXPECT_LT(left(1.0, 10.0, 1.001 * apart_sigma).second, 8u);
-  // A large scale makes hypotheses narrow; hypotheses that no range can tell apart are merged.
+  // A large scale makes hypotheses narrow. Hypotheses that ranges cannot distinguish are merged.
   const double chord = 2.0 * std::sin(kPi / 8.0);
   EXPECT_EQ(left(100.0, 0.251 / chord, 0.5).second, 8u);
   EXPECT_LT(left(100.0, 0.249 / chord, 0.5).second, 8u);
@@ -340,7 +341,7 @@ TEST(RangeOnlyFilter, DropsHypothesesBelowTheWeightLimit) {
 }
 
 // The filter restarts when less than half of the ranges in the window are explained, and then
-// counts anew.
+// begins a new count.
 TEST(RangeOnlyFilter, RestartsAfterAWindowOfUnexplainedRanges) {
   RangeOnlySpec spec;
   spec.restart_window = 4;
@@ -357,7 +358,7 @@ TEST(RangeOnlyFilter, RestartsAfterAWindowOfUnexplainedRanges) {
   filter.update(robot_m, 10.0);
   hear({10.0, 1e4, 10.0, 10.0}, 0);
   hear({1e4, 10.0, 10.0, 10.0}, 0);
-  hear({1e4, 10.0, 1e4, 10.0}, 1);  // slightly less than half: no range is explained with certainty
+  hear({1e4, 10.0, 1e4, 10.0}, 1);  // slightly less than half: no range is certain
   EXPECT_TRUE(filter.hypotheses().empty());
   EXPECT_EQ(filter.best().weight, 0.0);
   EXPECT_EQ(filter.best().mean_m, Eigen::Vector2d::Zero());
@@ -380,7 +381,7 @@ TEST(RangeOnlyFilter, RestartsOnAnUnexplainedRangeWithoutOutliers) {
   filter.update({0.0, 0.0}, 1e4);
   EXPECT_EQ(filter.restarts(), 1);
   EXPECT_TRUE(filter.hypotheses().empty());
-  // Only the hypotheses that explain nothing are dropped.
+  // Only hypotheses that explain no range are dropped.
   RangeOnlyFilter some(spec);
   some.update({0.0, 0.0}, 1e3);
   some.update({1e3, 0.0}, 1e3);
@@ -437,8 +438,8 @@ TEST(RangeOnlyFilter, FindsTheRealBeaconsOfPlaza) {
     GTEST_SKIP() << "no data in " << folder;
   }
   RangeOnlySpec spec;
-  spec.calibration.range_scale = 1.069;  // the radios measure 6.9 % long
-  spec.range_sigma_m = 0.6;              // about the residual of a batch fit, 0.54 m rms
+  spec.calibration.range_scale = 1.069;  // the radios measure 6.9 % too long
+  spec.range_sigma_m = 0.6;              // m; a batch fit has 0.54 m rms
   std::map<int, RangeOnlyFilter> filters;
   std::size_t p = 0;
   for (const auto& row : ranges) {

@@ -21,7 +21,7 @@ Eigen::Vector2d on_circle_m(int k) {
   return 15.0 * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
 }
 
-// Three beacons with ranges of the stated noise; the result does not depend on their order.
+// Fits three beacons with the stated noise. The result must not depend on their order.
 TEST(FitAt, IsIndependentOfBeaconNumbers) {
   constexpr int kBeacons = 3;
   const RangeState state{{1.0, 0.0},
@@ -52,8 +52,8 @@ TEST(FitAt, IsIndependentOfBeaconNumbers) {
   }
 }
 
-// Ten laps with the same error at the same position in each lap: ten ranges count as one, whatever
-// the stated noise.
+// In ten laps, the same error occurs at the same position: ten ranges count as one, for any stated
+// noise.
 TEST(FitAt, CountsRepeatedErrorsOnceInAnyUnit) {
   std::mt19937_64 rng(4);
   std::normal_distribution<double> noise(0.0, 0.3);
@@ -84,8 +84,8 @@ struct Drawn {
   [[nodiscard]] RangeProblem problem() const { return {ranges, 30.0, prior, spec}; }
 };
 
-/// Draws ranges of the stated noise: Student's t with 5 degrees of freedom, and some uniform
-/// outliers.
+/// Draws ranges with noise of the stated width: Student's t with 5 degrees of freedom, and some
+/// uniform outliers.
 Drawn draw(unsigned seed, int count) {
   std::mt19937_64 rng(seed);
   std::student_t_distribution<double> t(5.0);
@@ -112,7 +112,7 @@ TEST(ResidualOf, IsTheRangeMinusItsExpectation) {
   EXPECT_NEAR(residual_m(state, {{3.0, 4.0}, 1.0, 0}), 1.0 - 1.5 * 5.0 - 0.25, 1e-12);
 }
 
-// Median of the absolute residuals, times 1.4826 (σ of a normal distribution).
+// The noise is the median of the absolute residuals times 1.4826 (σ of a normal distribution).
 TEST(GuessNoise, UsesTheMedianResidualPerBeacon) {
   RangeState state{{1.0, 0.5}, {{0.0, 0.0}, {10.0, 0.0}, {0.0, 9.0}, {5.0, 5.0}}, {}};
   std::vector<TakenRange> ranges;
@@ -173,7 +173,7 @@ TEST(Refine, EndsAtALocalMaximum) {
   }
 }
 
-// Width and outlier share of each beacon are those of the simulation.
+// The estimated width and outlier share of each beacon equal those of the simulation.
 TEST(Refine, EstimatesTheNoisePerBeacon) {
   Drawn drawn = draw(3, 4000);
   RangeState state = drawn.truth;
@@ -184,7 +184,7 @@ TEST(Refine, EstimatesTheNoisePerBeacon) {
     EXPECT_NEAR(state.noise[b].width_m, right.width_m, 0.06 * right.width_m);
     EXPECT_NEAR(state.noise[b].outlier_share, right.outlier_share, 0.02);
   }
-  // One beacon without outliers, and one with almost only outliers.
+  // One beacon has no outliers, the other almost only outliers.
   for (TakenRange& range : drawn.ranges) {
     const double honest_m = residual_m(drawn.truth, range);
     if (range.beacon == 0 && std::abs(honest_m) > 0.5) {
@@ -228,8 +228,8 @@ TEST(FitAt, IsConsistent) {
     of_calibration +=
         std::pow((fit.calibration.range_scale - 1.1) / fit.range_scale_sigma, 2) / kFits;
   }
-  // χ² with 4 and 1 degrees of freedom: the mean of 250 has σ 0.18 and 0.09, and the prior adds a
-  // small bias.
+  // χ² with 4 and 1 degrees of freedom: the means of 250 values have σ 0.18 and 0.09. The prior
+  // adds a small bias.
   for (std::size_t b = 0; b < 2; ++b) {
     EXPECT_NEAR(nees[b], 4.0, 0.7) << b;
   }
@@ -238,7 +238,7 @@ TEST(FitAt, IsConsistent) {
   EXPECT_NEAR(outliers[1], 0.1, 0.03);
 }
 
-// The fit is the same in millimetres.
+// A fit in millimetres gives the same result as in metres.
 TEST(FitAt, IsIndependentOfTheUnit) {
   constexpr double kUnits = 1000.0;
   Drawn drawn = draw(7, 200);
@@ -284,9 +284,8 @@ double correlation_of(const std::vector<Eigen::Vector2d>& robots_m,
   return fit_at({ranges, 30.0, {}, {}}, {{1.0, 0.0}, {beacon_m}, {{5.0, 0.0}}}).correlation;
 }
 
-// The robot jumps between random positions, so errors are correlated in time only. At a correlation
-// ρ of successive errors, (1 + ρ)/(1 − ρ) ranges count as one; an error never counts more than
-// once.
+// The robot jumps between random positions, so errors are correlated in time only. If successive
+// errors have correlation ρ, max(1, (1 + ρ)/(1 − ρ)) ranges count as one.
 TEST(FitAt, CountsLastingErrorsOnceAnywhere) {
   for (const double of_successive : {-0.5, 0.0, 0.5, 0.7}) {
     std::mt19937_64 rng(5);
@@ -305,8 +304,9 @@ TEST(FitAt, CountsLastingErrorsOnceAnywhere) {
   }
 }
 
-/// One error of ±0.3 m per position, 64 in a row. The number of equal neighbours exceeds that of
-/// unequal ones by more_alike; errors farther apart are uncorrelated.
+/// Returns 64 errors of ±0.3 m, one per position in a row. The number of equal neighbours minus
+/// that of unequal neighbours is more_alike. Errors at a greater distance are not positively
+/// correlated.
 std::vector<double> errors_of_places(int more_alike, std::mt19937_64& rng) {
   constexpr int kRow = 64;
   const int changes = (kRow - 1 - more_alike) / 2;
@@ -332,13 +332,13 @@ std::vector<double> errors_of_places(int more_alike, std::mt19937_64& rng) {
   }
 }
 
-// The row is repeated n times and each error counts once. The neighbour correlation of 64
-// independent errors is known to 1/8, however often they are repeated. A correlation below twice
-// that is treated as chance.
+// The row is repeated n times, but each error counts once. The neighbour correlation of 64
+// independent errors has σ 1/8 for any number of repetitions. A correlation below 2/8 counts as
+// chance.
 TEST(FitAt, ChanceLevelIsIndependentOfRepetitions) {
   std::mt19937_64 rng(6);
   for (const int times : {2, 6, 12}) {
-    for (const int more_alike : {-11, 1, 15, 17, 25}) {  // 2/8 of 63 is 15.75
+    for (const int more_alike : {-11, 1, 15, 17, 25}) {  // threshold: 2/8 of 63 pairs
       const std::vector<double> of_row_m = errors_of_places(more_alike, rng);
       std::vector<Eigen::Vector2d> robots_m;
       std::vector<double> errors_m;
@@ -355,9 +355,9 @@ TEST(FitAt, ChanceLevelIsIndependentOfRepetitions) {
   }
 }
 
-// Errors of one size and alternating sign: C = s (ψ/ψ′)² (Σ J Jᵀ)⁻¹. With N ranges per beacon, s =
-// N/(N − 2 − 2/beacons) corrects for the fitted parameters; s = N where one degree of freedom or
-// none is left.
+// Errors of equal size and alternating sign give the covariance C = s (ψ/ψ′)² (Σ J Jᵀ)⁻¹. With N
+// ranges per beacon, s = N/(N − 2 − 2/beacons) corrects for the fitted parameters; s = N where one
+// degree of freedom or none is left.
 TEST(FitAt, CorrectsForFittedResiduals) {
   constexpr double kWidth_m = 0.4;
   constexpr double kError_m = 0.25;
@@ -400,7 +400,8 @@ TEST(FitAt, CorrectsForFittedResiduals) {
   }
 }
 
-// Each beacon gets the noise of all beacons with the weight of twenty ranges.
+// Each beacon's noise is combined with the common noise of all beacons, which has the weight of
+// twenty ranges.
 TEST(FitAt, UsesTheCommonNoiseForABeaconWithFewRanges) {
   const RangeState state{{1.0, 0.0}, {{9.0, 4.0}, {-6.0, 7.0}}, {{0.5, 0.0}, {0.5, 0.0}}};
   std::vector<TakenRange> ranges;
@@ -418,7 +419,7 @@ TEST(FitAt, UsesTheCommonNoiseForABeaconWithFewRanges) {
   const RangeFit fit = fit_at(problem, state);
   EXPECT_NEAR(fit.beacons[0].range_sigma_m, std::sqrt((5 * 0.09 + 20 * of_all_m2) / 25.0), 1e-9);
   EXPECT_NEAR(fit.beacons[1].range_sigma_m, std::sqrt((45 * 0.01 + 20 * of_all_m2) / 65.0), 1e-9);
-  // The most likely width when each error is weighted by (ν + 1)/(ν + x²).
+  // The expected width is the most likely one, with each error weighted by (ν + 1)/(ν + x²).
   double squares_m2[2];
   for (int b = 0; b < 2; ++b) {
     const double e2 = errors_m[b] * errors_m[b];

@@ -61,8 +61,9 @@ Claims claims_of(const test::RangeSceneSpec& spec, unsigned first_seed) {
   return out;
 }
 
-/// 3.3 standard errors: missed once in a thousand. A mean of n χ²_k has the variance 2k/n; beacons
-/// of one scene share its bias, so that a scene is one sample.
+/// Expects mean values within 3.3 standard errors, which chance exceeds once in a thousand. A mean
+/// of n χ²_k values has variance 2k/n. Beacons of one scene share its bias, so a scene is one
+/// sample.
 void expect_claims_hold(const Claims& claims) {
   constexpr double kBand = 3.3;
   const double n = scenes();
@@ -70,21 +71,21 @@ void expect_claims_hold(const Claims& claims) {
   EXPECT_NEAR(claims.scale_nees, 1.0, kBand * std::sqrt(2.0 / n));
   EXPECT_NEAR(claims.bias_nees, 1.0, kBand * std::sqrt(2.0 / n));
   EXPECT_LE(claims.scale_beyond_3_sigma,
-            2.0 + n / 100.0);  // 0.0027 n expected; more once in thousands
+            2.0 + n / 100.0);  // expected 0.0027 n; a false failure is rarer than 1/1000
 }
 
 TEST(DrawnRangeScenes, ErrorsMatchTheClaimedCovariance) {
   const Claims claims = claims_of({}, 5001);
   expect_claims_hold(claims);
-  EXPECT_LT(claims.farthest_m, 6.0);  // no beacon is mistaken for its image
+  EXPECT_LT(claims.farthest_m, 6.0);  // m; no fit is the mirror image
 }
 
 TEST(DrawnRangeScenes, ErrorsMatchTheClaimedCovarianceInARoom) {
   expect_claims_hold(claims_of({.half_side_m = 4.0, .range_sigma_m = 0.1}, 6001));
 }
 
-// An error lasts for ten ranges of a beacon; treating each as independent would give a third of the
-// right σ.
+// Errors are correlated over ten ranges of a beacon. If the ranges were treated as independent, σ
+// would be a third of the correct value.
 TEST(DrawnRangeScenes, ErrorsMatchTheClaimedCovarianceWithLastingErrors) {
   expect_claims_hold(claims_of({.ranges_of_beacon = 400, .correlation = 0.8}, 7001));
 }

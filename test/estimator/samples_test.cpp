@@ -67,7 +67,8 @@ Gaussian drawn(const Gaussian& belief, int draws, const Happens& happens) {
   return {mean, squares / weight - mean * mean.transpose()};
 }
 
-/// Mean error in σ of `right`; covariance error relative to that of `right`.
+/// Expects a mean error below `mean_sigma`, in σ of `right`, and a relative covariance error below
+/// `share`.
 void expect_near(const Gaussian& made, const Gaussian& right, double mean_sigma, double share) {
   const Eigen::LLT<Eigen::Matrix4d> root(right.covariance);
   EXPECT_LT(root.matrixL().solve(made.mean - right.mean).norm(), mean_sigma);
@@ -106,7 +107,7 @@ TEST(Samples, PredictionHasTheMomentsOfAGaussian) {
       mean.mean += made.mean / kKeys;
       mean.covariance += made.covariance / kKeys;
     }
-    // Averaged over keys, noise and state are uncorrelated: error 1/√(256 · 100) each.
+    // On average over the keys, noise and state are uncorrelated; each error is 1/√(256 · 100).
     expect_near(mean, right, 1e-9, 0.025);
   }
 }
@@ -133,7 +134,7 @@ TEST(Samples, ReflectAtWallsLikeTargets) {
     samples.turn_back(kField.bounds);
     expect_near(samples.moments(), right, 0.1, 0.15);
     const Gaussian once = samples.moments();
-    samples.turn_back(kField.bounds);  // samples inside do not move
+    samples.turn_back(kField.bounds);  // interior samples do not move
     EXPECT_EQ(samples.moments().covariance, once.covariance);
   }
 }
@@ -195,13 +196,13 @@ TEST(Samples, AreUpdatedWhenEnoughExplainTheMeasurement) {
   expect_near(samples.moments(), right, 0.25, 0.5);
   Samples wide = samples_of(moving({4.0, 1.0}, {0.2, -0.1}, 8.0, 0.4));
   const Gaussian before = wide.moments();
-  EXPECT_FALSE(wide.measure(sensor, from, z, 0.0));  // almost no sample explains it
+  EXPECT_FALSE(wide.measure(sensor, from, z, 0.0));  // almost no sample fits
   EXPECT_EQ(wide.moments().covariance, before.covariance);
 }
 
 TEST(Samples, IgnoreAMeasurementFarFromAll) {
-  // 2 m off at σ = 0.15 m: all samples explain it equally badly, so the effective sample count
-  // alone would not detect it.
+  // At an error of 2 m with σ = 0.15 m, all samples fit equally badly, so the effective sample
+  // count alone would not detect the error.
   const models::SensorModel sensor = field_sensor();
   const models::Viewpoint from = at(0.0, 0.0, 0.0);
   const models::Measurement z{models::observe(sensor, from, Eigen::Vector2d(6.0, 0.0)),
@@ -227,7 +228,7 @@ TEST(Samples, CopiesAreIndependent) {
   EXPECT_EQ(one.moments().mean, before.mean);
 }
 
-/// Belief after `steps` of searching for a target that was never in view, and its true position.
+/// Belief after a search for a target that was never in view, and the target's true position.
 struct Ending {
   Gaussian belief;
   Eigen::Vector2d truth_m;
@@ -255,7 +256,8 @@ Ending never_seen(int steps, bool samples, std::uint64_t seed) {
 }
 
 TEST(SamplesOfAFilter, AreConsistentWithWallsAndMisses) {
-  // 40 s, starting near a corner. A Gaussian that is folded at the walls in each step stays there.
+  // 40 s, starting near a corner. A Gaussian that is folded at the walls in each step remains at
+  // the walls.
   test::MeanNees by_samples;
   test::MeanNees by_a_gaussian;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
@@ -266,15 +268,15 @@ TEST(SamplesOfAFilter, AreConsistentWithWallsAndMisses) {
       by_a_gaussian.add(without.belief, without.truth_m);
     }
   }
-  // Moving duplicated samples apart makes the covariance slightly too large.
+  // Spreading duplicated samples makes the covariance slightly too large.
   EXPECT_LT(by_samples.mean(), 2.0 + 4.0 * by_samples.sigma());
   EXPECT_GT(by_samples.mean(), 1.6 - 4.0 * by_samples.sigma());
   EXPECT_GT(by_a_gaussian.mean(), 20.0);
 }
 
 TEST(SamplesOfAFilter, BecomeAGaussianWhenTheTargetIsSeen) {
-  // Near the mean and far from it: updated by samples that explain the measurement, or by their
-  // moments if too few do.
+  // Truths near the mean and far from it. The update uses the samples that fit the measurement, or
+  // the moments if too few samples fit.
   for (const Eigen::Vector2d& truth_m :
        {Eigen::Vector2d(26.0, 28.0), Eigen::Vector2d(14.0, 26.0)}) {
     DistributedFilter filter = knows(kNearACorner);
@@ -288,7 +290,7 @@ TEST(SamplesOfAFilter, BecomeAGaussianWhenTheTargetIsSeen) {
     look.detections.push_back({0, test::seen(from, truth_m)});
     take_step(filter, instant(13), from, {look});
     const Gaussian seen = known(filter, 0);
-    // Within 3σ of a measurement at 5 m: 0.15 m and 5°.
+    // The error is within 3σ of a measurement at 5 m: 0.15 m in range and 5° in bearing.
     EXPECT_LT((seen.mean.head<2>() - truth_m).norm(), 3.0 * std::hypot(0.15, 0.44));
     EXPECT_LT(seen.covariance(0, 0), 0.3 * 0.3);
     EXPECT_EQ(filter.track(0).last_seen, instant(13));
@@ -345,7 +347,7 @@ TEST(SamplesOfAFilter, YieldOnlyToANewerTeammatesObservation) {
   // The filter's own belief was last observed at instant(0).
   EXPECT_EQ(after_hearing(surer, instant(0)).covariance, alone.covariance);
   EXPECT_TRUE(is_near(after_hearing(surer, instant(1)).covariance, surer.covariance, 1e-9));
-  Gaussian modest = alone;  // observed later but less certain: not used
+  Gaussian modest = alone;  // newer but less certain: not used
   modest.covariance *= 4.0;
   EXPECT_TRUE(is_near(after_hearing(modest, instant(1)).covariance, alone.covariance, 1e-9));
 }
@@ -369,8 +371,8 @@ TEST(SamplesOfAFilter, AllocateNothing) {
   EXPECT_GT(filter.counters().missed_detections, 0);
 }
 
-// An empty scan changes the published moments at once and is counted once. A scan elsewhere is not
-// counted.
+// An empty scan changes the published moments immediately and is counted once. A scan of a
+// different area is not counted.
 TEST(SamplesOfAFilter, UpdateTheBeliefAfterEachMeasurement) {
   DistributedFilter filter = knows(kNearACorner);
   const models::Viewpoint from = at(20.0, 24.0, 0.3);
@@ -387,9 +389,9 @@ TEST(SamplesOfAFilter, UpdateTheBeliefAfterEachMeasurement) {
   EXPECT_EQ(filter.counters().missed_detections, 2);
 }
 
-// Samples come in opposite pairs. A cut through the middle therefore keeps the variance of all
-// coordinates along the cut. When fewer than half are left, they are duplicated and moved apart by
-// 0.3σ: the variance grows by 1.09.
+// Samples are drawn in opposite pairs. A cut through the centre therefore keeps the variance of all
+// coordinates along the cut. If fewer than half of the samples remain, they are duplicated and
+// spread by 0.3σ, which increases the variance by a factor of 1.09.
 TEST(Samples, DuplicatesWhenLessThanHalfAreEffective) {
   Gaussian belief{Eigen::Vector4d(1.0, -2.0, 0.3, 0.1), Eigen::Matrix4d::Zero()};
   belief.covariance.diagonal() << 1.0, 4.0, 0.25, 0.09;
@@ -421,7 +423,7 @@ TEST(Samples, DuplicatesWhenLessThanHalfAreEffective) {
 }
 
 // For N(0, 1) in the plane, a likelihood of variance x leaves n (1 − 1/(x + 1)²) of n samples
-// effective. The cases have 1.4 times the required number, and the required number divided by 1.4.
+// effective. The two cases have 1.4 times and 1/1.4 times the required number.
 TEST(Samples, AreUpdatedFromThirtyTwoSupportingSamples) {
   const models::SensorModel sensor = test::far_sighted(models::SensorKind::kPosition);
   Gaussian belief{Eigen::Vector4d(3.0, -4.0, 0.2, -0.1), Eigen::Matrix4d::Identity()};

@@ -12,12 +12,13 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// Robots that share their observations are as accurate as one filter that receives all of them.
+// Tests that robots which share their observations are as accurate as one filter that receives all
+// observations.
 
 namespace vantage::estimator {
 namespace {
 
-using namespace test::words;  // NOLINT(google-build-using-namespace): made for this
+using namespace test::words;  // NOLINT(google-build-using-namespace): names for tests
 
 /// Four robots that share observations, and one filter that receives all of them. `hears(k, i, j)`:
 /// robot i receives at step k what robot j sent.
@@ -37,7 +38,7 @@ struct SharedLooks {
   SharedLooks(SensorKind kind, double range_max_m, unsigned seed)
       : beliefs(kRobots), waiting(kRobots), rng(seed) {
     sensor.kind = kind;
-    // Position measurements are linear, so beliefs can be ordered; a bearing needs a minimum range.
+    // Position measurements are linear, so beliefs can be ordered. A bearing needs a minimum range.
     sensor.range_min_m = kind == SensorKind::kPosition ? 0.0 : 0.1;
     FilterSpec spec = open_spec({TargetKind::kRandomWalk, 2, 0.1}, sensor, kTargets);
     sensor.range_max_m = range_max_m;
@@ -86,7 +87,7 @@ struct SharedLooks {
       std::shuffle(used.begin(), used.end(), rng);
       for (const models::RobotMeasurement& look : std::vector(used)) {
         if (k % 5 == 0 && look.robot != name(i)) {
-          used.push_back(look);  // from another run of its sensor, which the bus accepts as new
+          used.push_back(look);  // duplicate from another run of the sensor, accepted by the bus
         }
       }
       next.push_back(take_step(robots[i], instant(k), from[i], used, heard));
@@ -138,7 +139,8 @@ TEST(SharedMeasurements, AreConsistentAndRecoverAfterAPartition) {
           const Eigen::Matrix2d gap = Eigen::Matrix2d(team.central->track(m).information.matrix) -
                                       Eigen::Matrix2d(team.robots[i].track(m).information.matrix);
           least = std::min(least, gap.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff());
-          // 17 steps each: before the partition, at its end, and from 2 s after it on.
+          // The three intervals have 17 steps: before the partition, at its end, and from 2 s after
+          // it.
           const double gap_nats = team.entropy_gap_nats(i, m);
           before_nats += k >= 13 && k < 30 ? gap_nats : 0.0;
           apart_nats += k >= 43 && k < 60 ? gap_nats : 0.0;
@@ -155,7 +157,7 @@ TEST(SharedMeasurements, AreConsistentAndRecoverAfterAPartition) {
   RecordProperty("gap_apart_nats", std::to_string(apart_nats));
   RecordProperty("gap_healed_nats", std::to_string(healed_nats));
   EXPECT_GE(least, -1e-9);
-  // Lost observations increase the entropy; the partition adds nothing once it has ended.
+  // Lost observations increase the entropy. After the partition its effect disappears.
   EXPECT_LT(healed_nats, before_nats + 0.06);
   EXPECT_GT(apart_nats, before_nats + 0.1);
 }
@@ -192,7 +194,7 @@ TEST(SharedMeasurements, ThatArriveLateGiveTheBeliefOfTimelyOnes) {
               is_due ? std::vector{held[static_cast<std::size_t>(k - 3)]}
                      : std::vector<models::RobotMeasurement>{},
               {made});
-    // Neither is more certain than a filter that received each observation once.
+    // Neither filter is more certain than a filter that received each observation once.
     for (const DistributedFilter* filter : {&timely, &late}) {
       EXPECT_LE(filter->track(0).information.matrix(0, 0),
                 central.track(0).information.matrix(0, 0) * (1.0 + 1e-9));

@@ -14,7 +14,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/estimator/mapping_scenario.hpp"
 
-// Inputs of a step, live and replayed, and the comparison of two beliefs.
+// Tests of the inputs of a step, live and replayed, and of the comparison of two beliefs.
 
 namespace vantage::estimator {
 namespace {
@@ -121,7 +121,7 @@ TEST(HasViewpoint, IsTrueForAMeasurementWithinTheStep) {
   EXPECT_FALSE(has("Q2", instant(3)));
 }
 
-// The viewpoint of a step is that of the newest own observation, whatever teammates observed later.
+// The viewpoint of a step is that of the newest own observation, even if teammates observed later.
 TEST(MakeStep, UsesTheLastViewpoint) {
   FilterSpec spec = test::open_spec({models::TargetKind::kStatic, 2, 0.0},
                                     test::far_sighted(models::SensorKind::kPosition), 1);
@@ -156,7 +156,7 @@ scenario::Scenario lone_robot() {
   return scenario;
 }
 
-/// 1.7e9 s is a multiple of half a second.
+/// Returns the time `s` after a multiple of 0.5 s.
 Time after_an_instant(double s) { return from_utime(1'700'000'000'000'000) + from_seconds(s); }
 
 TEST(EstimatorNode, StartsWithTheFirstUnpublishedStep) {

@@ -9,7 +9,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/allocation_counter.hpp"
 
-// Records of a step's inputs, and the table of tracks by target.
+// Tests of the records of a step's inputs and of the table of tracks by target.
 
 namespace vantage::estimator {
 namespace {
@@ -72,7 +72,7 @@ TEST(TrackTable, HasTheStatedCapacity) {
     few.put({id, {}, 1.0});
   }
   EXPECT_EQ(of_few.count(), 0U);
-  // A huge or a negative capacity still gives a table.
+  // A table with a huge or a negative capacity is usable.
   TargetTable<HeardTrack> many(2'000'000'000);
   const vantage::test::AllocationCounter of_many;
   constexpr int kRoom = static_cast<int>(TargetTable<HeardTrack>::kReserved);
@@ -94,7 +94,7 @@ std::vector<std::pair<Time, int>> looks_of(const StepRecord& record) {
   return looks;
 }
 
-// In any order of arrival, and beyond the capacity.
+// Observations are sorted for any order of arrival, also beyond the capacity.
 TEST(StepRecord, OrdersMeasurementsByTimeAndRobot) {
   std::vector<std::pair<Time, int>> sorted;
   for (int step = 0; step < 2; ++step) {

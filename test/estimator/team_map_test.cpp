@@ -45,7 +45,8 @@ models::RobotBelief belief_at(int step, const Pose2& pose = {}) {
   return belief;
 }
 
-// Returns one robot's map after steps that each count the scans of `parts` in turn.
+// Returns one robot's map after one step per element of `parts`, each of which counts that
+// element's scans.
 models::RobotMap map_of(TeamMap& team_map, const std::vector<std::vector<models::RangeScan>>& parts,
                         const std::vector<const models::RobotMap*>& teammates = {}) {
   models::RobotMap map;
@@ -100,7 +101,7 @@ TEST(TeamMap, CountsATeammateOnce) {
   EXPECT_EQ(once.own_looks, models::Looks(once.own_looks.size(), 0)) << "nobody passes on others'";
 }
 
-// A robot that hovers for hours brings its cells to the limits of a count.
+// A robot that hovers for hours saturates the observation counts of its cells.
 TEST(TeamMap, IsIndependentOfOrderAtSaturation) {
   const scenario::Scenario scenario = mapping_scenario();
   TeamMap q1(scenario, "Q1");
@@ -167,14 +168,14 @@ TEST(TeamMap, HasTheStepOfItsBelief) {
   EXPECT_EQ(map.viewpoint.world_from_body, belief.viewpoint.world_from_body);
   EXPECT_EQ(map.grid, before.grid);
   EXPECT_EQ(map.own_looks, before.own_looks);
-  before.grid.resolution_m *= 2.0;  // another geometry: the map starts anew
+  before.grid.resolution_m *= 2.0;  // a different grid: the map is reset
   EXPECT_EQ(team_map.step({&belief, &before, {}, {}}).own_looks,
             models::Looks(before.own_looks.size(), 0));
   EXPECT_THROW(team_map.step({nullptr, &before, {}, {}}), UsageError);
 }
 
 // Scans must match the scenario's scanner up to rounding of the field of view, which is published
-// in another unit.
+// in a different unit.
 TEST(TeamMap, AcceptsOnlyTheScenariosScanner) {
   const scenario::Scenario scenario = mapping_scenario();
   test::Random random(5304);

@@ -12,12 +12,12 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// Several robots: fusion converges and never counts information twice.
+// Tests of several robots: fusion converges and never counts information twice.
 
 namespace vantage::estimator {
 namespace {
 
-using namespace test::words;  // NOLINT(google-build-using-namespace): made for this
+using namespace test::words;  // NOLINT(google-build-using-namespace): names for tests
 
 /// Filters that receive each other's beliefs of the previous step, as on the bus.
 class Team {
@@ -67,9 +67,9 @@ class Team {
 };
 
 TEST(Team, ConvergesOnAConnectedGraph) {
-  // Theorem 9. A pentagon whose sides, but not diagonals, are within radio range. Robots 0 and 2
-  // measure ranges to all targets, 1 bearings to all, 3 the position of target 0 only, and 4
-  // nothing.
+  // Theorem 9. The robots form a pentagon with sides within radio range and diagonals beyond it.
+  // Robots 0 and 2 measure ranges to all targets, robot 1 bearings to all targets, and robot 3 the
+  // position of target 0. Robot 4 measures nothing.
   constexpr int kTargets = 3;
   const std::vector<models::SensorModel> sensors = {
       test::far_sighted(SensorKind::kRange), test::far_sighted(SensorKind::kBearing),
@@ -119,8 +119,8 @@ TEST(Team, ConvergesOnAConnectedGraph) {
       worst_mse_m2[c] = std::max(worst_mse_m2[c], sum[i][c]);
     }
   }
-  // The mean square error falls as 1/k: ten times the observations give about a tenth of it for
-  // every robot.
+  // The mean square error falls as 1/k: ten times the observations give about a tenth of the error
+  // for every robot.
   EXPECT_LT(worst_mse_m2[1], worst_mse_m2[0] / 3.0);
   EXPECT_LT(worst_mse_m2[2], worst_mse_m2[1] / 5.0);
   EXPECT_LT(worst_mse_m2[2], 0.02 * 0.02);
@@ -152,7 +152,7 @@ TEST(Team, IsNeverMoreCertainThanTheCentralFilter) {
         from.push_back(at(place(rng), place(rng), 0.1 * k));
         looks.push_back(look_at(sensors[i], instant(k), from[i], truth, rng));
         std::erase_if(looks[i].detections, [&](const auto&) { return !sees(rng); });
-        // Information that the observation adds to robot i's own step without it.
+        // Information of the observation in addition to robot i's step without this observation.
         DistributedFilter blind = team.filter(i);
         take_step(blind, instant(k), from[i], {}, team.received_by(i));
         for (const models::Detection& d : looks[i].detections) {
@@ -263,7 +263,7 @@ TEST_F(Newcomer, AdoptsTheDominatingBelief) {
   EXPECT_NEAR(expert.track(0).information.matrix(0, 0), 1.0 / 0.2, 1e-9);
 }
 
-// The later of both observation times.
+// The adopted time is the later of both observation times.
 TEST_F(Newcomer, AdoptsTheTimeOfTheLastObservation) {
   for (const int own : {5, 10}) {
     DistributedFilter newcomer = filter(6.5);
@@ -284,7 +284,8 @@ TEST_F(Newcomer, FusesComplementaryBeliefsByCovarianceIntersection) {
   other.robot = "Q2";
   other.stamp.time = instant(10);
   take_step(newcomer, instant(10) + Duration{1}, at(0, 0), {}, {other});
-  // Mirror images: κ = ½, so Ω = ½ (½ + 2) I; each coordinate is closer to the more certain belief.
+  // The beliefs are mirror images, so κ = ½ and Ω = ½ (½ + 2) I. Each coordinate is closer to the
+  // more certain belief.
   const Gaussian g = known(newcomer, 0);
   EXPECT_TRUE(vantage::test::is_near(g.covariance, 0.8 * Eigen::Matrix2d::Identity(), 1e-3));
   EXPECT_TRUE(vantage::test::is_near(g.mean, Eigen::Vector2d(2.6, 0.8), 1e-2));

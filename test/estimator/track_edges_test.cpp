@@ -12,7 +12,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// Limits between the methods of a measurement update, and priors of velocities.
+// Tests of the limits between the methods of a measurement update, and of velocity priors.
 
 namespace vantage::estimator {
 namespace {
@@ -41,12 +41,12 @@ bool is_linearised(const Gaussian& prior, const models::SensorModel& sensor,
   return is_near(made.mean, right.mean, 1e-10) && is_near(made.covariance, right.covariance, 1e-10);
 }
 
-// A range over the corners 1.5 σ out: where it leaves its tangent by less than a fifth of its
-// noise.
+// A range is linearised if it deviates from its tangent by less than a fifth of its noise at the
+// corners 1.5 σ from the mean.
 TEST(Measure, LinearisesOnlyNearlyLinearRanges) {
   constexpr double kAway_m = 4.0;
   constexpr double kOut_m = 1.5 * 0.4;
-  const double bend_m = std::hypot(kAway_m - kOut_m, kOut_m) - (kAway_m - kOut_m);  // the nearest
+  const double bend_m = std::hypot(kAway_m - kOut_m, kOut_m) - (kAway_m - kOut_m);  // minimum, m
   const models::SensorModel sensor = far_sighted(models::SensorKind::kRange);
   for (const double yaw_rad : {0.0, 0.5 * kPi, -0.5 * kPi, kPi}) {
     for (const auto& [share, is_linear] : {std::pair(0.199, true), std::pair(0.201, false)}) {
@@ -63,11 +63,11 @@ TEST(Measure, LinearisesOnlyNearlyLinearRanges) {
   }
 }
 
-// Limits are ignored when the posterior is 3σ inside, plus 3σ of the limit itself.
+// Limits are ignored if the posterior is inside by at least 3σ of the belief plus 3σ of the limit.
 TEST(Measure, IgnoresLimitsBeyondThreeSigma) {
   constexpr double kAway_m = 5.0;
   constexpr double kNoise_m = 0.2;
-  const double sigma_m = 0.2 / std::sqrt(2.0);  // of two equally certain beliefs
+  const double sigma_m = 0.2 / std::sqrt(2.0);  // m; of two equally certain beliefs
   const double clear_m = 3.0 * sigma_m + 3.0 * 0.1 * kNoise_m;
   for (const auto& [slack_m, is_clear] : {std::pair(0.002, true), std::pair(-0.002, false)}) {
     for (const double yaw_rad : {0.0, 1.0, -2.0}) {
@@ -90,7 +90,7 @@ TEST(Measure, IgnoresLimitsBeyondThreeSigma) {
   }
 }
 
-// The gate is in σ of the predicted measurement, for linear and for integrated updates.
+// The gate distance is in σ of the predicted measurement, for linear and for integrated updates.
 TEST(Measure, GatesAtTheStatedDistance) {
   const models::SensorModel sensor = far_sighted(models::SensorKind::kPosition);
   const double sigma_m = std::hypot(0.3, 0.4);
@@ -105,11 +105,11 @@ TEST(Measure, GatesAtTheStatedDistance) {
       EXPECT_EQ(belief.matrix == before.matrix, !is_used);
     }
   }
-  // Directly above the robot a range is nonlinear: the minimum over all positions counts.
+  // Directly above the robot a range is nonlinear: the gate uses the minimum over all positions.
   const models::SensorModel ranger = far_sighted(models::SensorKind::kRange);
   const models::Measurement z{Eigen::Matrix<double, 1, 1>(5.0), Eigen::Matrix<double, 1, 1>(0.25)};
   for (const auto& [gate_sigma, is_used] : {std::pair(4.6, true), std::pair(4.3, false)}) {
-    // A residual of 5 m in any direction, with σ of 1 m and 0.5 m: 5/√1.25 = 4.47.
+    // The residual is 5 m in any direction, with σ of 1 m and 0.5 m: 5/√1.25 = 4.47 σ.
     auto belief = models::to_information(around(0.0, 0.0, 1.0)).value();
     EXPECT_EQ(measure(belief, ranger, at(0, 0), z, gate_sigma), is_used ? Use::kUsed : Use::kGated);
   }

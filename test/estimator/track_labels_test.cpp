@@ -113,14 +113,15 @@ TEST(Reconcile, AddsADistantTrack) {
   EXPECT_EQ(done.adopted, 1);
   EXPECT_EQ(labels_of(tracks), (std::vector{kYoung, kOld}));
   EXPECT_EQ(tracks[1].last_seen, instant(1));
-  // A table full of likely tracks accepts no other.
+  // A table that is full of likely tracks accepts no further track.
   std::vector<LabelledTrack> full = {own(kYoung, at_m(0, 0, 0.1))};
   heard = {theirs(kOld, at_m(2, 0, 0.1))};
   EXPECT_EQ(reconcile(full, heard).adopted, 0);
   EXPECT_EQ(labels_of(full), std::vector{kYoung});
 }
 
-// The beliefs are never multiplied, which would count their common information twice.
+// The more certain belief is adopted. A product of both beliefs would count their common
+// information twice.
 TEST(Reconcile, AdoptsAClearlyMoreCertainBelief) {
   const models::Gaussian vague = at_m(1, 1, 1.0);
   const models::Gaussian sure = at_m(1.3, 1, 0.2);
@@ -160,7 +161,7 @@ TEST(TrackLabels, OrderHoldsForHalfTheirRange) {
   EXPECT_FALSE(is_older(after(kHalf), label));
 }
 
-// 3σ of the sum of both covariances.
+// The limit is 3σ of the sum of both covariances.
 TEST(Reconcile, MergesTracksWithinThreeSigma) {
   for (const bool is_along_x : {false, true}) {
     for (const auto& [away_m, is_one] : {std::pair(1.499, true), std::pair(1.501, false)}) {
@@ -208,7 +209,7 @@ TEST(Reconcile, KeepsTheMoreCertainBeliefAfterAMerge) {
   }
 }
 
-// In the plane half a nat is a σ that is smaller by e^¼.
+// In the plane, half a nat corresponds to a σ that is smaller by a factor of e^¼.
 TEST(Reconcile, AdoptsABeliefWithHalfANatMoreInformation) {
   for (const auto& [nats, is_taken] : {std::pair(0.499, false), std::pair(0.501, true)}) {
     for (const int own_seen : {0, 2}) {
@@ -244,7 +245,7 @@ TEST(Reconcile, ReplacesTheLeastLikelyUnconfirmedTrack) {
   }
 }
 
-// A track with the same label in both is not compared with other tracks of the teammate.
+// A track with the same label on both robots is not compared with other tracks of the teammate.
 TEST(Reconcile, MergesNothingWithASharedTrack) {
   std::vector<LabelledTrack> tracks = {own(kOld, at_m(0, 0, 0.2)), LabelledTrack{}};
   std::vector<HeardLabel> heard = {theirs(kOld, at_m(0.2, 0, 0.2)),

@@ -45,7 +45,7 @@ TEST(Propagate, InTwoPartsEqualsOnePart) {
   }
 }
 
-// Step by step, as the filter does it.
+// The belief is propagated step by step, as in the filter.
 TEST(Propagate, OfADampedOscillatorTendsToItsStationaryDistribution) {
   const models::TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kLabSurroundings};
   const models::StateMatrix sharp = 1e-4 * models::StateMatrix::Identity(4, 4);
@@ -71,7 +71,7 @@ TEST(Propagate, OfGrowingUncertaintyAddsTheNoiseOfTheStep) {
   const auto belief =
       models::to_information({models::StateVector::Zero(3), models::StateMatrix::Identity(3, 3)})
           .value();
-  // Seen two steps before; three more steps unseen: k = 2, 3, 4.
+  // The target was observed two steps earlier and is not observed for three more: k = 2, 3, 4.
   const auto later = propagate(model, 0.5, belief, instant(0), instant(2), instant(5)).value();
   double variance = 1.0;
   for (int k = 2; k <= 4; ++k) {
@@ -117,7 +117,7 @@ LookCase draw_case(models::SensorKind kind, double range_max_m, double fov_deg, 
     truth_m = out.from.world_from_body.position_m() +
               r_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
   } while (!models::in_view(out.sensor, out.from, truth_m));
-  // An ellipse at any angle, up to six times longer than wide.
+  // The prior is an ellipse at any angle, up to six times longer than wide.
   const double sigma_m = sigma_share * range_max_m;
   const Eigen::Matrix2d turn = Eigen::Rotation2Dd(kPi * unit(rng)).toRotationMatrix();
   const Eigen::Matrix2d root =
@@ -157,7 +157,7 @@ TEST(Measure, EqualsTheCovarianceFormForLinearSensors) {
   }
 }
 
-/// Returns the posterior of the observation, which must be used.
+/// Returns the posterior after the observation; fails if the observation is not used.
 Gaussian after_its_look(const LookCase& c) {
   auto information = models::to_information(c.belief).value();
   EXPECT_EQ(measure(information, c.sensor, c.from, c.z, 0.0), Use::kUsed);
@@ -196,7 +196,8 @@ TEST(Measure, LinearisesACustomSensorInSpace) {
   EXPECT_LT(models::to_gaussian(belief)->covariance(0, 0), 0.01);
 }
 
-/// Against brute force; prior σ of 2 % and 20 % of the range, all around and with a field of view.
+/// Compares updates with brute force. The prior σ is 2 % or 20 % of the range; the field of view is
+/// a full circle or 94°.
 class MeasureAgainstBruteForce : public ::testing::TestWithParam<models::SensorKind> {};
 
 TEST_P(MeasureAgainstBruteForce, HasThePosteriorsMoments) {
@@ -225,15 +226,15 @@ TEST_P(MeasureAgainstBruteForce, HasThePosteriorsMoments) {
   RecordProperty("worst_mean_sigma", std::to_string(worst_mean));
   RecordProperty("worst_covariance_share", std::to_string(worst_covariance));
   EXPECT_GE(at_limits, 3);
-  EXPECT_LT(worst_mean, 0.15);  // in σ of the posterior
+  EXPECT_LT(worst_mean, 0.15);  // σ of the posterior
   EXPECT_LT(worst_covariance, 0.25);
 }
 
 INSTANTIATE_TEST_SUITE_P(EverySensor, MeasureAgainstBruteForce, ::testing::ValuesIn(kEverySensor));
 
 TEST(Measure, IsCorrectForATargetUnderTheRobot) {
-  // The lab's sensor above a lost target: z_r is only noise. A linearised posterior would be 0.4 mm
-  // wide and 0.5 m off.
+  // The lab's sensor is above a lost target, so the range z_r is only noise. A linearised posterior
+  // would be 0.4 mm wide and 0.5 m off.
   models::SensorModel sensor;
   sensor.range_min_m = 0.1;
   sensor.range_max_m = 1.0;
@@ -257,7 +258,7 @@ TEST(Measure, IsCorrectForATargetUnderTheRobot) {
 
 TEST(Measure, IsConsistentNearTheRobot) {
   // Truth is drawn from the prior and observed if it is in view. If the moments are those of the
-  // posterior, the mean of e = ε' Σ⁻¹ ε is 2, whatever the posterior's shape.
+  // posterior, the mean of e = ε' Σ⁻¹ ε is 2, for any shape of the posterior.
   models::SensorModel sensor;
   sensor.range_min_m = 0.1;
   sensor.range_max_m = 1.0;
@@ -292,7 +293,7 @@ TEST(Measure, IsInvariantToRotationAndReflection) {
       };
       const Gaussian plain = posterior(c.from, c.belief, c.z);
       const double sigma_m = std::sqrt(plain.covariance.trace());
-      // Turned by 2 rad about the origin.
+      // The scene is rotated by 2 rad about the origin.
       const Eigen::Matrix2d R = Eigen::Rotation2Dd(2.0).toRotationMatrix();
       models::Viewpoint turned = c.from;
       const Eigen::Vector2d eye_m = R * c.from.world_from_body.position_m();
@@ -319,7 +320,7 @@ TEST(Measure, IsInvariantToRotationAndReflection) {
 }
 
 TEST(Measure, IgnoresLimitsThatTheSensorViolates) {
-  // A precise prior at 1.3 m and a detection there by a sensor with a stated range of 1 m.
+  // The prior is precise at 1.3 m. A sensor with a stated range of 1 m detects the target there.
   models::SensorModel sensor;
   sensor.range_max_m = 1.0;
   sensor.range_sigma_m = 0.1;
@@ -375,7 +376,7 @@ TEST(Measure, KeepsABeliefBeyondTheGate) {
           .value();
   models::Measurement z{Eigen::Vector2d(6.0, 0.0), Eigen::Matrix2d::Identity() * 0.01};
   auto belief = start;
-  EXPECT_EQ(measure(belief, sensor, at(0, 0), z, 5.0), Use::kGated);  // 1 m at σ √0.02 is 7.1 σ
+  EXPECT_EQ(measure(belief, sensor, at(0, 0), z, 5.0), Use::kGated);  // 1 m at σ = √0.02 m is 7.1 σ
   EXPECT_EQ(belief.matrix, start.matrix);
   EXPECT_EQ(measure(belief, sensor, at(0, 0), z, 8.0), Use::kUsed);
   models::SensorModel ranger;
@@ -383,7 +384,7 @@ TEST(Measure, KeepsABeliefBeyondTheGate) {
   models::Measurement range{Eigen::Matrix<double, 1, 1>(1.0), Eigen::Matrix<double, 1, 1>(0.01)};
   auto here = start;
   EXPECT_EQ(measure(here, ranger, at(5.0, 0.0), range, 0.0), Use::kUsed);
-  EXPECT_NEAR(models::to_gaussian(here)->mean(0), 5.0, 1e-3);  // as far away on every side
+  EXPECT_NEAR(models::to_gaussian(here)->mean(0), 5.0, 1e-3);  // equally far on all sides
   EXPECT_GT(models::to_gaussian(here)->covariance(0, 0), 0.02);
   z.V.setZero();
   EXPECT_EQ(measure(here, sensor, at(0, 0), z, 0.0), Use::kSingular);
@@ -411,8 +412,8 @@ TEST(Discover, UsesThePriorInUnobservedDirections) {
   const auto found = discover(spec, sensor, from, z);
   ASSERT_TRUE(found);
   const Gaussian g = models::to_gaussian(*found).value();
-  // Straight down, a pixel at depth d is d/500 m across: of depths 4 ± 2 m with weight d², as the
-  // ray widens, cut at the camera's least depth and range.
+  // The camera faces straight down, so a pixel at depth d has a width of d/500 m. Depths of 4 ± 2 m
+  // are weighted by the ray's area, d², and limited by the minimum depth and the range.
   double mass = 0.0;
   double sum = 0.0;
   double squares = 0.0;
@@ -446,7 +447,7 @@ TEST(Discover, HasTheMomentsOfTheFirstMeasurementsPosterior) {
                                               sensor, at(1.0, 0.5, 0.3), z, true, 400);
     const Gaussian g = models::to_gaussian(*found).value();
     const test::Difference d = test::difference(g.mean, g.covariance, *oracle);
-    EXPECT_LT(d.mean_sigma, 0.04) << z_m;  // the far limit is as soft as two nodes are apart
+    EXPECT_LT(d.mean_sigma, 0.04) << z_m;  // coarse nodes at the soft limit
     EXPECT_LT(d.covariance_share, 0.03) << z_m;
   }
 }

@@ -15,8 +15,8 @@
 #include "test/support/allocation_counter.hpp"
 #include "test/support/near.hpp"
 
-// Teams whose sensors report no ids: labels of their tracks, and handling of observations that are
-// lost, late or received twice.
+// Tests of teams with sensors that report no ids: labels of tracks, and observations that are lost,
+// late or received twice.
 
 namespace vantage::estimator {
 namespace {
@@ -312,8 +312,8 @@ TEST(UnnamedTeam, DropsInvalidAndExcessTracks) {
   EXPECT_EQ(filter.counters().unknown_ids, 1);
 }
 
-// A belief may contain the number of tracks that the team can hold. A belief with a hundred
-// thousand tracks does not use memory.
+// A belief may contain the number of tracks that the team can hold. A belief with 100,000 tracks
+// does not increase the memory use.
 TEST(UnnamedTeam, LimitsReceivedTracks) {
   DistributedFilter filter(spec_of(0));
   models::RobotBelief stranger;
@@ -346,7 +346,7 @@ TEST(UnnamedTeam, AllocatesNothing) {
     const std::vector<const models::RobotBelief*> beliefs = {&heard};
     StepInput input{instant(k), Scene::place(k, 0), pointers, {}};
     if (k > 1) {
-      heard.last_seen_utime.clear();  // grids allocate
+      heard.last_seen_utime.clear();  // a grid would allocate
       input.beliefs = beliefs;
     }
     const vantage::test::AllocationCounter counter;
@@ -358,7 +358,7 @@ TEST(UnnamedTeam, AllocatesNothing) {
 }
 
 // A track received in the middle of a step is predicted to its end. The prediction uses the elapsed
-// time, and the time since the target was last observed at the time of sending.
+// time, and the time between the target's last observation and the sending of the track.
 TEST(UnnamedTeam, PropagatesReceivedTracksToItsTime) {
   const auto variance_m2 = [](const models::TargetModel& model, Time told_at, Time last_seen) {
     FilterSpec spec = spec_of(0);
@@ -384,7 +384,7 @@ TEST(UnnamedTeam, PropagatesReceivedTracksToItsTime) {
               1e-9);
   EXPECT_NEAR(variance_m2(walk, instant(2), instant(-4)), 0.04, 1e-9);
   const models::TargetModel growing{models::TargetKind::kGrowingUncertainty, 2, 0.01};
-  // One step, with the noise of the third step since the last observation.
+  // The prediction is one step with the noise of the third step since the last observation.
   EXPECT_NEAR(variance_m2(growing, instant(1), instant(-2)), 0.04 + 0.01 * 3, 1e-9);
   EXPECT_NEAR(variance_m2(growing, instant(1), instant(1)), 0.04, 1e-9);
 }

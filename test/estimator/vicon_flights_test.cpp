@@ -14,19 +14,20 @@
 #include "test/estimator/csv.hpp"
 #include "test/estimator/filter_support.hpp"
 
-// Real flights (EuRoC V1_01 … V1_03): one is the observer, two are the targets, and measurements
-// are made from Vicon poses, as in the dissertation's hardware experiment.
+// Real flights (EuRoC V1_01 … V1_03): one observer and two targets. Measurements are simulated from
+// Vicon poses, as in the dissertation's hardware experiment.
 
 namespace vantage::estimator {
 namespace {
 
-constexpr int kStride = 10;  // of 100 Hz rows: looks at 10 Hz
+constexpr int kStride = 10;  // rows of 100 Hz; observations at 10 Hz
 constexpr double kLook_s = 0.1;
-/// The flights pass through each other (they were not flown together); a real pair would not.
+/// m; minimum distance of an observation. The flights were not simultaneous, so their paths may
+/// intersect.
 constexpr double kNearest_m = 0.3;
-constexpr unsigned kSeeds = 40;                // of the measurement noise
+constexpr unsigned kSeeds = 40;                // draws of the measurement noise
 constexpr double kNees95 = 5.991464547107979;  // χ²₂
-constexpr double kBand95 = 2.05;               // Student's t of about 29 degrees of freedom
+constexpr double kBand95 = 2.05;               // Student's t, about 29 degrees of freedom
 
 using Track3 = std::vector<std::vector<double>>;  // t x y z qw qx qy qz
 
@@ -35,8 +36,8 @@ Pose3 pose_of(const std::vector<double>& row) {
           Eigen::Quaterniond(row[4], row[5], row[6], row[7]).normalized()};
 }
 
-/// The white-acceleration density that is no less than the flight's own at any time scale that
-/// matters: max over Δ of ½ E‖v(t + Δ) − v(t)‖²/Δ, m²/s³ a coordinate.
+/// Returns the white-acceleration density, m²/s³ per coordinate, that covers the flight at all
+/// relevant time scales: the maximum over Δ of ½ E‖v(t + Δ) − v(t)‖²/Δ.
 double acceleration_density(const Track3& track) {
   std::vector<Eigen::Vector2d> velocity;
   for (std::size_t i = kStride; i < track.size(); i += kStride) {
@@ -73,8 +74,8 @@ MeanOf mean_of(const std::vector<double>& samples) {
   return out;
 }
 
-/// NEES of one seed by stretch of flight and target. Errors of a second or two depend on each
-/// other; stretches of five do not.
+/// Mean NEES of one seed per target and flight section of 5 s. Errors are correlated over one or
+/// two seconds, so sections are independent.
 class Stretches {
  public:
   void add(std::size_t row, int target, double nees) {
@@ -143,7 +144,7 @@ TEST_P(ViconFlights, ErrorsMatchTheFiltersCovariance) {
         }
       }
       test::take_step(filter, t, from, {look});
-      if (i < 1000) {  // settle for ten seconds
+      if (i < 1000) {  // the first ten seconds are not evaluated
         continue;
       }
       for (const models::Detection& d : look.detections) {
@@ -168,8 +169,8 @@ TEST_P(ViconFlights, ErrorsMatchTheFiltersCovariance) {
   const double rmse_m = std::sqrt(squared_m2 / samples);
   const double sigma_m = std::sqrt(variance_m2 / samples);
   const double raw_m = std::sqrt(raw_m2 / samples);
-  // The noise is drawn forty times but the flights were flown once. The uncertainty of the mean
-  // NEES is therefore estimated from the differences between stretches of flight.
+  // The noise is drawn forty times, but each flight exists once. The uncertainty of the mean NEES
+  // is therefore estimated from the differences between flight sections.
   std::vector<double> over_seeds(stretches.front().size());
   std::vector<double> off;  // by seed, in standard errors
   for (const std::vector<double>& of : stretches) {
@@ -190,10 +191,10 @@ TEST_P(ViconFlights, ErrorsMatchTheFiltersCovariance) {
             << *lowest << " to " << *highest << " standard errors off, " << in_band << " of "
             << kSeeds << " in their 95 % band; inside the 95 % ellipse " << inside / samples
             << "\n";
-  // All seeds together, and each alone: 3.7 standard errors are exceeded once in a thousand, and
-  // six of forty are outside their bands once in seventy.
+  // Chance exceeds 3.7 standard errors once in a thousand. Chance puts six of forty seeds outside
+  // their bands once in seventy.
   EXPECT_NEAR(whole.mean, 2.0, 3.7 * whole.error);
-  EXPECT_LT(whole.error, 0.1);  // otherwise the band is too wide to test anything
+  EXPECT_LT(whole.error, 0.1);  // otherwise the test is too weak
   EXPECT_GT(*lowest, -3.7);
   EXPECT_LT(*highest, 3.7);
   EXPECT_GE(in_band, 35);

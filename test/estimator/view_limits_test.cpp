@@ -39,7 +39,7 @@ LimitSoftness softness_of(const models::SensorModel& sensor, const models::Posit
   return limit_softness(sensor, models::noise_covariance(sensor, eye(), y_m));
 }
 
-/// `sensor` with each limit where it may have been.
+/// Returns `sensor` with each limit displaced at random, according to its softness.
 models::SensorModel displaced(models::SensorModel sensor, const LimitSoftness& softness,
                               double range_m, std::mt19937_64& rng) {
   std::normal_distribution<double> normal;
@@ -51,7 +51,8 @@ models::SensorModel displaced(models::SensorModel sensor, const LimitSoftness& s
   return sensor;
 }
 
-/// A place near the far limit or an edge of view, and inside the other.
+/// Returns a position near the maximum range or near an edge of the field of view, and within the
+/// other limit.
 Eigen::Vector2d place_near_a_limit(double off_m, std::mt19937_64& rng) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const bool is_far = unit(rng) > 0.0;
@@ -88,7 +89,7 @@ constexpr double kNoDepth_m = std::numeric_limits<double>::infinity();
 
 double normal_below(double sigmas) { return 0.5 * std::erfc(-sigmas / std::sqrt(2.0)); }
 
-/// Limits far from each other, so that one at a time matters.
+/// Returns a sensor with limits far apart, so that only one limit at a time has an effect.
 models::SensorModel wide_sensor(models::SensorKind kind) {
   models::SensorModel sensor = lab_sensor(kind);
   sensor.range_min_m = 2.0;
@@ -152,15 +153,15 @@ TEST(ViewProbability, IsANormalDistributionAtEachLimit) {
     };
     is(sensor, 10.0 - 0.1 * n, 5.0, 0.0, kNoDepth_m);
     is(sensor, 5.0, 5.0, 0.0, 0.5 + 0.1 * n);
-    is(sensor, 6.0, 2.0 + 0.1 * n, 0.0, kNoDepth_m);  // a bearing's least distance is horizontal
-    is(camera, 2.0 + 0.1 * n, 1.0, 0.0, 1.5);         // a camera's is in space
+    is(sensor, 6.0, 2.0 + 0.1 * n, 0.0, kNoDepth_m);  // horizontal minimum distance
+    is(camera, 2.0 + 0.1 * n, 1.0, 0.0, 1.5);         // distance in space
     is(camera, 6.0, 1.0, 0.0, 0.5 + 0.1 * n);
     for (const double side : {-1.0, 1.0}) {
       is(sensor, 4.0, 4.0, side * (1.0 - side_rad * n), kNoDepth_m);
       is(sensor, 4.0, 4.0, side * (1.0 - side_rad * n - 2.0 * kPi), kNoDepth_m);
     }
   }
-  // All limits at once: the product of the single probabilities.
+  // With several limits, the result is the product of their probabilities.
   const double side_there_rad = std::hypot(0.02, 0.1 / 2.05);
   EXPECT_NEAR(view_probability(sensor, soft, 9.95, 2.05, 1.0 + side_there_rad, 0.7),
               normal_below(0.5) * normal_below(0.5) * normal_below(-1.0) * normal_below(2.0),
@@ -178,7 +179,7 @@ TEST(ViewProbability, IsOneFarFromLimits) {
   EXPECT_GT(at_range(10.0 + 0.59), 0.0);
   EXPECT_EQ(at_range(2.0 - 0.61), 0.0);
   EXPECT_GT(at_range(2.0 - 0.59), 0.0);
-  // Above the target every direction is sideways; behind the image plane nothing is.
+  // Nothing is visible at a horizontal distance of 0 or behind the image plane.
   EXPECT_NEAR(view_probability(sensor, soft, 6.0, 0.0, 0.0, kNoDepth_m), 0.0, 1e-12);
   sensor.range_min_m = 0.0;
   EXPECT_EQ(at_range(5.0), 1.0);
@@ -210,7 +211,7 @@ TEST(ViewProbability, IsAProductOverRangeBearingAndDepth) {
       EXPECT_NEAR(view_probability(sensor, soft, from, in_space_m),
                   view_probability(sensor, soft, range_m, away_m, bearing_rad, kNoDepth_m), 1e-9);
       sensor = wide_sensor(models::SensorKind::kCamera);
-      sensor.camera_tilt_rad = 0.5 * kPi;  // straight down: depth is height
+      sensor.camera_tilt_rad = 0.5 * kPi;  // rad; straight down, depth is height
       sensor.depth_min_m = 3.1;
       EXPECT_NEAR(view_probability(sensor, soft, from, in_space_m),
                   view_probability(sensor, soft, range_m, away_m, bearing_rad, 3.2), 1e-9);
@@ -222,7 +223,7 @@ TEST(ViewProbability, IsAProductOverRangeBearingAndDepth) {
                   1e-9);
     }
   }
-  // At the sensor itself a range has no direction, but a position does.
+  // At the sensor's own position, a range has no direction, but a position measurement is defined.
   models::SensorModel sensor = wide_sensor(models::SensorKind::kRange);
   sensor.range_min_m = 0.0;
   sensor.fov_rad = 2.0 * kPi;
@@ -244,7 +245,7 @@ TEST(ViewProbability, IsZeroOrOneForExactLimits) {
 }
 
 // Truth is drawn from the prior and observed if it is within the displaced limits. If the moments
-// are correct, the mean of ε' Σ⁻¹ ε is 2, whatever the posterior's shape.
+// are correct, the mean of ε' Σ⁻¹ ε is 2, for any shape of the posterior.
 TEST(Measure, IsConsistentWithInaccurateLimits) {
   constexpr int kCases = 1500;
   constexpr double kSigma_m = 0.02;
