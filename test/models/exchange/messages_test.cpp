@@ -65,7 +65,8 @@ TEST(Neighbours, AreRobotsWithinAHorizontalDistance) {
   const std::vector<std::string> robots{"q1", "q2", "q3", "q4", "q5"};
   std::vector<std::uint8_t> is_near{0, 7, 7, 7, 7};
   find_neighbours(frame, robots, 0, 5.0, is_near);
-  // A distance of exactly five metres counts as near; robots that are not seen keep their flag.
+  // A distance of exactly five metres counts as near; robots that are not in the frame keep their
+  // flag.
   EXPECT_EQ(is_near, (std::vector<std::uint8_t>{0, 1, 0, 7, 7}));
   find_neighbours(frame, robots, 0, 5.0 - 1e-9, is_near);
   EXPECT_EQ(is_near, (std::vector<std::uint8_t>{0, 0, 0, 7, 7}));

@@ -49,7 +49,8 @@ double EnumeratedBeam::integral(const std::function<double(double)>& f) const {
     while (++k < means_m_.size() && means_m_[k] - 10.0 * sigma_m_ <= end_m) {
       end_m = means_m_[k] + 10.0 * sigma_m_;
     }
-    // For functions that decay this fast at both ends, the trapezium rule is exact to e^−39.
+    // For functions with Gaussian decay at both ends, the trapezium rule has a relative error of
+    // e^−39.
     const int steps = static_cast<int>(std::ceil((end_m - begin_m) / (0.5 * sigma_m_)));
     const double step_m = (end_m - begin_m) / steps;
     for (int i = 0; i <= steps; ++i) {

@@ -24,7 +24,7 @@ class EnumeratedBeam {
   [[nodiscard]] double density(const Map& map, double z_m) const;
   /// Returns Σ_m p(m) N(z; mean of m, σ²).
   [[nodiscard]] double density(double z_m) const;
-  /// Returns ∫ f(z) dz over the readings of all maps. `f` must vanish 10 σ away from them.
+  /// Returns ∫ f(z) dz over the readings of all maps. `f` must be 0 at 10 σ from all mean readings.
   [[nodiscard]] double integral(const std::function<double(double)>& f) const;
 
  private:

@@ -25,7 +25,7 @@ TEST(OccupancyBelief, AddsLogOddsByBayesRule) {
   OccupancyBelief belief(kGrid, 10.0);
   belief.add_log_odds(3, std::log(0.9 / 0.2));  // P(hit | occupied) / P(hit | free)
   EXPECT_NEAR(belief.occupancy(3), 0.9 / (0.9 + 0.2), 1e-12);
-  belief.add_log_odds(3, std::log(0.1 / 0.8));  // the same for a miss
+  belief.add_log_odds(3, std::log(0.1 / 0.8));  // P(miss | occupied) / P(miss | free)
   EXPECT_NEAR(belief.occupancy(3), 0.09 / (0.09 + 0.16), 1e-12);
 }
 

@@ -93,7 +93,8 @@ TEST(InformationBound, IsNeverExceededFromAnyReachableViewpoint) {
   }
 }
 
-// A consistent heuristic needs this: what is reachable after a step was reachable before it.
+// A consistent heuristic requires this property: each viewpoint that is reachable after a step was
+// also reachable before the step.
 TEST(InformationBound, IsMonotonicInTheReach) {
   test::Random random(72);
   for (const SensorKind kind : kKinds) {

@@ -18,8 +18,8 @@ using test::kKinds;
 using test::of_kind;
 using test::random_target;
 
-// The planar law for planners equals information() for each observation: along the line of sight,
-// across it, and in all directions.
+// The planar law of planners has the information of information(), along and across the line of
+// sight and in all directions.
 TEST(SensorLaw, PlanarLawEqualsInformation) {
   test::Random random(68);
   for (const SensorKind kind : kKinds) {
@@ -119,7 +119,7 @@ TEST(Viewpoints, DistanceIncludesHeight) {
   EXPECT_EQ(distance_m(a, a), 0.0);
 }
 
-// Each noise variance is the square of its own sigma and depends on nothing else.
+// Each noise variance is the square of its sigma and independent of all other parameters.
 TEST(NoiseCovariance, IsTheSquareOfTheSigmas) {
   SensorModel sensor;
   sensor.range_sigma_m = 2.0;

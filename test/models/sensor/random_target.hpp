@@ -3,7 +3,7 @@
 #include "models/sensor/sensor.hpp"
 #include "test/support/random.hpp"
 
-// Sensors of each kind, and random targets around them.
+// Test sensors of each kind, and random targets around a sensor.
 
 namespace vantage::test {
 

@@ -222,7 +222,7 @@ TEST(RegionCost, SumsOverlappingRegionsWithTheirEdges) {
   EXPECT_EQ(region_cost(world, {5.0, 5.0}), 0.0);
 }
 
-// If exactly kMax obstacles are near, the list is complete; with one more it is not.
+// A list of exactly kMax near obstacles is complete; with one more obstacle the list is incomplete.
 TEST(NearbyObstacles, ReportOverflow) {
   World world{{{-50, -50}, {50, 50}}, 3.0, {}, {}};
   for (std::size_t i = 0; i < NearbyObstacles::kMax; ++i) {

@@ -129,8 +129,8 @@ TEST(Frontiers, AreTheUnexploredFreeNeighboursOfExploredCells) {
   EXPECT_EQ(grid.frontiers(kNow, 0.0), expected);
 }
 
-// Frontiers are kept greedily in index order: each kept one is far from all earlier kept ones, each
-// dropped one is not.
+// Frontiers are kept greedily in index order: a frontier is kept if it is far from all frontiers
+// kept before it.
 TEST(Frontiers, AreThinnedGreedilyInIndexOrder) {
   const World world = lab();
   for (const double spacing_m : {0.1, 0.25, 0.6, 1.0, 3.0, 100.0}) {
