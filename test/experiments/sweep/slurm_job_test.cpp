@@ -35,7 +35,8 @@ TEST(SlurmScripts, PassArgumentsAndTheTasksShard) {
   EXPECT_EQ(scripts.shards.substr(0, 10), "#!/bin/sh\n");
 }
 
-// Together the listed shards contain all open units, and each of them is needed.
+// The listed shards together contain all missing units, and every listed shard contains at least
+// one of them.
 TEST(ShardsLacking, CoverAllMissingUnits) {
   std::mt19937 rng(7);
   for (int round = 0; round < 200; ++round) {

@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 
 const SweepIdentity kIdentity{"counting", "1.0+abc", 5, false};
 
-// A sweep of three settings, one of them run once; counts how often a unit is run.
+// Returns a sweep of three settings, one of which has a single unit. `runs` counts the units that
+// have run.
 Sweep counting_sweep(std::atomic<int>& runs) {
   Sweep sweep;
   sweep.plan.setting_columns = "name,size";
@@ -355,7 +356,8 @@ TEST_F(Sweeps, KeepCompleteLinesOnAFullDisk) {
   EXPECT_EQ(stored.torn, 0U);
 }
 
-// Processes that start together; some create their rows before others have checked.
+// Several processes start simultaneously, so some create their rows before others have checked the
+// directory.
 TEST_F(Sweeps, AllowSimultaneousShards) {
   const SweepPlan plan = counting_sweep(runs_).plan;
   for (int turn = 0; turn < 100; ++turn) {
