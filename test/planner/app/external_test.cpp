@@ -89,7 +89,7 @@ TEST_F(ExternalTest, FallsBackInTimeWithoutAnswer) {
   EXPECT_FALSE(plans_[0].late);
 }
 
-// A planner that is woken after the deadline for answers sends no question and uses its own plan.
+// A planner that is woken after the deadline for answers sends no request and uses its own plan.
 TEST_F(ExternalTest, SendsNoQuestionAfterAnswerDeadline) {
   start(external_scenario());
   world_.subscribe<models::RobotPlan>(
@@ -152,7 +152,7 @@ TEST_F(ExternalTest, ContinuesItsPlanWithoutAnAnswer) {
   EXPECT_EQ(count("external_late"), 1) << "of a round that is long over";
 }
 
-// The planner is woken only after the slot, but it sent its question in time. The slot does not
+// The planner is woken only after the slot, but it sent its request in time. The slot does not
 // count as skipped.
 TEST_F(ExternalTest, PlansAtTheEndOfItsSlotAfterARequest) {
   start(external_scenario());

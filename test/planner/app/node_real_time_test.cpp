@@ -18,7 +18,8 @@ namespace {
 using namespace std::chrono_literals;
 using test::PlannerNodeTest;
 
-/// A clock that reports real time to the node but only moves when the test sets it.
+/// A clock that the node regards as a real-time clock, but that advances only when the test sets
+/// it.
 class RealClock : public bus::Clock {
  public:
   [[nodiscard]] Time now() const override { return now_; }
@@ -29,7 +30,7 @@ class RealClock : public bus::Clock {
   Time now_{};
 };
 
-// A restarted planner listens for one round and 350 ms. In that time it receives the status of its
+// A restarted planner waits for one round plus 350 ms. In that time it receives the status of its
 // vehicle and the plans of its teammates.
 TEST_F(PlannerNodeTest, WaitsForMessagesFirstOnlyInRealTime) {
   const scenario::Scenario scenario = test::lab_scenario();
@@ -125,7 +126,7 @@ class PlannerOfABusyHost : public PlannerNodeTest, public ::testing::WithParamIn
 INSTANTIATE_TEST_SUITE_P(WithADriver, PlannerOfABusyHost, ::testing::Bool());
 
 // The planner of a vehicle with a driver brakes if it waited too long for a processor within the
-// last second. It searches again as soon as the machine is free.
+// last second. It searches again when the machine is no longer busy.
 TEST_P(PlannerOfABusyHost, PlansAStopWhileItWaitsForAProcessor) {
   struct Row {
     double wait_s;

@@ -134,8 +134,8 @@ TEST_F(PlannerNodeTest, NamesOwnMessagesAsOnTheBus) {
   EXPECT_EQ(node_->deadlines_missed(), 0);
 }
 
-// The planner plans until the last microsecond of its slot. From the end on it waits for the next
-// slot.
+// The planner may begin to plan until the last microsecond of its slot. After that it waits for the
+// next slot.
 TEST_F(PlannerNodeTest, SkipsOnlySlotsThatItMissed) {
   start(test::lab_scenario());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);

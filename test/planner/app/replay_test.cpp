@@ -30,7 +30,7 @@ class ReplayTest : public test::PlannerNodeTest {
 
   void start_both(const scenario::Scenario& scenario) {
     scenario_ = scenario;
-    start_replay();  // it must receive all messages from the beginning
+    start_replay();  // receives all messages from the start
     start(scenario);
   }
 
@@ -342,8 +342,8 @@ TEST_F(ReplayTest, PlansInTheLoggedSlot) {
   EXPECT_EQ(again_[1].slot_start, begins[1]);
 }
 
-// Inputs may be logged after the message that they led to. The replay waits two seconds for them
-// and then continues with the next message.
+// Inputs may be logged after the message that was computed from them. The replay waits two seconds
+// for them and then continues with the next message.
 TEST_F(ReplayTest, WaitsForMissingInputs) {
   start_without_planner(test::lab_scenario());
   EXPECT_EQ(replay_->next_tick(), clock_.now());
@@ -387,7 +387,8 @@ TEST_F(ReplayTest, SkipsMessageWith31Waiting) {
   expect_counts(0, 31, 1);
 }
 
-// The replay finds the oldest message that it keeps per channel, but not the one before it.
+// The replay keeps a limited number of messages per channel. It finds the oldest of these as an
+// input, but not the message before.
 TEST_F(ReplayTest, KeepsLimitedMessagesPerChannel) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.objective = scenario::PlanObjective::kMapping;

@@ -90,8 +90,8 @@ TEST(CandidateTrajectories, MatchTheirControls) {
   }
 }
 
-// The stand-alone gains that the search supplies equal those of the oracle bit for bit, and save
-// all its calls.
+// The stand-alone gains that the search supplies equal those of the oracle bit for bit, so the
+// oracle needs no calls.
 TEST(CandidateTrajectories, SupplyStandAloneGain) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   const EnergyModel energy{0.3, 0.0, 1.0, 2.0, {}};

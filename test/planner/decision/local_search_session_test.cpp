@@ -279,7 +279,8 @@ TEST(LocalSearchSession, ProposesSameAfterAnyInterruption) {
   }
 }
 
-// A session that received only the newest message continues from it as its sender does.
+// A session that received only the newest message continues in the same way as the sender of that
+// message.
 TEST(LocalSearchSession, NeedsOnlyNewestMessage) {
   int heard = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {

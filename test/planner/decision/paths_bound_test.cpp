@@ -188,8 +188,8 @@ SearchProblem observer_robot(double x_m, double sigma_m) {
   return problem;
 }
 
-/// Returns the information, nats, about a target of variance 1 m² that gains `told` per step for
-/// three steps.
+/// Returns the total information, nats, about a target of variance 1 m² with a measurement of
+/// information `told` in each of three steps.
 double known_nats(double told, InformationMeasure measure) {
   return measure == InformationMeasure::kMutual
              ? std::log(1.0 + 3.0 * told)

@@ -11,7 +11,7 @@ namespace vantage::test {
 struct InstanceLimits {
   int robots_max = 4;
   int candidates_max = 4;   ///< per robot; some robots have none
-  double cost_max = 0.0;    ///< nats; 0: trajectories cost nothing
+  double cost_max = 0.0;    ///< nats; 0: trajectories have no cost
   int candidates_all = 99;  ///< sum over the team
 };
 

@@ -103,7 +103,7 @@ TEST(BlockKernels, PredictLikeTheModels) {
   });
 }
 
-// Blocks of many targets are stored one after another, so a kernel must not write beyond its own.
+// Blocks of targets are contiguous in memory, so a kernel must not write beyond its block.
 TEST(BlockKernels, WriteOnlyTheirOwnBlock) {
   for_random_blocks([](const Case& c, std::mt19937_64&) {
     constexpr double kUntouched = -12345.0;
@@ -161,8 +161,8 @@ TEST(BlockKernels, ComputeCostWithoutUpdate) {
   });
 }
 
-// Information far sharper than the prior, as from a near camera, compared with (Σ⁻¹ + M)⁻¹ in long
-// double.
+// If the information greatly exceeds that of the prior, as from a near camera, the result must
+// equal (Σ⁻¹ + M)⁻¹ in long double.
 TEST(BlockKernels, StayExactForSharpestMeasurements) {
   using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   std::mt19937_64 rng(24);

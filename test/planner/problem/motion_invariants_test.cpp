@@ -86,7 +86,8 @@ void for_crowded_problems(const Look& look) {
   EXPECT_GT(moves_on, 50);
 }
 
-// A motion is free of all teammates if and only if it is free of each, in any order.
+// A motion is free with all teammates if and only if it is free with each single teammate, in any
+// order.
 TEST(MotionTable, FreeOfAllEqualsFreeOfEach) {
   for_crowded_problems(
       [](const SearchProblem& problem, const Pose2& from, int depth, const Answers& answers) {

@@ -362,7 +362,7 @@ TEST(Plans, MoveAwayFromATooNearTeammate) {
   }
 }
 
-// Driving an arc back in reverse sweeps the same area.
+// An arc and the same arc in reverse sweep the same area, so both have the same result.
 TEST(ArcIsClear, IsSymmetricInDirection) {
   std::mt19937_64 rng(36);
   int clear = 0;

@@ -349,7 +349,8 @@ TEST(ReducedValueIteration, RefusesInvalidOptions) {
   }
 }
 
-// One step, one static target, one position sensor: (1 + 1/σ²)⁻¹ on both axes.
+// With one step, one static target and one position sensor, the variance on both axes is (1 +
+// 1/σ²)⁻¹.
 TEST(Score, EqualsHandComputation) {
   SearchProblem problem;
   problem.horizon_steps = 2;

@@ -57,7 +57,7 @@ TEST(IsFree, DetectsATeammateThatCirclesWithinOneStep) {
   EXPECT_FALSE(motion.is_free({}, 1.0, 0.0, 0, 0));
 }
 
-// Opposite turns within one piece cancel, but the path still bulges beyond its chord.
+// Opposite turns of a teammate within one piece cancel, but its path still bulges beyond the chord.
 TEST(IsFree, AccountsForTurnsWithinATeammatesPiece) {
   std::mt19937_64 rng(33);
   for (int i = 0; i < 400; ++i) {
@@ -170,8 +170,8 @@ TEST(CanStop, AddsExactlyItsBrakingPath) {
   }
 }
 
-// An arc bulges beyond its chords, left or right. With a required separation slightly above the
-// actual one, it must be refused.
+// An arc bulges beyond its chords, left or right. An arc must be refused if the required separation
+// is slightly above the actual one.
 TEST(IsFree, AccountsForTheBulgeOfItsArc) {
   std::mt19937_64 rng(35);
   int accepted = 0;

@@ -174,8 +174,8 @@ TEST_F(KeptFrom, SilentOrOffPlanTeammateAtSeenPosition) {
       EXPECT_NEAR(others[0].height_m, 1.0, 1e-12) << "it may come down through our height";
     }
   }
-  // Until its plan starts, a teammate may be as far from the plan as it can fly in the time that is
-  // left.
+  // Until its plan starts, a teammate may be as far from the plan as it can fly in the remaining
+  // time.
   inputs = test::first_inputs(scenario, 0);
   follows(FlightState::kFollow, 0.1, {0.0, 1.2, 0.0});
   inputs.team_plans["Q2"].trajectory.start_time = inputs.mocap->stamp.time + from_seconds(0.5);

@@ -43,8 +43,9 @@ TEST(RobotPlanner, StartsWhereItsVehicleHolds) {
   EXPECT_EQ(start(models::FlightState::kHold, {0.1, 0.1, 0.3}), planned);  // within the tolerance
 }
 
-// A vehicle that hovers slightly off its plan is returned to it by its tracking controller. Beyond
-// the tolerance, or turned by more than 0.4 rad to any side, its plan begins at its set-point.
+// The tracking controller returns a vehicle that hovers slightly off its plan. Beyond the
+// tolerance, or with a heading error above 0.4 rad, the next plan begins at the vehicle's
+// set-point.
 TEST(RobotPlanner, StartsOnItsPlanWithinTheTolerance) {
   const scenario::Scenario scenario = test::lab_scenario();
   RobotPlanner planner(scenario, "Q1");
@@ -245,12 +246,12 @@ TEST(RobotPlanner, KeepsClearOfHeightsThatAClimbOrLandingPasses) {
     return planner.problem().teammates.back().height_m;
   };
   using models::FlightState;
-  // Climbing from 0.2 m to 1.5 m, it passes 1 m but does not reach 2 m.
+  // A climb of Q2 from 0.2 m to 1.5 m passes 1 m but does not reach 2 m.
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 0.2), 1.0);
   EXPECT_DOUBLE_EQ(kept_at_m("Q3", FlightState::kHold, 0.2), 1.5);
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 1.2), 1.2);
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 1.5), 1.5);
-  // Landing from 1.4 m it passes 1 m; from 0.6 m it does not.
+  // A landing from 1.4 m passes 1 m; a landing from 0.6 m does not.
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kLand, 1.4), 1.0);
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kLand, 0.6), 0.6);
   EXPECT_DOUBLE_EQ(kept_at_m("Q3", FlightState::kLand, 1.4), 1.4);
@@ -289,7 +290,8 @@ TEST(RobotPlanner, KeepsClearOfGroundedTeammateAtBothHeights) {
   EXPECT_EQ(kept_at_m(models::FlightState::kFollow, 0.0), Heights{});
 }
 
-// A vehicle whose driver does not run sends no status, but its position is still kept clear.
+// If the driver of a vehicle does not run, no status is sent, but the vehicle's position is still
+// kept clear.
 TEST(RobotPlanner, KeepsClearOfGroundedTeammateWithoutStatus) {
   const scenario::Scenario scenario = test::lab_scenario();
   PlanInputs inputs = test::first_inputs(scenario, 0);
@@ -332,7 +334,7 @@ TEST(RobotPlanner, PlansWithWholeTeamOnGround) {
   }
 }
 
-// In a flight, the operator stopped a vehicle half a metre from a wall, facing it. It hovered there
+// In a flight, the operator stopped a vehicle that faced a wall at 0.5 m. The vehicle hovered there
 // for seven minutes, because no primitive turns on the spot.
 TEST(RobotPlanner, TurnsOnTheSpotNearAWall) {
   scenario::Scenario scenario = test::lab_scenario();

@@ -73,8 +73,8 @@ INSTANTIATE_TEST_SUITE_P(Teams, EnergyAtRest,
                          testing::Values(scenario::TeamAlgorithm::kLocalSearch,
                                          scenario::TeamAlgorithm::kCoordinateDescent));
 
-// A robot that pays for energy may hover. Without turning, it would hover permanently if the wall
-// ahead is nearer than its tightest arc, because no primitive is feasible.
+// A robot with an energy cost may hover. If the wall ahead is nearer than the tightest arc, no
+// primitive is feasible, and without a turn the robot would hover permanently.
 TEST_P(EnergyAtRest, IsPaidForTurnsNearAWall) {
   set_price_nats(1e-6);
   for (const Pose2& start :

@@ -232,7 +232,7 @@ TEST(RobotPlanner, RefusesInvalidProposals) {
   EXPECT_EQ(exchange->hear(late), Heard::kOtherRound);
 }
 
-// Each team algorithm uses its own kind of message only.
+// Each team algorithm uses one kind of message only.
 TEST(RobotPlanner, ProposesOnlyForItsTeamAlgorithm) {
   scenario::Scenario scenario = energy_scenario();
   const PlanInputs inputs = first_inputs(scenario, 0, 3);
@@ -367,8 +367,8 @@ TEST(RobotPlanner, HoversWithoutCurrentSolution) {
   EXPECT_GE(moving, 1);
 }
 
-// A solution begins where the team assumed this robot to be. The robot flies it only if it is
-// within the tracking tolerance of that position, in every direction.
+// A solution begins at the position that the team assumed for this robot. The robot flies the
+// solution only within the tracking tolerance of that position, in any direction.
 TEST(RobotPlanner, RefusesSolutionsWithAnotherStart) {
   const scenario::Scenario scenario = energy_scenario();
   const double tolerance_m = scenario.planner.tracking_tolerance_m;

@@ -143,7 +143,7 @@ TEST_F(MotionOfAnswer, LastsOneHorizonAndAStop) {
   EXPECT_FALSE(motion(driven({stop(1.5), stop(0.5 + 1e-6)})));
   EXPECT_TRUE(motion(driven(std::vector<models::PlanSegment>(16, drive(0.1)))));
   EXPECT_FALSE(motion(driven(std::vector<models::PlanSegment>(17, drive(0.1)))));
-  // A vehicle accepts 64 segments, and one of them is the stop.
+  // A vehicle accepts 64 segments, including the stop.
   planner_.horizon_steps = 40;
   EXPECT_TRUE(motion(driven(std::vector<models::PlanSegment>(63, drive(0.1)))));
   EXPECT_FALSE(motion(driven(std::vector<models::PlanSegment>(64, drive(0.1)))));

@@ -84,7 +84,7 @@ TEST(BlankPlan, HasNoMotionOrCertificate) {
   EXPECT_TRUE(plan.trajectory.segments.empty());
 }
 
-// The plan carries the certificate of the search. It is refused if it comes too near to a wall.
+// The plan contains the certificate of the search. A plan that is too near to a wall is refused.
 TEST_F(Ladder, FliesSearchResult) {
   SearchResult result;
   result.controls = {0, 1};

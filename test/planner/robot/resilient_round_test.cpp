@@ -37,7 +37,7 @@ TEST(RoundSchedule, ReceivesAllProposalsBeforeTheFirstPlan) {
   }
 }
 
-// Returns the sum of the information matrix traces of all targets; 0 when there is none.
+// Returns the sum of the information matrix traces of all targets; 0 without information.
 double information_sum(const std::vector<std::vector<models::PositionMatrix>>& information) {
   double sum = 0.0;
   for (const auto& of_target : information) {

@@ -261,7 +261,7 @@ TEST(RobotPlanner, KeepsPositionOfNonFollowingTeammateFree) {
   for (const scenario::RobotSpec& robot : scenario.robots) {
     inputs.mocap->bodies.push_back({robot.name, lift(robot.start, 0.0), false});
   }
-  // The target is beyond the teammate, whose plan is far away.
+  // The target is behind the teammate. The teammate's plan is far away.
   inputs.belief.emplace().stamp.time = inputs.slot.begin;
   const models::Gaussian guess{Eigen::Vector2d(1.2, 0.0), 0.3 * Eigen::Matrix2d::Identity()};
   inputs.belief->targets.push_back({0, *models::to_information(guess), inputs.slot.begin});
@@ -312,7 +312,7 @@ TEST(RobotPlanner, WaitsForTheEndOfAnUnknownPlan) {
     PlanInputs before = inputs;
     before.slot.is_proposal = true;
     EXPECT_EQ(planner.propose(before, Deadline::nodes(500)).has_value(), is_planned);
-    EXPECT_EQ(planner.counts().unknown_plan, is_planned ? 0 : 2);  // counts plans, not proposals
+    EXPECT_EQ(planner.counts().unknown_plan, is_planned ? 0 : 2);  // counter of plans only
     EXPECT_EQ(planner.counts().no_pose, 0);
     return is_planned;
   };

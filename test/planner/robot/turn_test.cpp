@@ -113,7 +113,8 @@ TEST_F(TurnToAWayOut, TurnsToTheNearestFreeHeading) {
   EXPECT_EQ(side_of({-9.6, -9.6, radians(-90.0)}), 1);
 }
 
-// At the closed end of a lane only the way back is feasible; between four walls no heading is.
+// At the closed end of a lane only the reverse heading is feasible; between four walls no heading
+// is feasible.
 TEST_F(TurnToAWayOut, ReversesInADeadEnd) {
   world_.obstacles = {{{{0.0, 0.4}, {3.0, 1.0}}, 2.0},
                       {{{0.0, -1.0}, {3.0, -0.4}}, 2.0},

@@ -105,8 +105,8 @@ TEST(RobotPlanner, MovesAwayFromATooNearTeammate) {
   }
 }
 
-// In a flight, two robots that hovered at the smallest allowed distance, one facing the other,
-// stayed there.
+// In a flight, two robots that hovered at the smallest allowed distance, one facing the other, did
+// not move away.
 TEST(RobotPlanner, MovesAwayFromATeammateAtTheLimit) {
   for (int i = 0; i < 8; ++i) {
     NearTeammate robot({{asked_m() + 0.004, 0.0, wrap_to_pi(i * kPi / 4.0)}}, {}, {3.0, 1.5});
@@ -118,8 +118,8 @@ TEST(RobotPlanner, MovesAwayFromATeammateAtTheLimit) {
   }
 }
 
-// Poses from a flight: 1.024 m apart in three dimensions where 1.0 m was required, at two heights,
-// each nearly facing the other.
+// Poses from a flight: 1.024 m apart in three dimensions where 1.0 m was required, at different
+// heights, almost facing each other.
 TEST(RobotPlanner, MovesAwayFromATeammateAtAnotherHeight) {
   const Place q2{{0.894, 0.802, -1.745}, 1.5};
   const Place q3{{0.292, 0.142, 0.942}, 2.0};

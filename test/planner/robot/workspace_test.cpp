@@ -37,7 +37,7 @@ TEST(Workspace, LimitsFieldResolution) {
 }
 
 // A search has memory for each target, its mixture components and the landmarks. For each robot it
-// has memory for a plan, its ground position and its flight position. More than that is refused.
+// has memory for a plan, its ground position and its flight position. Larger problems are refused.
 TEST(Workspace, HasCapacityForAnyRound) {
   scenario::Scenario scenario = test::lab_scenario();
   for (const auto& [landmarks_max, has_parts] :

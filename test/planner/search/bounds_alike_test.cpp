@@ -104,8 +104,8 @@ SearchProblem transformed(const SearchProblem& problem, bool is_mirrored, double
   return out;
 }
 
-/// A robot among several targets that move, stay or spread, so near that all parts of the bounds
-/// contribute.
+/// Returns a problem with several moving and static targets so near to the robot that all parts of
+/// the bounds contribute.
 SearchProblem crowded(std::mt19937_64& rng) {
   SearchProblem problem;
   problem.start = {uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0), uniform(rng, -kPi, kPi)};

@@ -89,7 +89,7 @@ class Bounds {
 };
 
 /// Tests half of the requested problems, each made by draw(rng, seed) with seeds that were not used
-/// to choose settings. @return the share that has a plan
+/// for the choice of settings. @return share of problems with a plan
 template <class Draw>
 double expect_below_every_plan(const Draw& draw) {
   Bounds bounds;

@@ -127,7 +127,7 @@ TEST(GeodesicTable, IsAMetricForOverlappingBoxes) {
   EXPECT_NEAR(table.between_m(0, 1), around_m, 1e-6);
 }
 
-// Returns the position after the world is mirrored if `is_mirrored` and then turned by quarters.
+// Returns the position, mirrored if `is_mirrored` and then rotated by `quarters` quarter turns.
 Eigen::Vector2d transformed(const Eigen::Vector2d& p_m, bool is_mirrored, int quarters) {
   Eigen::Vector2d out = is_mirrored ? Eigen::Vector2d(-p_m.x(), p_m.y()) : p_m;
   for (int i = 0; i < quarters; ++i) {

@@ -251,8 +251,8 @@ TEST_F(InformationHeuristicTest, FloorsAndOpenLoopCostEqualClosedForm) {
   EXPECT_GT(compared, 20);
 }
 
-// A moving target starts just within and just beyond reach of the k-th measurement, in the plane
-// and, at other heights, in space.
+// A moving target starts just within and just beyond the reach of the k-th measurement, for planar
+// targets and for spatial targets at other heights.
 TEST_F(InformationHeuristicTest, CountsFromFirstStepInRange) {
   for (const double drop_m : {0.0, 1.2, -1.2}) {
     SearchProblem problem;
@@ -475,7 +475,7 @@ TEST_F(InformationHeuristicTest, EqualsClosedFormForStaticAndFixedTargets) {
   EXPECT_TRUE(seen_fixed);
 }
 
-// A bearing without a least range has unlimited information, so neither a node nor a stage has a
+// A bearing sensor without a minimum range has unlimited information, so nodes and stages have no
 // bound.
 TEST_F(InformationHeuristicTest, HasNoBoundForUnlimitedInformation) {
   models::SensorModel sensor;

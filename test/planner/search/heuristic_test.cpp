@@ -22,7 +22,7 @@ OwnedProblem problem_with(models::SensorKind kind, std::uint64_t seed) {
   owned.problem.sensors.resize(1);
   models::SensorModel& sensor = owned.problem.sensors[0];
   sensor.kind = kind;
-  // Without a least distance the information would be unlimited.
+  // Without a minimum range the information would be unlimited.
   if (kind.law().measures_bearing || kind == test::signal_strength()) {
     sensor.range_min_m = std::max(sensor.range_min_m, 0.3);
   }

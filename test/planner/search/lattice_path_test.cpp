@@ -25,7 +25,7 @@ const models::SensorKind kKinds[] = {models::SensorKind::kRangeBearing,
                                      models::SensorKind::kBearing, models::SensorKind::kRange,
                                      models::SensorKind::kPosition};
 
-/// Returns a moving target whose belief has the same variances along both axes.
+/// Returns a moving target with equal variances along both axes.
 SearchTarget drifting(const Eigen::Vector2d& at_m, const Eigen::Vector2d& velocity_mps) {
   SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 0.01}, {}};
   target.prior.mean = models::StateVector::Zero(4);
@@ -232,7 +232,7 @@ TEST(LatticeBound, IsTightForASinglePath) {
           test::random_spd(rng, 4, uniform(rng, 0.1, 2.0), 1.0);
     }
     std::vector<Pose2> way;
-    bool is_plain = true;  // no range or view limit and no target is near
+    bool is_plain = true;  // far from range and view limits and from targets
     for (int k = 1; k <= problem.horizon_steps; ++k) {
       way.push_back(models::step_unicycle(way.empty() ? problem.start : way.back(),
                                           problem.controls[0], problem.step_s));

@@ -104,8 +104,8 @@ struct Tabled {
   LinearisedCost cost;
 };
 
-/// Returns the measures that apply. Mutual information counts the team's own measurements only, so
-/// it needs a problem without fixed information.
+/// Returns the measures that apply to `problem`. Mutual information counts the team's own
+/// measurements only, so it needs a problem without fixed information.
 std::vector<InformationMeasure> measures_of(const SearchProblem& problem) {
   std::vector<InformationMeasure> measures{InformationMeasure::kLogDet};
   if (problem.fixed_information.empty()) {

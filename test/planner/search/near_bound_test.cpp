@@ -313,7 +313,7 @@ TEST(NearBound, CountsOneNearMeasurementAndOthersFromAfar) {
       for (const SearchTarget& target : problem.targets) {
         const double away_m = (target.prior.mean.head<2>() - problem.start.position_m()).norm();
         const auto strength_from = [&](double r_m) {
-          // Below the least range the target is not visible; from there on it is.
+          // The target is visible from the minimum range on.
           const double from_m = std::max(r_m, sensor.range_min_m);
           const models::PositionVector origin = Eigen::Vector2d::Zero();
           return 0.5 * models::information(sensor, {{-from_m, 0.0, 0.0}, problem.height_m}, origin)
@@ -398,7 +398,7 @@ TEST_F(PassedOver, ReturnsOnlyAfterStepsOfControls) {
   const double after_three = bound_with({{chord, third_rad}});
   problem_.targets = {spread(1.0, 0.0)};
   const double always = bound_with({{1.0, 0.0}, {0.0, 0.0}});
-  constexpr double kOneLook = 3.0;  // least gain of one measurement from next to it, nats
+  constexpr double kOneLook = 3.0;  // nats; minimum gain of one near measurement
   EXPECT_GT(never, after_three + kOneLook);
   EXPECT_GT(after_three, always + kOneLook);
   EXPECT_GT(never, after_two + kOneLook);

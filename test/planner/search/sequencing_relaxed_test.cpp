@@ -273,8 +273,8 @@ TEST(SequencingBound, UsesTheNearestReachableStaticTargets) {
   EXPECT_TRUE(sequencing.is_empty());
 }
 
-// A control that ends in a box or behind a wall is infeasible, so the bound is that of the other
-// controls.
+// A control that ends in a box or behind a wall is infeasible, so the bound uses the other controls
+// only.
 TEST(SequencingBound, RespectsObstaclesAndWalls) {
   InformationHeuristic heuristic(4, 8);
   SequencingBound sequencing(4, 8, 2'000);
