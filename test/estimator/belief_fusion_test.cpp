@@ -15,8 +15,8 @@
 #include "test/support/near.hpp"
 #include "test/support/random.hpp"
 
-// Fusion of teammates' beliefs into a filter, and restarting a filter from its own published
-// belief.
+// Tests of the fusion of teammates' beliefs into a filter, and of the restart of a filter from its
+// own published belief.
 
 namespace vantage::estimator {
 namespace {
@@ -67,7 +67,7 @@ TEST(Hearing, AcceptsBeliefsUpToTheStatedAge) {
   EXPECT_EQ(future.counters().stale_beliefs, 0);
 }
 
-// The range limit holds for beliefs and for observations, and is a distance in space.
+// The radio range is a distance in space and limits both beliefs and observations.
 TEST(Hearing, HasExactlyTheRadioRange) {
   for (const double aside : {-1.0, 1.0}) {
     for (const auto& [height_m, is_near] : {std::pair(0.0, true), std::pair(0.01, false)}) {

@@ -109,8 +109,8 @@ struct Received {
   std::vector<models::RobotMeasurement> looks;
   std::vector<models::RobotBelief> beliefs;
 };
-/// Returns robot `self`'s own observation and, for each other robot with `hears(other)`, its
-/// observation and its belief if it has sent one.
+/// Returns robot `self`'s own observation and, for each other robot with `hears(other)`, that
+/// robot's observation and, if sent, its belief.
 template <class Hears>
 Received received_by(std::size_t self, const std::vector<models::RobotMeasurement>& looks,
                      const std::vector<models::RobotBelief>& beliefs, const Hears& hears) {

@@ -58,8 +58,8 @@ TEST(DistributedFilter, GateDropsATrackOfAFalseId) {
   EXPECT_EQ(filter.counters().gated, 1);
 }
 
-// A detection outside the gate has a wrong id, or its target moved unexpectedly. Until the next
-// detection the covariance covers both hypotheses; the next one decides.
+// A detection outside the gate has a wrong id, or its target moved unexpectedly. The covariance
+// covers both hypotheses until the next detection confirms one of them.
 TEST(DistributedFilter, GateKeepsBothHypothesesUntilTheNextMeasurement) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.001};

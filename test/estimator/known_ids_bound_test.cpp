@@ -173,7 +173,7 @@ class Posterior {
   }
 
  private:
-  /// Re-initialises the particles around the measurement when no particle explains it.
+  /// Re-initialises the particles around the measurement if no particle fits the measurement.
   void start_anew(const Eigen::Vector2d& eye_m, const models::Measurement& z) {
     std::normal_distribution<double> normal;
     for (State& state : states_) {

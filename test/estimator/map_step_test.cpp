@@ -27,7 +27,7 @@ class MapPublisherTest : public ::testing::Test {
     }
   }
 
-  // Publishes MAP_Q2 with `seen` observations of cell 0, from an estimator whose run is `run_id`.
+  // Publishes MAP_Q2 with `seen` observations of cell 0, from an estimator with run id `run_id`.
   models::InputRef publish(std::int64_t run_id, int step, std::int16_t seen) {
     models::RobotMap map;
     map.stamp.time = time_of(step);

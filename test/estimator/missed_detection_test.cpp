@@ -203,7 +203,7 @@ TEST(DistributedFilter, WeightsATeammatesMissByItsSensor) {
     EXPECT_TRUE(is_near(after(robot).mean, right.mean, 1e-9)) << robot;
     EXPECT_TRUE(is_near(after(robot).covariance, right.covariance, 1e-9)) << robot;
   };
-  expect("Q1", 1.1, 0.5);  // its own spec overrides its team entry
+  expect("Q1", 1.1, 0.5);  // the filter's spec overrides its team entry
   expect("Q2", 1.5, 0.6);
   expect("Q3", 2.0, 0.8);
   expect("Q9", 1.1, 0.5);  // not in the team

@@ -61,7 +61,7 @@ double density(const Eigen::Vector2d& off_m, const Eigen::Matrix2d& S_m2) {
 }
 
 // One track of two components at the edge of view and one detection between them. The expected
-// values are Bayes' rule over all hypotheses.
+// values are computed by Bayes' rule over all hypotheses.
 TEST(MultiTargetUpdate, AgreesWithBayesRuleForOneTrackAndOneDetection) {
   const models::SensorModel sensor = lab_sensor();
   const models::DetectionModel detection{0.8, 0.7};
@@ -299,8 +299,8 @@ TEST(TracksByCounts, AreConfirmedAndDeletedByHitsAndMisses) {
   }
 }
 
-// The likelier of two possible tracks gets the detection and the other counts as missed. Joint
-// association (JPDA) shares it between both.
+// The likelier of two possible tracks gets the detection, and the other track counts as missed.
+// Joint association (JPDA) distributes the detection over both tracks.
 TEST(MultiTargetUpdate, AssignsADetectionToOneTrackByDefault) {
   const models::Viewpoint from = at(0, 0);
   const models::Detection z = seen(from, 1.5, 0.0);
@@ -448,8 +448,8 @@ TEST(MultiTargetFilter, RefusesEachInvalidSpec) {
   EXPECT_TRUE(is_refused([](MultiTargetSpec& spec) { spec.components_max = 0; }));
 }
 
-// Components with a posterior weight of at least 0.02 are updated by quadrature. Lighter ones get a
-// linear update by position and covariance.
+// Components with a posterior weight of at least 0.02 are updated by quadrature. Components with
+// less weight get a linear update.
 TEST(MultiTargetUpdate, IsExactForComponentsAboveTwoPercent) {
   const models::Viewpoint from = at(0, 0);
   const models::Gaussian before = part(1.0, 2.0, 0.0, 0.3).belief;

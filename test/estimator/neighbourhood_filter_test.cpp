@@ -59,7 +59,7 @@ TEST(NeighbourhoodFilter, EqualsTheFullFilterInItsNeighbourhood) {
       const auto found =
           std::find_if(told.targets.begin(), told.targets.end(),
                        [&](const auto& each) { return each.target_id == target.target_id; });
-      if (std::abs(away_m - kNear_m) > 1.0) {  // near the limit, noise decides
+      if (std::abs(away_m - kNear_m) > 1.0) {  // not near the limit
         ASSERT_EQ(found != told.targets.end(), away_m < kNear_m) << step;
       }
       if (found != told.targets.end()) {

@@ -270,8 +270,7 @@ TEST_F(NodeTest, KeepsTheNewestInputs) {
   EXPECT_EQ(counters()["viewpoint_unknown"], 1) << "256 have come since";
 }
 
-// An observation or a pose gives the robot's position at t if it belongs to the step that ends at
-// t.
+// The robot's position at t is that of an observation or pose from the step that ends at t.
 TEST_F(NodeTest, TakesItsPoseFromInputsOfThisStep) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   std::vector<models::RobotBelief> heard;

@@ -192,9 +192,9 @@ TEST(PosteriorMoments, AreSymmetricAtExactLimits) {
   }
 }
 
-// The target's bearing and the edge of view are both normally distributed. At k σ of their
-// difference inside the edge, the target is in view with probability Φ(k). Φ(−3.09) = 10⁻³,
-// Φ(4.753) = 1 − 10⁻⁶.
+// The target's bearing and the edge of view are both normally distributed. If the target is k σ
+// inside the edge, with σ of their difference, it is in view with probability Φ(k). Φ(−3.09) =
+// 10⁻³, Φ(4.753) = 1 − 10⁻⁶.
 TEST(PosteriorMoments, ApplyLimitsForPartialViews) {
   constexpr double kNoise_rad = 1.0;
   const double sigma_rad = std::hypot(0.1 / 5.0, kSoftShare * kNoise_rad);
@@ -217,7 +217,8 @@ TEST(PosteriorMoments, ApplyLimitsForPartialViews) {
   }
 }
 
-// A range sensor that sees only its left half-plane: the moments of a detected target lie there.
+// A range sensor sees only its left half-plane, so the mean of a detected target is in that
+// half-plane.
 TEST(PosteriorMoments, RespectLimitsOfTheSensorKind) {
   models::SensorLaw law = SensorKind(SensorKind::kRange).law();
   law.sees = [](const SensorModel&, const models::Viewpoint&, const models::SightLine& to) {

@@ -23,8 +23,8 @@ models::Measurement one(double z, double sigma) {
   return {Eigen::Matrix<double, 1, 1>(z), Eigen::Matrix<double, 1, 1>(sigma * sigma)};
 }
 
-// The posterior density falls with the distance from the robot in every direction, so only the
-// region near the robot counts although p is wide.
+// The posterior density falls with the distance from the robot in every direction, so the posterior
+// is near the robot although the prior is wide.
 TEST(PosteriorMoments, OfANegativeRangeSurroundTheRobot) {
   const double prior_sigma_m = 0.5;
   const double sigma_m = 0.1;

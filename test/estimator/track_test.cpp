@@ -363,7 +363,7 @@ TEST(Measure, WrapsTheBearingBehindTheRobot) {
   auto belief =
       models::to_information({Eigen::Vector2d(-5.0, -0.1), Eigen::Matrix2d::Identity()}).value();
   models::Measurement z;
-  z.z = Eigen::Matrix<double, 1, 1>(kPi - 0.02);  // the prediction is just beyond −π
+  z.z = Eigen::Matrix<double, 1, 1>(kPi - 0.02);  // rad; the prediction is just above −π
   z.V = Eigen::Matrix<double, 1, 1>(0.01);
   ASSERT_EQ(measure(belief, sensor, at(0, 0), z, 0.0), Use::kUsed);
   EXPECT_NEAR(models::to_gaussian(belief)->mean(1), 0.07, 0.05);

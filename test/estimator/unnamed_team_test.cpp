@@ -232,7 +232,8 @@ TEST(UnnamedTeam, AgreesOnLabelsDespiteLoss) {
   EXPECT_EQ(healed, kSeeds);
 }
 
-// A robot that joins later takes over the track labels of the others from their first beliefs.
+// A robot that joins later adopts the track labels of its teammates from their first received
+// beliefs.
 TEST(UnnamedTeam, LateJoinerAdoptsTeamLabels) {
   Team team(5);
   const auto all = [](int, std::size_t, std::size_t) { return true; };

@@ -117,8 +117,8 @@ TEST(LimitSoftness, IsATenthOfTheMeasurementsSigma) {
   expect(limit_softness(camera, V), 0.0, 0.02 / 50.0);
 }
 
-// Sensor kinds with their own limits have exact limits, except for the angle if the kind measures a
-// bearing.
+// Sensor kinds with custom limits have exact limits. Only the angle limit of a kind that measures a
+// bearing is soft.
 TEST(LimitSoftness, IsZeroForSensorsWithOwnLimits) {
   const models::MeasurementMatrix V1 = 0.04 * Eigen::Matrix<double, 1, 1>::Identity();
   models::SensorLaw law = vantage::test::signal_strength_law();
