@@ -197,7 +197,7 @@ TEST(InformationBound, IsReachedOnCameraAxis) {
   sensor.pixel_sigma = 2.0;
   for (const double tilt_rad : {0.4, 0.9, kPi / 2}) {
     sensor.camera_tilt_rad = tilt_rad;
-    // The bearing of a target directly below is undefined, so its field of view is a full circle.
+    // Straight down the bearing is undefined, so the sensor has a full field of view.
     sensor.fov_rad = tilt_rad < 1.0 ? 1e-3 : 2.0 * kPi;
     for (const double height_m : {1.0, 2.5}) {
       const double depth_m = height_m / std::sin(tilt_rad);

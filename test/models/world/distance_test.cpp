@@ -252,7 +252,7 @@ TEST(NearbyObstacles, ReportOverflow) {
   }
 }
 
-// Paths along an axis and past each corner, and paths that leave the bounds.
+// The paths are parallel to an axis, pass a corner, or leave the bounds.
 TEST(SweptClearance, EqualsTheClosedFormAroundOneBox) {
   const World world{{{-10, -8}, {10, 8}}, 3.0, {{{{-1, -2}, {1, 2}}, 1.0}}, {}};
   EXPECT_DOUBLE_EQ(swept_clearance_m(world, {3, -5}, {3, 5}), 2.0);

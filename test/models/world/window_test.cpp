@@ -56,8 +56,8 @@ TEST(GridWindow, DetectsDifferentCells) {
   EXPECT_FALSE(whole.cell_offset_of(other));
 }
 
-// The offset in cells along each axis, in both directions. An offset of more than 10⁸ cells is
-// empty.
+// The result is the offset in cells along each axis, in both directions. An offset of more than 10⁸
+// cells is empty.
 TEST(GridWindow, ReturnsOffsetInCells) {
   const GridGeometry whole = GridGeometry::covering(field().bounds, 0.5);
   for (const int columns : {-7, 0, 3}) {
