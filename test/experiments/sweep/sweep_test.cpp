@@ -308,7 +308,8 @@ TEST_F(Sweeps, RefuseInvalidRows) {
   EXPECT_NE(refusal_of([&] { run("a"); }).find("twice with different rows"), std::string::npos);
 }
 
-// Shards on separate machines write separate directories, whose rows are then copied together.
+// Shards on separate machines write separate directories. The rows of these directories are then
+// copied into one.
 TEST_F(Sweeps, RefuseRowsOfAnotherRun) {
   const auto share = [&](const std::string& name, int number, const SweepIdentity& identity) {
     SweepOptions options;
