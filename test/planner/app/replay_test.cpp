@@ -371,7 +371,7 @@ TEST_F(ReplayTest, WaitsForMissingInputs) {
   expect_counts(0, 2, 1);
 }
 
-// Up to 30 messages may wait behind one whose inputs are missing.
+// Up to 30 messages may wait behind a message with missing inputs.
 TEST_F(ReplayTest, SkipsMessageWith31Waiting) {
   start_without_planner(test::lab_scenario());
   log_plan({{"BELIEF_Q1", 100, 0}});

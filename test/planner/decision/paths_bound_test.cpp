@@ -48,7 +48,7 @@ std::vector<SearchProblem> drawn_team(std::uint64_t seed) {
   return team;
 }
 
-/// Returns the team problem whose candidates are all control sequences of each robot.
+/// Returns the team problem in which the candidates of each robot are all its control sequences.
 TeamProblem every_path(const std::vector<SearchProblem>& team, InformationMeasure measure) {
   const SearchProblem& first = team.front();
   TeamProblem out{first.targets, first.horizon_steps, first.step_s, measure, {}};

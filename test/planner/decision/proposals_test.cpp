@@ -142,8 +142,8 @@ SessionSetup setup_of(const std::vector<Own>& own) {
   return setup;
 }
 
-/// Returns a proposal of a teammate whose own motion has value `value_nats` and is displaced by
-/// `y_m`.
+/// Returns a teammate's proposal with the value `value_nats` and a motion of the teammate,
+/// displaced by `y_m`.
 models::TeamProposal said_by(const std::string& robot, double value_nats, double y_m = 0.0) {
   models::TeamProposal proposal;
   proposal.stamp.time = kActivation;

@@ -217,7 +217,7 @@ TEST(MappingSearch, KeepsSeparationFromTeammates) {
 }
 
 // Both robots drive straight and at constant speed in each step, where their distance is sampled. A
-// robot without a route, or whose route has ended, does not block the others.
+// robot without a route, or after the end of its route, does not block the other robots.
 TEST(MappingSearch, FindsTheBestSeparatedRoute) {
   test::Random random(4712);
   int refused = 0;

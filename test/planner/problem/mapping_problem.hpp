@@ -6,7 +6,7 @@
 
 namespace vantage::test {
 
-/// Returns a problem whose optimum is known from another search: 19.3554.
+/// Returns a problem with an optimum that is known from a different search, 19.3554.
 planner::OwnedProblem known_mapping_problem();
 inline constexpr double kKnownMappingOptimum = 19.3554;
 

@@ -14,7 +14,7 @@ using planner::OwnedProblem;
 /// teammates' information are optional. |U|^T ≤ 700, so that exhaustive search is cheap.
 OwnedProblem random_problem(std::uint64_t seed);
 
-/// Returns a problem whose information is Lipschitz in the pose: range or range-bearing sensors
+/// Returns a problem in which information is Lipschitz in the pose: range or range-bearing sensors
 /// without limits of range or view, no world, and all targets out of reach by more than a metre.
 OwnedProblem smooth_problem(std::uint64_t seed);
 

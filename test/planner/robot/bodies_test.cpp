@@ -116,8 +116,8 @@ TEST_F(KeptFrom, MovingBodiesAtTheirPredictedPosition) {
   }
 }
 
-// The velocity is unknown for a body whose name belonged to a different body in the earlier frame,
-// and for a body that was occluded in it.
+// The velocity of a body is unknown if its name belonged to a different body in the earlier frame,
+// or if the body was occluded in that frame.
 TEST_F(KeptFrom, BodyOfUnknownVelocityAtItsPosition) {
   add("SWAPPED", {-1.0, 1.0, 1.0}, {9.0, 0.0, 0.0});
   add("NEW", {1.0, 1.0, 1.0}, {1.0, 0.0, 0.0});

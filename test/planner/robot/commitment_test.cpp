@@ -284,7 +284,7 @@ TEST(RobotPlanner, KeepsClearOfGroundedTeammateAtBothHeights) {
   for (const auto state : {models::FlightState::kIdle, models::FlightState::kKilled}) {
     EXPECT_EQ(kept_at_m(state, 0.0), (Heights{0.0, 1.5}));
     EXPECT_EQ(kept_at_m(state, 0.74), (Heights{0.74, 1.5}));
-    EXPECT_EQ(kept_at_m(state, 0.75), Heights{1.5});  // at half height: in flight
+    EXPECT_EQ(kept_at_m(state, 0.75), Heights{1.5});  // half height: airborne
     EXPECT_EQ(kept_at_m(state, 1.5), Heights{1.5});
   }
   EXPECT_EQ(kept_at_m(models::FlightState::kFollow, 0.0), Heights{});

@@ -240,8 +240,8 @@ TEST(TooNear, ReturnsTheNearestTeammate) {
   EXPECT_EQ(too_near(problem), 0U);
 }
 
-// Each teammate must be as far away as required, less the given rounding. If the separation applies
-// from above, heights have no effect.
+// Each teammate must have at least the required separation minus the given rounding. If the
+// separation applies from above, heights have no effect.
 TEST(KeepsApart, RequiresSeparationFromEachTeammate) {
   SearchProblem problem;
   problem.start_time = kStart;

@@ -95,7 +95,7 @@ TEST(ProblemOfRound, ExploresUntilFoundIfConfigured) {
                                     scenario.estimator.grid_memory_s);
   inputs.belief->grid = grid.geometry();
   inputs.belief->last_seen_utime = grid.last_seen_utime();
-  inputs.belief->last_seen_utime[0] = to_utime(inputs.belief->stamp.time);  // makes a frontier
+  inputs.belief->last_seen_utime[0] = to_utime(inputs.belief->stamp.time);  // explored cell
   const auto landmarks = [&] {
     Workspace workspace(scenario);
     models::Trajectory committed;

@@ -327,7 +327,7 @@ TEST(RobotPlanner, WaitsForTheEndOfAnUnknownPlan) {
   inputs.slot.begin = inputs.slot.activation - from_seconds(0.51);
   EXPECT_FALSE(plans_in(7));
   inputs.slot.begin = inputs.slot.activation;
-  EXPECT_TRUE(plans_in(-1));  // a plan of a future round must be of another schedule
+  EXPECT_TRUE(plans_in(-1));  // a future round: the plan has a different schedule
 
   status.state = models::FlightState::kHold;  // the vehicle does not follow its plan
   EXPECT_TRUE(plans_in(1));
@@ -336,7 +336,7 @@ TEST(RobotPlanner, WaitsForTheEndOfAnUnknownPlan) {
   EXPECT_TRUE(RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500)).has_value());
 
   inputs.own_plan = RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500));
-  EXPECT_TRUE(plans_in(1));  // its own plan is known
+  EXPECT_TRUE(plans_in(1));  // the planner has its robot's plan
 }
 
 }  // namespace

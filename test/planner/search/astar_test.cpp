@@ -218,8 +218,8 @@ TEST(BestFirst, AllocatesNothingForANewProblem) {
   }
 }
 
-// Once the search has a plan, it expands only nodes whose bound is below the cost of that plan.
-// Dives are switched off.
+// Once the search has a plan, it expands only nodes with a bound below the cost of that plan. Dives
+// are switched off.
 TEST(WeightedAStar, ExpandsOnlyNodesThatMayImprove) {
   BestFirstSearch search(small_capacity());
   InformationHeuristic heuristic(8, 8);

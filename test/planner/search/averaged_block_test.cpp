@@ -35,8 +35,8 @@ std::vector<Eigen::Matrix2d> symmetries() {
   return all;
 }
 
-// Returns the covariance whose inverse is the mean of the inverses of all turned and mirrored
-// versions of `covariance`.
+// Averages the inverses of all rotated and mirrored versions of `covariance`; returns the inverse
+// of the mean.
 models::StateMatrix averaged_by_hand(const models::StateMatrix& covariance) {
   const Eigen::Index n = covariance.rows();
   const Eigen::MatrixXd Omega = Eigen::MatrixXd(covariance).inverse();
@@ -115,7 +115,7 @@ TEST(AveragedBlock, IsTheMeanOverAllPlanarSymmetries) {
   }
 }
 
-// The averaged block never costs more than the block itself, for measurements in any directions.
+// The cost of the averaged block is at most that of the block, for measurements in any directions.
 TEST(AveragedBlock, NeverCostsMoreThanTheBlock) {
   std::mt19937_64 rng(42);
   for (int i = 0; i < 300; ++i) {

@@ -12,7 +12,8 @@
 
 // In free space, search results do not depend on left or right, on north or east, or on the order
 // of targets. A problem that is mirrored or turned, or has its targets reordered, has a plan of the
-// same cost and the same bound. (Except for the lawn mower, whose rows are those of the world.)
+// same cost and the same bound. (The lawn mower is an exception: its rows are aligned with the
+// world.)
 
 namespace vantage::planner {
 namespace {
@@ -118,7 +119,7 @@ TEST_P(Equivariance, HoldsForMirroring) {
       [](const SearchProblem& problem, std::uint64_t) { return transformed(problem, true, 0.0); });
 }
 
-/// Turning or renaming changes sums in their last bits.
+/// Rotation and reordering of targets change the last bits of sums.
 class EquivarianceButForBits : public Equivariance {};
 
 TEST_P(EquivarianceButForBits, HoldsForRotation) {

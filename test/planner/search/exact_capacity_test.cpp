@@ -11,8 +11,8 @@
 #include "test/planner/search/same_result.hpp"
 #include "test/support/allocation_counter.hpp"
 
-// A search whose capacity is exactly the number of targets, steps and teammates of the problem
-// behaves like one with more capacity. It allocates no memory while planning.
+// A search with a capacity of exactly the problem's targets, steps and teammates behaves like a
+// search with more capacity. It allocates no memory while planning.
 
 namespace vantage::planner {
 namespace {

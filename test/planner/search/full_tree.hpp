@@ -78,8 +78,8 @@ struct FullTree {
     return joint;
   }
 
-  /// Returns, for each node, the least cost from the root of a complete safe path through it; +∞ if
-  /// there is none.
+  /// Returns, for each node, the least cost of a complete safe path from the root through the node;
+  /// +∞ if no such path exists.
   [[nodiscard]] std::vector<double> best_through(int horizon_steps) const {
     std::vector<double> best(tree.node_count(), std::numeric_limits<double>::infinity());
     for (planner::NodeId id = static_cast<planner::NodeId>(tree.node_count()); id-- > 0;) {

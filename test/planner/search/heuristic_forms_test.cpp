@@ -24,8 +24,8 @@ using test::uniform;
 
 constexpr double kStep_m = 0.5;  // 1 m/s for 0.5 s
 
-/// Targets of every kind around a robot whose sensors measure position equally well in all
-/// coordinates.
+/// Returns a problem with targets of every kind around a robot. The robot's sensors measure
+/// position equally well in all coordinates.
 SearchProblem all_round_problem(std::mt19937_64& rng) {
   SearchProblem problem;
   problem.start = {uniform(rng, -3.0, 3.0), uniform(rng, -3.0, 3.0), uniform(rng, -kPi, kPi)};

@@ -188,7 +188,7 @@ TEST(LatticeBound, EqualsOpenLoopCostWhenNothingIsSeen) {
         const double farthest_m = std::hypot(0.5, nearest_m);  // after steps 1 and 3
         EXPECT_TRUE(sees(1.0, side * nearest_m, farthest_m - 0.1, 9.0, all_round_rad));
         EXPECT_FALSE(sees(1.0, side * nearest_m, farthest_m + 0.1, 9.0, all_round_rad));
-        // After step 1 the target is 2 m ahead, so it is 45° ahead, at 90°, and 45° behind.
+        // The target's bearing is 45° after step 1 and larger after the next steps.
         const double first_rad = 0.25 * kPi;  // rad; bearing after step 1
         EXPECT_TRUE(sees(2.5, side * 2.0, 0.3, 2.9, 2.0 * first_rad + 0.2));
         EXPECT_FALSE(sees(2.5, side * 2.0, 0.3, 2.9, 2.0 * std::atan2(2.0, 2.0) - 0.2));
