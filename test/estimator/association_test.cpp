@@ -187,7 +187,7 @@ TEST(Association, MessagePassingIsExactForEitherLongerSide) {
   }
 }
 
-// Odds may change between two solutions; the second must not depend on the first.
+// The odds change between two solutions. The second solution must not depend on the first.
 TEST(Association, SolvesAgainAfterAChange) {
   Association association(2, 2);
   set_all(association, {{3.0, 1.0}, {0.0, 2.0}});

@@ -16,7 +16,7 @@ namespace {
 using namespace test::words;  // NOLINT(google-build-using-namespace): names for tests
 using vantage::test::is_near;
 
-// Two stationary targets whose ids are swapped in every tenth scan.
+// The ids of two stationary targets are swapped in every tenth scan.
 TEST(DistributedFilter, GateRejectsSwappedIds) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   const std::vector<Eigen::Vector2d> truth = {{4.0, 0.0}, {0.0, 4.0}};

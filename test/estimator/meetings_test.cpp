@@ -33,7 +33,7 @@ Gaussian around(const State& mean, double position_sigma_m, double velocity_sigm
   return belief;
 }
 
-/// Returns a belief whose standard deviations are negligible.
+/// Returns a belief with negligible standard deviations.
 Gaussian exactly(const State& state) { return around(state, 1e-4, 1e-4); }
 
 struct Pair {

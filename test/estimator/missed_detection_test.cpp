@@ -107,7 +107,7 @@ TEST(MissedDetection, UpdatesTheCorrelatedVelocity) {
 
 TEST(MissedDetection, IsConsistentOverTruthsDrawnFromTheBelief) {
   // Truths are drawn from the prior and scans have p_D = 0.9. For scans without a detection the
-  // posterior's moments must be right: mean NEES = 2 within its sampling error.
+  // posterior's moments must be correct: mean NEES = 2 within its sampling error.
   std::mt19937_64 rng(77);
   std::bernoulli_distribution detects(0.9);
   const models::SensorModel sensor = disc(1.5);

@@ -109,7 +109,7 @@ TEST(Reweighted, IsAtLeastOneCellWide) {
     const double cell = rule.spacing * rule.spacing / 12.0;
     const Eigen::MatrixXd L_pp = L.topLeftCorner(n, n);
     EXPECT_TRUE(is_near(made.covariance.topLeftCorner(n, n), cell * L_pp * L_pp.transpose(), 1e-9));
-    if (dim == 4) {  // velocity uncertainty that the position does not explain remains
+    if (dim == 4) {  // uncertainty of the velocity given the position
       const Eigen::MatrixXd L_vp = L.bottomLeftCorner(2, 2);
       const Eigen::MatrixXd L_vv = L.bottomRightCorner(2, 2);
       EXPECT_TRUE(is_near(made.covariance.bottomRightCorner(2, 2),

@@ -486,7 +486,7 @@ TEST_F(Replay, IsExactForAnyLostLogEvents) {
 
 TEST_F(Replay, DetectsABeliefThatContradictsItsInputs) {
   fly(10);
-  scenario_.estimator.target_model.q *= 1.001;  // simulates another version of the estimator
+  scenario_.estimator.target_model.q *= 1.001;  // simulates a different version of the estimator
   Player player(scenario_);
   player.play(log_);
   EXPECT_GT(player.node.differences(), 0);

@@ -47,7 +47,7 @@ Eigen::VectorXd place_m(double away_m, double bearing_rad, int dim, double heigh
   return out;
 }
 
-/// Returns a noise-free measurement whose stated standard deviation is noise_times the true one.
+/// Returns a noise-free measurement with a stated standard deviation of noise_times the true one.
 models::Measurement seen(const SensorModel& sensor, const Eigen::VectorXd& there_m,
                          double noise_times) {
   const models::PositionVector y_m = there_m;

@@ -52,7 +52,7 @@ FilterSpec spec_of(std::size_t robot) {
   return spec;
 }
 
-/// Detections of all robots, step by step.
+/// Simulated detections of all robots at each step.
 class Scene {
  public:
   explicit Scene(unsigned seed) : rng_(seed) {}
