@@ -32,7 +32,7 @@ class Arming : public testing::Test {
   Vehicle& q1;
 };
 
-// Regression: a vehicle that mocap showed on its side armed and flew away.
+// Regression: a vehicle armed while mocap showed it lying on its side, and flew away.
 TEST_F(Arming, IsForbiddenWhenTheBodyIsTilted) {
   for (const double tilt_rad : {16.0 * kDegree, -16.0 * kDegree, 90.0 * kDegree, kPi}) {
     arm([&] { q1.knobs.body_tilt_rad = q1.knobs.attitude_offset_rad = tilt_rad; });
@@ -51,8 +51,8 @@ TEST_F(Arming, IsForbiddenWhileTheHostIsBusy) {
   EXPECT_TRUE(q1.is_armed) << "the order was kept until the host had time";
 }
 
-// Regression, flown: in a world rotated as a whole a vehicle took off and hit an obstacle that its
-// map had elsewhere.
+// Regression, seen in a simulated flight: with a rotated mocap world a vehicle took off. It hit an
+// obstacle that its map had at another position.
 TEST_F(Arming, IsForbiddenAwayFromTheStart) {
   const Eigen::Vector3d start_m = q1.position_m;
   const double start_yaw_rad = q1.yaw_rad;
@@ -119,7 +119,7 @@ TEST_F(Arming, IsForbiddenWhenTheEstimateIsOff) {
   EXPECT_TRUE(has("estimate off"));
 }
 
-// Regression: a condition that blocked arming for an instant deleted the `arm` order without a
+// Regression: a condition that blocked arming for a moment deleted the `arm` order without a
 // report.
 TEST_F(Arming, KeepsTheOrderWhileABodyPasses) {
   arm();
@@ -147,7 +147,7 @@ TEST_F(Arming, DropsTheOrderAfterTheTimeLimit) {
   EXPECT_FALSE(has("arm refused: separation"));
 }
 
-// A condition that only the operator can clear deletes the order.
+// Only the operator can clear the condition "operator quiet", so the order is deleted.
 TEST_F(Arming, DropsTheOrderWhenTheOperatorIsSilent) {
   arm();
   bench.run(2.0, [&] { bench.room().operator_silent = true; });
@@ -179,7 +179,7 @@ TEST_F(Arming, RefusesTakeOffBeforeArm) {
   EXPECT_FALSE(has("take-off refused: not armed"));
 }
 
-// Regression: a rover underneath made it land at once after the take-off.
+// Regression: a rover below the vehicle made it land immediately after the take-off.
 TEST_F(Arming, TakeOffWaitsForNearBodies) {
   for (const double side : {1.0, -1.0}) {
     FlightBench room(5);

@@ -124,8 +124,8 @@ TEST_F(Authority, KeepsTheStationInChargeAmongManyOthers) {
   EXPECT_TRUE(admit(OperatorAction::kArm, 1, 0.2));
 }
 
-// A changed clock is accepted if the sequence numbers continue, with fewer than a hundred lost
-// messages. A later part of a log is not.
+// A station whose clock has changed is accepted if its sequence numbers continue, with fewer than a
+// hundred lost messages. Messages of a later part of a replayed log are not accepted.
 TEST_F(Authority, AcceptsAClockChangeWhenNumbersContinue) {
   for (const std::int64_t lost : {0, 99, 100, 100'000}) {
     authority = {};
@@ -136,7 +136,8 @@ TEST_F(Authority, AcceptsAClockChangeWhenNumbersContinue) {
   }
 }
 
-// An order with a lower number and an earlier stamp than the newest is outdated.
+// An order is outdated if both its sequence number and its stamp are lower than those of the newest
+// message.
 TEST_F(Authority, RefusesOutdatedOrders) {
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 10, 0.0), kStart, kSilentS));
   const auto admit_at = [&](std::int64_t number, double stamped_s, double at_s) {
@@ -221,7 +222,7 @@ TEST_F(Authority, AcceptsStampsWithinTwoSeconds) {
       authority = {};
       const auto beat = command(OperatorAction::kHeartbeat, 1, 0, side * ahead_s);
       EXPECT_EQ(authority.admit(beat, kStart, kSilentS), is_heard) << side * ahead_s;
-      // No station is known yet, so a stop is also compared with our clock.
+      // No station is known yet, so even a stop is compared with the clock of this computer.
       authority = {};
       const auto stop = command(OperatorAction::kEmergencyStop, 1, 0, side * ahead_s);
       EXPECT_EQ(authority.admit(stop, kStart, kSilentS), is_heard) << side * ahead_s;
@@ -229,11 +230,13 @@ TEST_F(Authority, AcceptsStampsWithinTwoSeconds) {
   }
 }
 
-// Eight stations are remembered. A ninth replaces the one that was silent longest, except the one
-// in charge. Late commands that make the vehicle safer are accepted only from known stations.
+// Eight stations are remembered. A ninth replaces the one that was silent longest, but never the
+// one in charge. Late commands that make the vehicle safer are accepted only from remembered
+// stations.
 TEST_F(Authority, ForgetsTheLongestSilentStation) {
   const auto is_known = [&](std::int64_t run) {
-    OperatorAuthority asked = authority;  // the test of a late command must not change the state
+    OperatorAuthority asked =
+        authority;  // copy: the check of a late command must not change the state
     return asked.admit(command(OperatorAction::kHold, run, 1'000, 0.0),
                        kStart + from_seconds(100.0), kSilentS);
   };
@@ -244,7 +247,8 @@ TEST_F(Authority, ForgetsTheLongestSilentStation) {
     EXPECT_TRUE(is_known(run)) << run;
   }
   EXPECT_FALSE(is_known(9));
-  admit(OperatorAction::kHeartbeat, 3, 0.9);  // 4 is now silent longest except the one in charge
+  admit(OperatorAction::kHeartbeat, 3,
+        0.9);  // 4 is now silent longest, apart from the one in charge
   admit(OperatorAction::kHeartbeat, 2, 0.95);
   for (const std::int64_t newcomer : {9, 10}) {
     admit(OperatorAction::kHeartbeat, newcomer, 0.96 + 0.001 * static_cast<double>(newcomer));
@@ -263,7 +267,7 @@ TEST(PlannerLease, IsUncontestedAtTimeZero) {
 
 // A replayed heartbeat of any age neither sets the clock nor keeps its station in charge.
 TEST_F(Authority, IgnoresTheClockOfReplayedHeartbeats) {
-  for (const std::int64_t number : {5, 9, 10}) {  // 10: the newest itself
+  for (const std::int64_t number : {5, 9, 10}) {  // 10: the newest heartbeat itself
     authority = {};
     const auto beat = [&](std::int64_t sequence_now, double stamped_s, double at_s) {
       return authority.admit(command(OperatorAction::kHeartbeat, 1, sequence_now, stamped_s),
@@ -283,10 +287,10 @@ TEST_F(Authority, IgnoresTheClockOfReplayedHeartbeats) {
   }
 }
 
-// A silent station is replaced by one that sends a new heartbeat, but not by a replayed heartbeat
-// or an order.
+// A silent station is replaced by another station that sends a new heartbeat. A replayed heartbeat
+// or an order does not replace it.
 TEST_F(Authority, PassesToAStationWithANewHeartbeat) {
-  for (const std::int64_t first : {0, 1}) {  // any number is a valid id
+  for (const std::int64_t first : {0, 1}) {  // ids of a station may have any value
     authority = {};
     EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, first, 1, 0.0), kStart, 1.0));
     const auto heard = command(OperatorAction::kHeartbeat, 7, 4, 0.5);
@@ -322,7 +326,7 @@ TEST_F(Authority, AcceptsDelayedSaferCommandsOnce) {
   std::vector<models::NamedCount> after;
   authority.count(after);
   EXPECT_EQ(after[1].count, before[1].count + 1) << "operator.other_time";
-  // The station continues normally; orders that were outdated before stay refused.
+  // The station continues with new messages; orders that were already outdated are still refused.
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 53, 4.1), at(4.1), 1.0));
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHold, 1, 54, 1.0), at(4.15), 1.0));
   EXPECT_FALSE(authority.admit(command(OperatorAction::kFollow, 1, 52, 4.05), at(4.2), 1.0));

@@ -7,8 +7,8 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/bisect.hpp"
 
-// Bodies that are not robots of the scenario: they do not brake, they stand on the ground, and
-// landings predict their motion.
+// Tests of bodies that are not robots of the scenario: they do not brake, they reach down to the
+// ground, and landings predict their motion.
 
 namespace vantage::drivers {
 namespace {
@@ -31,8 +31,9 @@ double stop_m(const OtherBody& body, double own_mps, const SafetyLimits& limits)
   return compute_surroundings(kHere_m, way, {&body, 1}, limits).separation_stop_m;
 }
 
-// Head-on: the distance shrinks by our braking distance v T + v²/2a and by the path of the person
-// at constant speed. It also shrinks by the distance that the person can leave the straight path.
+// A person walks head-on towards the vehicle. The predicted distance is reduced by the vehicle's
+// stopping distance v T + v²/2a, by the person's path at constant speed, and by the greatest
+// deviation of the person from that straight path.
 TEST(LookAround, PredictsAPersonUntilTheVehicleStops) {
   const SafetyLimits limits = bench_limits();
   for (const double own_mps : {0.0, 0.5, 1.0}) {
@@ -53,12 +54,13 @@ TEST(LookAround, UsesTheDecelerationOfARobot) {
     body.robot = 1;
     body.brake_mps2 = brake_mps2;
     EXPECT_NEAR(stop_m(body, 0.0, limits), 3.0 - limits.reaction_s - 0.5 / brake_mps2, 1e-9);
-    body.brake_mps2 = 0.0;  // unknown: as ours
+    body.brake_mps2 = 0.0;  // 0: deceleration unknown, assumed equal to the vehicle's own
     EXPECT_NEAR(stop_m(body, 0.0, limits), 3.0 - stopping_distance_m(limits, 1.0), 1e-9);
   }
 }
 
-// A person reaches from the markers down to the ground; a rover on the floor is below the vehicle.
+// A person extends from the markers down to the ground; a rover on the floor is entirely below the
+// vehicle.
 TEST(LookAround, TreatsAPersonAsReachingTheGround) {
   const SafetyLimits limits = bench_limits();
   const double at_rest_m = 0.5 * limits.other_turn_mps2 * limits.reaction_s * limits.reaction_s;
@@ -72,7 +74,8 @@ TEST(LookAround, TreatsAPersonAsReachingTheGround) {
   }
 }
 
-// A lost person may move anywhere at the last speed until the vehicle has stopped.
+// Until the vehicle has stopped, a person that mocap has lost may move in any direction at the last
+// speed.
 TEST(LookAround, AssumesAnOccludedPersonKeepsWalking) {
   const SafetyLimits limits = bench_limits();
   for (const double unseen_s : {0.1, 0.5, 0.9}) {
@@ -86,7 +89,8 @@ TEST(LookAround, AssumesAnOccludedPersonKeepsWalking) {
   }
 }
 
-// A person counts if the person will be below before touchdown, within descent_prediction_s.
+// A person counts as below if the person will be below before touchdown, within
+// descent_prediction_s.
 TEST(OccupiedBelow, PredictsAPerson) {
   const SafetyLimits limits = bench_limits();
   for (const double height_m : {0.2, 0.4, 1.0, 2.0}) {
@@ -108,7 +112,8 @@ TEST(OccupiedBelow, PredictsAPerson) {
   }
 }
 
-// A person 1.5 m away walks in below. The spot is neither on nor at the end of the person's path.
+// A person 1.5 m away walks under the vehicle. The landing spot must be neither on the person's
+// path nor at its end.
 TEST(LandingSpot, AvoidsThePathOfAPerson) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d hover_m(2.0, -0.5, 1.0);
@@ -122,7 +127,7 @@ TEST(LandingSpot, AvoidsThePathOfAPerson) {
   EXPECT_EQ(landing_spot(hover_m, {&body, 1}, limits), hover_m);
 }
 
-// A person whose path crosses ours during the motion blocks it.
+// A person whose path crosses the vehicle's path during the motion blocks that path.
 TEST(IsWayTaken, CountsACrossingPerson) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);

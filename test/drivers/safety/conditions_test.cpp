@@ -9,7 +9,7 @@
 
 #include "test/drivers/safety/flight_bench.hpp"
 
-// Both sides of the limit of each table row that compares a number with a limit.
+// For each row of the table that compares a number with a limit: values on both sides of the limit.
 
 namespace vantage::drivers {
 namespace {
@@ -30,7 +30,7 @@ struct Edge {
   const char* name;
   double In::*input;
   double limit;
-  bool is_upper = true;  ///< true: the row holds above the limit; false: below
+  bool is_upper = true;  ///< true: the condition holds above the limit; false: below it
 };
 
 std::vector<Edge> edges(const SafetyLimits& l) {
@@ -104,7 +104,7 @@ TEST(ConditionRow, HoldsBeyondItsLimitAndNotAtIt) {
 // Except for the emergency stop, no row stops the motors of a vehicle that a pilot flies.
 TEST(ConditionRow, KillsAPilotedVehicleOnlyByEmergencyStop) {
   for (const Condition& row : conditions()) {
-    // "pose lost low" itself tests whether the autopilot obeys.
+    // The row "pose lost low" itself checks whether the autopilot still obeys.
     const bool asks_itself = std::string(row.name) == "pose lost low";
     const bool is_order = std::string(row.name) == "emergency stop";
     EXPECT_EQ(row.spares_pilot, row.severity == Severity::kKill && !is_order && !asks_itself)
@@ -112,7 +112,8 @@ TEST(ConditionRow, KillsAPilotedVehicleOnlyByEmergencyStop) {
   }
 }
 
-// Rows for the ground must not hold in the air, where they would be reported permanently.
+// Rows for a vehicle on the ground must not hold in the air; otherwise they would be reported
+// during the whole flight.
 TEST(ConditionRow, ForTheGroundDoesNotHoldInTheAir) {
   const SafetyLimits l = limits();
   const std::set<std::string> of_the_ground = {"body tilted",   "not at its start",
@@ -143,8 +144,8 @@ TEST(ConditionRow, WithACountHoldsFromItsLimit) {
   EXPECT_TRUE(holds("plans refused", &In::plans_refused, 1));
 }
 
-// Rows with several facts: blind and near the floor or outside; no plan, or one that ended long
-// ago.
+// Rows that need several facts: "no pose" with "near the floor" or "outside"; no plan, or a plan
+// that ended long ago.
 TEST(ConditionRow, WithTwoFactsNeedsBoth) {
   const SafetyLimits l = limits();
   SafetyInputs in;

@@ -1,4 +1,4 @@
-// Set-points of a course at its start and end instants, in closed form.
+// Set-points of a course at its start and end instants, compared with closed forms.
 
 #include <algorithm>
 #include <cmath>
@@ -38,8 +38,8 @@ void expect_same(const PlanPoint& is, const PlanPoint& should_be) {
   EXPECT_NEAR(is.yaw_rate_radps, should_be.yaw_rate_radps, 1e-12);
 }
 
-// Only plans and shifts change their speed abruptly and are smoothed. A stop is followed exactly,
-// with or without a later plan, also when repeated.
+// Only abrupt speed changes of plans and shifts are smoothed. A stop is followed exactly, with or
+// without a later plan, and also when it is repeated.
 TEST(Course, FollowsAStopExactly) {
   test::Random random(21);
   Course course(kHalfWindowS);
@@ -79,8 +79,9 @@ TEST(Course, IsThePlanItselfWithoutAWindow) {
   }
 }
 
-// A plan counts from its exact start time, after a hover and after another plan, whatever was
-// queried before. Once begun after a hover, a plan gives its own start position for earlier times.
+// A plan applies from its exact start time, after a hover and after another plan, regardless of
+// earlier queries. After a plan that followed a hover has begun, the course returns the plan's
+// start position for earlier times.
 TEST(Course, FollowsAPlanFromItsStartTime) {
   Course course(kHalfWindowS);
   Eigen::Vector3d before_m(5.0, 5.0, 1.0);
@@ -108,8 +109,8 @@ TEST(Course, FollowsAPlanFromItsStartTime) {
   }
 }
 
-// From rest to v and ω at t = 0: both change only while the window contains the start, at v/(2 w)
-// and ω/(2 w).
+// A plan changes from rest to speed v and yaw rate ω at t = 0. Both change only while the averaging
+// window contains t = 0, at the rates v/(2 w) and ω/(2 w).
 TEST(Course, ChangesItsSpeedOnlyWithinTheWindow) {
   constexpr double kW = kHalfWindowS;
   for (const double rate_radps : {2.0, -2.0}) {
@@ -125,7 +126,8 @@ TEST(Course, ChangesItsSpeedOnlyWithinTheWindow) {
             << t_s;
         const double share = std::clamp((t_s + kW) / (2.0 * kW), 0.0, 1.0);
         EXPECT_NEAR(here.yaw_rate_radps, turns_radps * share, 1e-9) << t_s;
-        // Trapezoids of width w/8 err by up to ω (w/8)² / 8 of the area of a corner, over 2 w.
+        // The trapezoidal rule with width w/8 has an area error of up to ω (w/8)² / 8 at a corner,
+        // divided by the window length 2 w.
         const double turned_rad = turns_radps * (kW * share * share + std::max(0.0, t_s - kW));
         EXPECT_NEAR(here.yaw_rad, turned_rad, 6e-4) << t_s;
       }
@@ -133,8 +135,9 @@ TEST(Course, ChangesItsSpeedOnlyWithinTheWindow) {
   }
 }
 
-// From rest to rest in closed form: v τ²/(4 w) while it accelerates, then a delay of w, and the
-// mirrored deceleration. Tested forth, back much later, and from the end of a stop.
+// A shift from rest to rest in closed form: v τ²/(4 w) during the acceleration, then the
+// constant-speed path delayed by w, then the mirrored deceleration. Tested from a hover, back after
+// a long time, and from the end of a stop.
 TEST(Course, ShiftsFromWhereItIs) {
   constexpr double kShiftMps = 0.4;
   constexpr double kW = kHalfWindowS;
@@ -200,8 +203,8 @@ TEST(Course, FollowsPlansToTheirEndWithoutARound) {
   }
 }
 
-// The plan counts within its round, and beyond it once the next plan has arrived, until that
-// begins.
+// A plan applies within its round. Beyond the round it applies only if the next plan has arrived,
+// until that plan begins.
 TEST(Course, FollowsAPlanUntilTheNextOneCanReplaceIt) {
   constexpr double kRoundS = 1.0;
   for (const double rate_radps : {0.8, -0.8}) {

@@ -19,7 +19,7 @@ constexpr double kSpeedMps = 1.0;
 
 Time after(double t_s) { return kStart + from_seconds(t_s); }
 
-// Returns a random plan of standing, driving and turning segments, 0.5 s each, and a stop.
+// Returns a random plan of stationary, driving and turning segments, 0.5 s each, and a final stop.
 HeldPlan random_plan(test::Random& random, Time start) {
   HeldPlan plan;
   plan.start_time = start;
@@ -44,11 +44,13 @@ TEST(Course, LimitsAccelerationByItsWindow) {
     for (double t_s = 0.0; t_s < 6.0; t_s += 0.01) {
       course.advance(after(t_s), 0.01, 1.0);
       const PlanPoint here = course.at(after(t_s));
-      // Two velocities of at most v differ by at most 2 v; a turn on the spot adds nothing.
+      // The acceleration is the difference of two velocities of at most v over the window 2 w: at
+      // most v/w.
       EXPECT_LE(here.acceleration_world_mps2.norm(), kSpeedMps / kHalfWindowS + 1e-9);
       EXPECT_LE((here.velocity_world_mps - last_mps).norm(),
                 0.01 * kSpeedMps / kHalfWindowS + 1e-9);
-      // Averages of points of a path stay within v × half the mean distance in time.
+      // The averaged position differs from the planned one by at most v × the mean time difference
+      // within the window.
       const PlanPoint planned = course.planned_at(after(t_s));
       EXPECT_LE((here.position_world_m - planned.position_world_m).norm(),
                 0.5 * kSpeedMps * kHalfWindowS + 1e-9);
@@ -69,8 +71,8 @@ TEST(Course, VelocityIsTheDerivativeOfPosition) {
     const PlanPoint before = course.at(after(t_s - h_s));
     const PlanPoint here = course.at(after(t_s));
     const PlanPoint later = course.at(after(t_s + h_s));
-    // Velocities change by at most 4 m/s² and yaw rates by 12 rad/s², which bounds the error of a
-    // difference over 2 h; trapezoids add some millimetres.
+    // The velocity changes by at most 4 m/s² and the yaw rate by at most 12 rad/s². This bounds the
+    // error of a difference quotient over 2 h; the trapezoidal rule adds some millimetres.
     EXPECT_TRUE(test::is_near((later.position_world_m - before.position_world_m) / (2.0 * h_s),
                               here.velocity_world_mps, 4.0 * h_s));
     EXPECT_NEAR(wrap_to_pi(later.yaw_rad - before.yaw_rad) / (2.0 * h_s), here.yaw_rate_radps,
@@ -78,8 +80,8 @@ TEST(Course, VelocityIsTheDerivativeOfPosition) {
   }
 }
 
-// In closed form: from rest to v at t = 0, the mean over ±w is v (t + w)² / (4 w), and v w / 4 at
-// the start itself.
+// A plan changes from rest to speed v at t = 0. In closed form the mean position over ±w is v (t +
+// w)² / (4 w), so it is v w / 4 at t = 0.
 TEST(Course, SmoothsTheStartOfAPlanAsStated) {
   HeldPlan plan;
   plan.start_time = after(1.0);
@@ -91,7 +93,8 @@ TEST(Course, SmoothsTheStartOfAPlanAsStated) {
   const double w_s = kHalfWindowS;
   for (const double t_s : {-0.25, -0.2, -0.1, 0.0, 0.1, 0.2, 0.25}) {
     const PlanPoint here = course.at(after(1.0 + t_s));
-    // Trapezoids of width w/8 err by up to v (w/8)² / 8 of the area of a corner, over 2 w.
+    // The trapezoidal rule with width w/8 has an area error of up to v (w/8)² / 8 at a corner,
+    // divided by the window length 2 w.
     EXPECT_NEAR(here.position_world_m.x(), kSpeedMps * (t_s + w_s) * (t_s + w_s) / (4.0 * w_s),
                 3e-4);
     EXPECT_NEAR(here.velocity_world_mps.x(), kSpeedMps * (t_s + w_s) / (2.0 * w_s), 1e-6);
@@ -171,7 +174,7 @@ TEST(Course, ShiftsFromRestToRest) {
   }
 }
 
-/// Returns `plan`, moved to begin at `start` at the position of the course.
+/// Returns `plan`, moved so that it begins at `start` at the position of the course at that time.
 HeldPlan continued(HeldPlan plan, const Course& course, Time start) {
   const PlanPoint there = course.planned_at(start);
   plan.start_time = start;
@@ -188,8 +191,8 @@ HeldPlan driving(double rate_radps, Time start) {
   return plan;
 }
 
-// A slowed plan lags behind its clock; the next plan begins at its actual position. Three in a row
-// show that the past of the second is not that of the first.
+// A slowed plan lags behind its clock, so the next plan begins at the delayed position. Three plans
+// in a row show that the second does not use the history of the first.
 TEST(Course, ContinuesWithoutAJumpAfterASlowedPlan) {
   for (const double side : {1.0, -1.0}) {
     Course course(kHalfWindowS);
@@ -207,7 +210,7 @@ TEST(Course, ContinuesWithoutAJumpAfterASlowedPlan) {
     };
     fly(0.5, 1.0);
     for (int plan = 1; plan <= 3; ++plan) {
-      const double slow_s = 0.1 * plan;  // a different lag for each
+      const double slow_s = 0.1 * plan;  // s; a different lag for each plan
       const double from_s = t_s;
       fly(from_s + slow_s, 0.0);
       EXPECT_NEAR(to_seconds(after(t_s) - course.plan().start_time) - course.elapsed_s(after(t_s)),
@@ -223,13 +226,13 @@ TEST(Course, ContinuesWithoutAJumpAfterASlowedPlan) {
   }
 }
 
-// A stop discards earlier plans: a plan that begins in a hover begins from that hover. Tested
-// twice.
+// A stop discards earlier plans: a plan that begins during a hover starts at the hover position.
+// Tested twice.
 TEST(Course, ForgetsPlansBeforeAStop) {
   Course course(kHalfWindowS);
   for (int time = 0; time < 2; ++time) {
     const double begin_s = 10.0 * time;
-    for (int leg = 0; leg < 2; ++leg) {  // two plans in sequence create a past
+    for (int leg = 0; leg < 2; ++leg) {  // two plans in sequence create a history
       course.follow(continued(driving(0.5, after(begin_s)), course, after(begin_s + leg)),
                     after(begin_s + leg));
       course.advance(after(begin_s + leg), 0.01, 1.0);
@@ -267,8 +270,8 @@ TEST(Course, OnTimeIgnoresTheSlowing) {
                             never.at(after(2.0)).position_world_m, 1e-5));
 }
 
-// Until the next plan arrives or is due, the path beyond the round continues straight. Tested for
-// the first plan and the next.
+// If a next plan is expected, the predicted path beyond the round continues straight until that
+// plan arrives or is due. Tested for the first plan and the next.
 TEST(Course, ContinuesStraightUntilTheNextPlan) {
   constexpr double kRoundS = 1.0;
   Course course(kHalfWindowS, kRoundS);
@@ -290,7 +293,8 @@ TEST(Course, ContinuesStraightUntilTheNextPlan) {
     EXPECT_NEAR(believed.yaw_rad, 0.0, 1e-12);
     EXPECT_TRUE(test::is_near(course.planned_at(after(begin_s + 0.9)).position_world_m,
                               Eigen::Vector3d(round + 0.9, 0.0, 1.0), 1e-9));
-    course.advance(after(begin_s + kRoundS), 0.01, 1.0);  // due, but not received
+    course.advance(after(begin_s + kRoundS), 0.01,
+                   1.0);  // the next plan is due but was not received
     EXPECT_NEAR(course.planned_at(after(begin_s + 1.5)).yaw_rad, 1.0, 1e-9);
   }
 }
@@ -327,8 +331,8 @@ TEST(Course, HasAPlanUntilItsHover) {
   }
 }
 
-// Compares with small steps of the equations of motion: constant velocity during the reaction, then
-// braking to rest.
+// Compared with a numerical integration in small steps: constant velocity during the reaction time,
+// then braking to rest.
 TEST(BrakeWay, MatchesTheEquationsOfMotion) {
   test::Random random(7);
   for (int trial = 0; trial < 100; ++trial) {
@@ -360,8 +364,8 @@ TEST(BrakeWay, MatchesTheEquationsOfMotion) {
   }
 }
 
-// Along a plan the braking path stays on the shifted line of the plan and ends at rest, whatever
-// the plan does later.
+// When the vehicle follows a plan, its braking path stays on the planned path, shifted to the
+// vehicle, and ends at rest. Later parts of the plan have no effect.
 TEST(BrakeWay, FollowsThePlanUntilRest) {
   test::Random random(8);
   for (int trial = 0; trial < 200; ++trial) {

@@ -1,4 +1,4 @@
-// Fault 36 outside the catalogue: during take-off and in a flood of messages.
+// Fault 36 (emergency stop) outside the catalogue: during take-off and among a flood of messages.
 
 #include <algorithm>
 #include <cstdint>
@@ -19,7 +19,7 @@ using models::OperatorAction;
 constexpr double kStopS = 0.03;  // s; one telemetry tick, one guard tick and one for rounding
 constexpr std::int64_t kStranger = 99;
 
-/// Progress of the take-off of the first vehicle.
+/// Phase of the take-off of the first vehicle in which the stop is sent.
 struct Moment {
   const char* name;
   bool (*has_come)(const Vehicle& first);
@@ -41,7 +41,7 @@ constexpr Moment kMoments[] = {
 
 class EmergencyStopInTakeOff : public testing::TestWithParam<Moment> {
  protected:
-  /// Runs until `has_come` is true, at most `seconds`; returns whether it is.
+  /// Runs until `has_come` is true or `seconds` have passed; returns whether it became true.
   bool run_until(const std::function<bool()>& has_come, double seconds) {
     for (const double end_s = bench.time_s() + seconds; bench.time_s() < end_s && !has_come();) {
       bench.tick();
@@ -63,8 +63,8 @@ class EmergencyStopInTakeOff : public testing::TestWithParam<Moment> {
   FlightBench bench{5};
 };
 
-// One vehicle lifts and two wait: all motors stop at once, and again at the second stop. Only `arm`
-// ends the stop, and only a second `arm` arms.
+// One vehicle lifts and two wait. All motors stop immediately, and again at a second stop. The
+// first `arm` only ends the stop; the second `arm` arms the motors.
 TEST_P(EmergencyStopInTakeOff, StopsEveryMotorUntilRearmed) {
   const Vehicle& first = bench.vehicle("Q1");
   bench.run(1.0);
@@ -129,7 +129,7 @@ void flood(drivers::FlightGuard& guard, int i, Time now) {
   guard.on_battery(2.0, now);
 }
 
-// The stop may come from any station and at any position in the queue.
+// The stop may come from any station and may be at any position in the queue of messages.
 TEST(EmergencyStop, ActsAmongThousandsOfMessagesInOneTick) {
   constexpr int kMessages = 4000;
   for (const int place : {0, kMessages / 2, kMessages - 1}) {
@@ -155,7 +155,8 @@ TEST(EmergencyStop, ActsAmongThousandsOfMessagesInOneTick) {
   }
 }
 
-// The process was stalled for 0.4 s while the stop waited; its first tick obeys.
+// The process was stalled for 0.4 s while the stop was queued; its first tick after the stall must
+// obey the stop.
 TEST(EmergencyStop, ActsAtTheFirstTickAfterAStall) {
   FlightBench bench(5);
   bench.fly_up(6.4);

@@ -10,7 +10,7 @@ using models::FlightState;
 
 namespace {
 
-// Faults with Fault::needs_undisturbed_flight.
+// Names of the faults for which Fault::needs_undisturbed_flight is set.
 constexpr const char* kNeedQuiet[] = {"head-on at 2 m/s",
                                       "planner that keeps flying at a teammate",
                                       "pushed aside by a hand",

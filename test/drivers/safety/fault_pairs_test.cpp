@@ -9,14 +9,14 @@
 namespace vantage::test {
 namespace {
 
-constexpr double kRoundS = 1.0;      // s; between plans on the bench
-constexpr double kFloorS = 10.0;     // s; time limit of a stage that ends on the floor
-constexpr std::size_t kOneIn = 4;    // 1 / share of the pairs flown by default
-constexpr std::size_t kSample = 11;  // seed that selects them
+constexpr double kRoundS = 1.0;      // s; time between two plans on the bench
+constexpr double kFloorS = 10.0;     // s; a stage with at least this time limit ends on the floor
+constexpr std::size_t kOneIn = 4;    // by default, one in this number of pairs is flown
+constexpr std::size_t kSample = 11;  // seed that selects the flown pairs
 
 constexpr const char* kSecondStationFault = "first station lost, a second beats on";
 
-// Two faults by name, in either order, and the reason why a check is skipped.
+// Names of two faults, in either order, and the reason why a check is skipped.
 struct Exception {
   const char* one;
   const char* other;
@@ -30,8 +30,8 @@ constexpr Exception kNoneSurvives[] = {
     {"driven through the fence", "attitude beyond 60°", "motors off, it goes on as it was pushed"},
 };
 
-// Pairs in which one fault hides the other: violations are checked, but not the reaction to each
-// fault.
+// Pairs in which one fault hides the other: violations are checked, but the reaction to each fault
+// is not.
 constexpr Exception kOneHidesTheOther[] = {
     {"only bad plans from then on", "stopped leader wakes up",
      "the second planner's plans are good"},
@@ -59,8 +59,8 @@ bool is_listed(std::span<const Exception> list, const Fault& a, const Fault& b) 
   });
 }
 
-// Returns true for all pairs if VANTAGE_ALL_FAULT_PAIRS is set, otherwise for one in kOneIn and for
-// those that make two vehicles meet.
+// Returns true for all pairs if VANTAGE_ALL_FAULT_PAIRS is set. Otherwise returns true for one in
+// kOneIn pairs and for all pairs that bring two vehicles together.
 bool is_flown(std::size_t i, std::size_t j) {
   const auto& all = fault_catalogue();
   return std::getenv("VANTAGE_ALL_FAULT_PAIRS") != nullptr ||
@@ -71,15 +71,15 @@ void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& ot
   if (fault.needs_undisturbed_flight && !other.stages.empty()) {
     return;
   }
-  // A vehicle that lands before its motors would be stopped near the floor has landed.
+  // A vehicle may have landed before its motors would be stopped near the floor.
   const bool ends_at_floor = !fault.stages.empty() && fault.stages.back().within_s >= kFloorS;
-  // A hold that the operator may end is ended by a station that sends `follow`.
+  // A hold that the operator can end is ended by the second station, which sends `follow`.
   const bool goes_on =
       std::string(other.name) == kSecondStationFault && fault.end == models::FlightState::kHold;
   const int needed = goes_on ? 0 : std::min(severity_of(fault.end), ends_at_floor ? 2 : 3);
   EXPECT_GE(severity_of(outcome.end), needed)
       << fault.name << " ends in " << name_of(outcome.end) << " with " << other.name;
-  // If the other fault suppresses the plan that would strike, the next plan strikes.
+  // If the other fault suppresses the plan that would have had the effect, the next plan has it.
   const double later_s = fault.acts_through_plans && other.acts_through_plans ? kRoundS : 0.0;
   for (std::size_t s = 0; s < fault.stages.size() - (ends_at_floor ? 1 : 0); ++s) {
     EXPECT_GE(outcome.stage_s[s], 0.0) << fault.name << " never reaches "
@@ -91,9 +91,9 @@ void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& ot
 
 bool is_of_cameras(const Fault& fault) { return fault.number <= 12; }
 
-// Returns the reason why the count of a fault need not appear together with the other fault,
-// nullptr if it must appear. The catalogue is sorted by number, so of a pair with one camera fault
-// the first is that fault.
+// Returns the reason why the count of `fault` need not appear together with the other fault,
+// nullptr if it must appear. The catalogue is sorted by number, so in a pair with one camera fault
+// the camera fault is first.
 const char* hides_count(const Fault& fault, const Fault& other, bool is_first) {
   if (!is_first && is_of_cameras(fault)) {
     return "the first of two faults of the cameras may leave no frame, or no pose, to be wrong";
@@ -107,7 +107,8 @@ const char* hides_count(const Fault& fault, const Fault& other, bool is_first) {
   return nullptr;
 }
 
-// Expects that a fault counted alone is also counted together with the other.
+// Expects that a fault that is counted when it occurs alone is also counted together with the other
+// fault.
 void expect_counted(const Fault& fault, const Outcome& outcome, const Fault& other, bool is_first) {
   const bool is_known_by_count = fault.counter != nullptr && fault.reason == nullptr;
   if (is_known_by_count && hides_count(fault, other, is_first) == nullptr) {
@@ -116,11 +117,10 @@ void expect_counted(const Fault& fault, const Outcome& outcome, const Fault& oth
   }
 }
 
-// The first fault begins in the same world as when it is flown alone. Expects each state as early
-// as there, plus a telemetry tick, a guard tick, one for rounding and the delay of the other fault.
-//
-// Skips stages that wait for the floor. Also skips those that depend on positions or plans, if the
-// other fault may have changed them; for those the limits of the table apply.
+// Expects that each state is reached as early as when the first fault occurs alone. The tolerance
+// is a telemetry tick, a guard tick, one tick for rounding and the delay of the other fault.  Skips
+// stages that wait for the floor. Also skips stages that depend on positions or plans if the other
+// fault may have changed those; for them the limits of the table apply.
 void expect_as_soon(const Fault& fault, const Outcome& alone, const Outcome& outcome,
                     const Fault& other) {
   constexpr double kTicksS = 0.03;
@@ -136,11 +136,12 @@ void expect_as_soon(const Fault& fault, const Outcome& alone, const Outcome& out
   }
 }
 
-// Lanes are 1.3 m apart, and only faults with `trusts_plans` bring vehicles much closer; for those
-// the collision check of each pair applies. Expects that no other pair brings them closer.
+// Expects that a pair of faults does not bring vehicles closer together than the lanes, which are
+// 1.3 m apart. Faults with `trusts_plans` are excluded, because they bring vehicles much closer;
+// for them the collision check of each pair applies.
 void expect_as_far_apart(const Fault& a, const FaultRun& alone, const Fault& b,
                          const FaultRun& run) {
-  constexpr double kLanesKeptM = 1.0;  // m; FaultTable checks it for faults flown through
+  constexpr double kLanesKeptM = 1.0;  // m; checked by FaultTable for faults without a reaction
   constexpr double kSlackM = 0.1;
   if (!a.trusts_plans && !b.trusts_plans) {
     EXPECT_GE(run.closest_m, std::min(alone.closest_m, kLanesKeptM) - kSlackM)
@@ -150,10 +151,10 @@ void expect_as_far_apart(const Fault& a, const FaultRun& alone, const Fault& b,
 
 class FaultPairs : public testing::TestWithParam<std::size_t> {};
 
-// Flies every fault with every later one of the list, begun 0.25 s later. No vehicle collides or
-// leaves the fence; each reaction is as fast and each final state at least as severe as alone.
-// Set-points can be flown, states are not revoked, separation is kept, and counted faults are
-// counted.
+// Flies each fault of the list with each later one, which begins 0.25 s after the first. No vehicle
+// collides or leaves the fence. Each reaction is as fast and each final state at least as severe as
+// with the fault alone. Set-points are feasible, the state never becomes less severe, separation is
+// kept, and counted faults are counted.
 TEST_P(FaultPairs, ReactAsToEachFaultAlone) {
   const auto& all = fault_catalogue();
   const std::size_t i = GetParam();

@@ -17,20 +17,20 @@ inline constexpr auto kLand = FlightState::kLand;
 inline constexpr auto kIdle = FlightState::kIdle;
 inline constexpr auto kKilled = FlightState::kKilled;
 
-/// Slack of time limits, s: one telemetry tick, one guard tick and one for rounding.
+/// s; tolerance of time limits: one telemetry tick, one guard tick and one tick for rounding.
 inline constexpr double kTicks = 0.03;
 
 inline VehicleKnobs& q1(FlightBench& bench) { return bench.vehicle("Q1").knobs; }
 inline VehicleKnobs& q2(FlightBench& bench) { return bench.vehicle("Q2").knobs; }
 
-/// Sets a plan fault; of two faults of one plan the first counts.
+/// Sets a plan fault; if two faults corrupt the same plan, the first one applies.
 inline void corrupt(VehicleKnobs& knobs, PlanFault fault) {
   knobs.plan = knobs.plan == PlanFault::kNone ? fault : knobs.plan;
 }
 /// True during one tick only.
 inline bool is_at(double since_s, double at_s) { return std::abs(since_s - at_s) < 0.004; }
 
-/// Returns an act that sets a knob of Q1 or of the room.
+/// Returns an act that sets a knob of Q1 or of the whole bench.
 template <class Knob, class Value = Knob>
 Act sets(Knob VehicleKnobs::*knob, Value value) {
   return [knob, value](FlightBench& bench, double) { q1(bench).*knob = value; };
@@ -89,7 +89,7 @@ inline Expected ends(FlightState end, std::vector<Stage> stages, const char* rea
   return {std::move(stages), reason, counter, end};
 }
 
-/// Returns a fault of Q1 that begins at once.
+/// Returns a fault of Q1 that begins immediately.
 inline Fault fault(int number, const char* name, const char* what, Act act, Expected expected) {
   return {number,
           name,
@@ -120,7 +120,7 @@ inline Fault trusting(Fault fault) {
   return fault;
 }
 
-/// Returns faults 1 … 12: cameras, their computer, their clock.
+/// Returns faults 1 … 12: cameras, mocap computer and its clock.
 std::vector<Fault> mocap_faults();
 /// Returns faults 14, 15, 23 … 31, 42: plans, planners, maps.
 std::vector<Fault> plan_faults();

@@ -8,7 +8,8 @@
 namespace vantage::test {
 namespace {
 
-// After a change run build/dev/bin/fault_report > docs/results/faults.md and check the difference.
+// To update the page, run build/dev/bin/fault_report > docs/results/faults.md and check the
+// difference.
 TEST(FaultReport, IsTheCommittedPage) {
   std::ifstream file(VANTAGE_SOURCE_DIR "/docs/results/faults.md");
   ASSERT_TRUE(file.is_open());

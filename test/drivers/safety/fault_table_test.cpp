@@ -23,7 +23,8 @@ std::string case_name(const std::string& name) {
 
 class FaultTable : public testing::TestWithParam<std::size_t> {};
 
-// One fault alone: each stage in time, the stated reason and final state, and no violation.
+// Single faults: each stage is reached within its time limit, with the reason and final state of
+// the table and without a violation.
 TEST_P(FaultTable, ReactsInTimeAndEndsAsStated) {
   const Fault& fault = fault_catalogue()[GetParam()];
   const Fault* const one[] = {&fault};

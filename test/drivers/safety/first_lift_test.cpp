@@ -1,5 +1,5 @@
-// The commanded vehicle must be proven to be the observed body on the ground or within its first
-// 0.3 m.
+// Flight safety must verify, on the ground or within the first 0.3 m of the lift, that the
+// commanded vehicle is the body that mocap shows.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ Eigen::Matrix3d turned(double degrees) {
 Eigen::Matrix3d diagonal(double x, double y, double z) {
   return Eigen::Vector3d(x, y, z).asDiagonal();
 }
-/// z sideways and y up: (x, y, z) is shown as (x, z, -y).
+/// Returns the rotation of a y-up world with z sideways: (x, y, z) is shown as (x, z, -y).
 Eigen::Matrix3d y_up() {
   Eigen::Matrix3d out;
   out << 1, 0, 0, 0, 0, 1, 0, -1, 0;
@@ -35,7 +35,7 @@ struct WorldSetup {
   const char* name;
   Wiring wiring;
   const char* whom;  ///< vehicles that must not fly
-  bool flies;        ///< the set-up is correct
+  bool flies;        ///< true if the set-up is correct
 };
 
 std::vector<WorldSetup> setups() {
@@ -60,8 +60,8 @@ std::vector<WorldSetup> setups() {
       {"MirroredXPositionsOnly", world(diagonal(-1, 1, 1), false), "Q1 Q2 Q3", false},
       {"MirroredYPositionsOnly", world(diagonal(1, -1, 1), false), "Q1 Q2 Q3", false},
       {"UpsideDown", world(diagonal(1, 1, -1)), "Q1 Q2 Q3", false},
-      // An autopilot that takes its yaw from the poses flies correctly in a world that is rotated
-      // about the vertical. Only the start positions of the scenario do not match.
+      // If the autopilot takes its yaw from the mocap poses, it flies correctly in a world that is
+      // rotated about the vertical. Only the start positions differ from the scenario.
       {"Turned20", world(turned(20.0)), "Q1 Q2 Q3", false},
       {"Turned90", world(turned(90.0)), "Q1 Q2 Q3", false},
       {"Turned180", world(turned(180.0)), "Q1 Q2 Q3", false},
@@ -77,7 +77,7 @@ class FirstLift : public testing::TestWithParam<std::size_t> {};
 // Regression: vehicles flew with y-up mocap, and two with swapped addresses climbed to 12 m.
 TEST_P(FirstLift, StaysBelowTheProofHeightInAWrongSetup) {
   const WorldSetup setup = setups()[GetParam()];
-  // Take-off of one vehicle or of all at once.
+  // Take-off of a single vehicle or of all simultaneously.
   for (const char* whom : {"", "Q1", "Q2"}) {
     SCOPED_TRACE(std::string("told: ") + (*whom == '\0' ? "all" : whom));
     FlightBench bench(7);
@@ -179,7 +179,7 @@ TEST(FirstLiftOfThree, SkipsAVehicleThatCannotLift) {
   }
 }
 
-// The take-off orders arrive one shortly after the other.
+// Take-off orders for Q3 and, shortly afterwards, for Q1.
 TEST(FirstLiftOfThree, LiftsInTheOrderOfCommands) {
   for (const double later_s : {0.02, 0.3, 1.0, 2.0}) {
     FlightBench bench(4);
@@ -197,7 +197,8 @@ TEST(FirstLiftOfThree, LiftsInTheOrderOfCommands) {
   }
 }
 
-// Its motors run and someone lifts it, or mocap shows the body of another vehicle.
+// An armed vehicle without a take-off order rises: a person lifts it, or mocap shows the body of
+// another vehicle.
 TEST(FirstLiftOfThree, StopsABodyThatRisesWithoutAnOrder) {
   FlightBench bench(4);
   bench.run(1.0);
@@ -211,8 +212,8 @@ TEST(FirstLiftOfThree, StopsABodyThatRisesWithoutAnOrder) {
   EXPECT_TRUE(FlightBench::has_reason(q1, "uncommanded rise", bench.now()));
 }
 
-// Real autopilots take up to half a minute to arm, and seconds to spool up. By then the order of
-// the commands is forgotten and mocap shows nothing yet, so vehicles report their own lift.
+// Real autopilots take up to 30 s to arm and several seconds to spool up. By then the order of the
+// commands is forgotten and mocap does not show a rise yet, so vehicles report their own lift.
 TEST(LiftQueue, WaitsForReportedLiftsThenGoesByName) {
   const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
@@ -247,7 +248,7 @@ TEST(LiftQueue, WaitsForReportedLiftsThenGoesByName) {
   }
 }
 
-// Two vehicles whose motors start at the same instant.
+// The motors of two vehicles start at the same instant.
 TEST(LiftQueue, StaggersSimultaneousStarts) {
   const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q1");
@@ -267,14 +268,14 @@ TEST(LiftQueue, StaggersSimultaneousStarts) {
   EXPECT_GT(begun_s[2], begun_s[1] + 0.1);
 }
 
-// The vehicle before ours does not rise, or rises and is never proven. The sequence is repeated
-// with the same queue.
+// The preceding vehicle does not rise, or rises but its identity is never verified. The sequence is
+// repeated with the same queue.
 TEST(LiftQueue, WaitsTheStatedTimeForThePredecessor) {
   const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
   const Time start = from_utime(1'700'000'000'000'000);
-  constexpr double kSlackS = 6.0;      // s; allowance for the start of its motors
-  constexpr double kTurnDelayS = 0.3;  // s; extra wait of the second by name
+  constexpr double kSlackS = 6.0;      // s; allowance for the motor start of the predecessor
+  constexpr double kTurnDelayS = 0.3;  // s; additional wait of the second vehicle by name
   drivers::LiftQueue queue(scenario, "Q2");
   drivers::OtherBody first;
   first.robot = 0;
@@ -296,8 +297,8 @@ TEST(LiftQueue, WaitsTheStatedTimeForThePredecessor) {
   }
 }
 
-// Step and turn count only in the commanded direction and beyond 0.3 of the commanded amount, for
-// any ground position and yaw.
+// The test step and turn of a lift are recognised only in the commanded direction and beyond 0.3 of
+// the commanded amount, for any ground position and yaw.
 TEST(Lift, IsProvenByTheCommandedStepAndTurn) {
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   const Time start = from_utime(1'700'000'000'000'000);
@@ -321,7 +322,7 @@ TEST(Lift, IsProvenByTheCommandedStepAndTurn) {
     const bool is_proven = own.step(hover_m + gone_m, yaw_rad, course, limits, start);
     EXPECT_EQ(own.is_under_way(), !is_proven);
     const drivers::PlanPoint then =
-        course.planned_at(start);  // back after the proof, otherwise still at the step
+        course.planned_at(start);  // ground position once verified, else the step
     const Eigen::Vector2d back_m =
         is_proven ? rest.position_m() : Eigen::Vector2d(asked.position_world_m.head<2>());
     EXPECT_LT((then.position_world_m.head<2>() - back_m).norm(), 1e-12);
@@ -342,7 +343,7 @@ TEST(Lift, IsProvenByTheCommandedStepAndTurn) {
   }
 }
 
-// The first hover is not above the commanded take-off height.
+// The first hover must not be higher than the commanded take-off height.
 TEST(Lift, StaysBelowTheTakeOffHeight) {
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   drivers::Lift own;
@@ -350,7 +351,7 @@ TEST(Lift, StaysBelowTheTakeOffHeight) {
   EXPECT_DOUBLE_EQ(own.height_m(), limits.take_off_height_m);
 }
 
-// The step goes along both axes, to the diagonal with the most room.
+// The test step goes along both axes, to the diagonal position with the most free space.
 TEST(Lift, StepsToTheDiagonalWithMostRoom) {
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   const Time start = from_utime(1'700'000'000'000'000);
@@ -374,7 +375,7 @@ TEST(Lift, StepsToTheDiagonalWithMostRoom) {
   }
 }
 
-// 0.65 m to a wall is more room than 0.74 m to the centre of another body.
+// A wall at 0.65 m leaves more free space than the centre of another body at 0.74 m.
 TEST(Lift, SubtractsTheRadiusOfABody) {
   drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   limits.vehicle.radius_m = 0.15;

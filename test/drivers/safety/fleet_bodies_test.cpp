@@ -10,7 +10,7 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/allocation_counter.hpp"
 
-// Fleet: bodies without plans, teammates with a dead driver, and plans that cannot be flown.
+// Tests of Fleet with bodies without plans, teammates with a dead driver, and infeasible plans.
 
 namespace vantage::drivers {
 namespace {
@@ -47,7 +47,7 @@ class FleetOfQ2 : public testing::Test {
   std::int64_t sequence = 0;
 };
 
-// Such a plan is counted, and the teammate is taken at its seen position.
+// An infeasible plan is counted, and the teammate is treated as a body at its measured position.
 TEST_F(FleetOfQ2, RefusesInfeasibleTeammatePlans) {
   using Segments = std::vector<models::PlanSegment>;
   struct Case {
@@ -80,7 +80,8 @@ TEST_F(FleetOfQ2, RefusesInfeasibleTeammatePlans) {
   EXPECT_EQ(refused, 6);
 }
 
-// The driver of the teammate has fallen silent, so its autopilot lands it straight down.
+// The teammate's driver is silent, so its autopilot lands it vertically. The whole column below it
+// is therefore occupied.
 TEST_F(FleetOfQ2, TreatsASilentTeammateAsAColumn) {
   const auto course_at = [&](double t_s) {
     show(t_s, {{"Q3", {1.0, -1.0, 1.5}}});
@@ -113,7 +114,8 @@ TEST_F(FleetOfQ2, PredictsOtherBodiesAtConstantVelocity) {
   EXPECT_EQ(fleet.courses(at(3.0), limits)[0].velocity_world_mps.norm(), 0.0) << "not seen";
 }
 
-// A person in the room counts under any name; a body that this vehicle carries does not.
+// An unknown body, for example a person, counts under any name; a body that this vehicle carries
+// does not.
 TEST_F(FleetOfQ2, KeepsBodiesWithUnknownNames) {
   show(0.0, {{"Q2", {0, 0, 1}}, {"HELMET", {1.5, 0, 1.7}}, {"GIMBAL", {0.1, 0, 1.0}}});
   auto bodies = fleet.bodies(at(0.0), limits);

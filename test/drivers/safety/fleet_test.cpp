@@ -88,7 +88,7 @@ TEST_F(TeammatesPlans, MayStartExactlyAtTheirLimits) {
   }
 }
 
-// The numbers of a run start at 0; any number is a valid run id.
+// Sequence numbers of a run start at 0; a run id may have any value.
 TEST_F(TeammatesPlans, AreAcceptedOnceFromAnyRun) {
   for (const std::int64_t run :
        {std::int64_t{0}, std::int64_t{1}, std::int64_t{-1},
@@ -110,7 +110,7 @@ TEST_F(TeammatesPlans, RestartNumbersWithANewPlanner) {
   }
 }
 
-// A clock that was never set may be before 1970.
+// A clock that was never set may give times before 1970.
 TEST_F(TeammatesPlans, AreAcceptedFirstAtAnyTime) {
   constexpr double kEpochS = -1'700'000'000.0;
   for (const double at_s : {kEpochS - 5.0, kEpochS + 5.0, 0.0}) {
@@ -120,7 +120,7 @@ TEST_F(TeammatesPlans, AreAcceptedFirstAtAnyTime) {
   }
 }
 
-// A plan that cannot be flown is ignored and does not take the lease.
+// An infeasible plan is ignored and its planner does not get the lease.
 TEST_F(TeammatesPlans, AreIgnoredWhenInfeasible) {
   models::RobotPlan plan = hover(1, 0, 1.0);
   plan.trajectory.start.x_m = std::numeric_limits<double>::quiet_NaN();
@@ -153,7 +153,7 @@ class FleetBodies : public testing::Test {
     }
     fleet.on_mocap(frame, limits, at(at_s));
   }
-  /// Delivers a plan of Q3: a hover at `p_m` that moves off along x at `start_s`.
+  /// Delivers a plan of Q3: a hover at `p_m` until `start_s`, then motion along x.
   bool plan_of_q3(double start_s, double heard_s, const Eigen::Vector3d& p_m) {
     models::RobotPlan plan;
     plan.robot = "Q3";
@@ -189,7 +189,7 @@ TEST_F(FleetBodies, AreSeenBodiesWithPriorityByName) {
   const auto bodies = fleet.bodies(at(0.0), limits);
   ASSERT_EQ(bodies.size(), 3u) << "itself is no other";
   const double xs_m[] = {0.0, 2.0, 3.0};
-  const bool has_priority[] = {true, false, true};  // Q1 is before Q2; other bodies go first
+  const bool has_priority[] = {true, false, true};  // Q1 precedes Q2; non-robots always do
   const int robots[] = {0, 2, -1};                  // indices in the scenario
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(bodies[i].position_world_m.x(), xs_m[i]);
@@ -216,7 +216,8 @@ TEST_F(FleetBodies, CountUnknownBodiesAndRefusedPoses) {
   }
 }
 
-// A moved body is accepted again after fifty consecutive poses, each time.
+// A body that has been moved is accepted at its new position after fifty consecutive poses. Tested
+// twice.
 TEST_F(FleetBodies, AreAcceptedAfterFiftyPosesElsewhere) {
   double t_s = 0.0;
   show(t_s, {{"Q1", {0, 0, 1}}});
@@ -231,8 +232,8 @@ TEST_F(FleetBodies, AreAcceptedAfterFiftyPosesElsewhere) {
   }
 }
 
-// The measured velocity of a teammate is late. The velocity of its plan counts from the reaction
-// time before it sets off, when braking would need it.
+// The measured velocity of a teammate is delayed. The velocity of its plan therefore counts from
+// one reaction time before the plan sets off, when this vehicle would have to brake.
 TEST_F(FleetBodies, SetOffOneReactionTimeBeforeTheirPlan) {
   const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
   const double seen_s = test::last_accepted(1.5, 0.0, 1e-7, [&](double t_s) {
@@ -246,8 +247,8 @@ TEST_F(FleetBodies, SetOffOneReactionTimeBeforeTheirPlan) {
   EXPECT_EQ(body(1.4).velocity_world_mps.norm(), 0.0);
 }
 
-// The planned velocity never improves the prediction: a teammate that should stand by its plan may
-// still move.
+// A teammate that should hover according to its plan may still move, so the planned velocity does
+// not replace a greater measured velocity.
 TEST_F(FleetBodies, KeepTheMeasuredVelocityIfItIsGreater) {
   for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
     show(t_s, {{"Q3", {0.5 * t_s, -1.0, 1.0}}});
@@ -272,7 +273,7 @@ TEST_F(FleetBodies, StopAtTheirLastPositionWhenUnseen) {
   EXPECT_EQ(body(5.0).planned_world_mps.norm(), 0.0);
 }
 
-// An occluded person is assumed to keep walking, and has the radius of the scenario.
+// An occluded person is assumed to keep walking, with the radius given in the scenario.
 TEST_F(FleetBodies, KeepMovingAndKeepTheirRadiusIfNotRobots) {
   scenario.targets[0].radius_m = 0.4;
   scenario.robots[0].limits.radius_m = 0.3;
@@ -294,8 +295,8 @@ TEST_F(FleetBodies, KeepMovingAndKeepTheirRadiusIfNotRobots) {
   }
 }
 
-// A teammate that keeps to its plan is assumed to follow it; one that strays is taken at its seen
-// position, and later again on its plan.
+// A teammate close to its plan is assumed to follow it. A teammate that deviates is treated as a
+// body at its measured position, until it is close to its plan again.
 TEST_F(FleetBodies, FollowTheirPlanWhileTheyKeepToIt) {
   const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
   show(0.0, {{"Q3", hover_m}});
@@ -329,7 +330,7 @@ TEST_F(FleetBodies, FollowTheirPlanWhileTheyKeepToIt) {
   }
 }
 
-// While a name appears twice, its body stays at its last position and counts as not seen.
+// While a name appears twice in a frame, its body stays at its last position and counts as unseen.
 TEST_F(FleetBodies, AreUnseenWhileTheirNameIsDuplicate) {
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   show(0.0, {{"Q3", here_m}});
@@ -347,7 +348,8 @@ TEST_F(FleetBodies, AreUnseenWhileTheirNameIsDuplicate) {
   EXPECT_EQ(body(0.03).age_s, 0.0) << "and once more when it is alone";
 }
 
-// The comparison uses the point of the plan at the current time, not its start.
+// The measured position is compared with the planned position at the current time, not at the
+// start.
 TEST_F(FleetBodies, AreComparedWithTheCurrentPointOfTheirPlan) {
   const Eigen::Vector3d hover_m(-1.0, -1.0, 1.0);
   EXPECT_TRUE(plan_of_q3(0.0, 0.0, hover_m));
@@ -401,7 +403,8 @@ TEST_F(FleetBodies, IgnoreAPlanThatTheyHaveLeft) {
   }
 }
 
-// A teammate without a received plan is at its seen position, also near the origin.
+// A teammate without a received plan is treated as a body at its measured position, also near the
+// origin.
 TEST_F(FleetBodies, StayAtTheirPositionWithoutAPlan) {
   test::Random random(51);
   for (int i = 0; i < 100; ++i) {
@@ -414,7 +417,7 @@ TEST_F(FleetBodies, StayAtTheirPositionWithoutAPlan) {
   }
 }
 
-// The prediction goes on at the last velocity for half a second at most.
+// The position is extrapolated at the last velocity for at most half a second.
 TEST_F(FleetBodies, AreExtrapolatedForHalfASecond) {
   for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
     show(t_s, {{"Q3", {0.5 * t_s, -1.0, 1.0}}});

@@ -17,8 +17,8 @@
 #include "test/support/random.hpp"
 
 // A small closed loop in virtual time: three point-mass vehicles with lag and a simulated
-// autopilot, one planner each that shuttles along a lane, mocap at 100 Hz, an operator, and flight
-// safety at 100 Hz. A fault sets the knobs again at each tick.
+// autopilot, one planner each that moves its vehicle back and forth along a lane, mocap at 100 Hz,
+// an operator, and flight safety at 100 Hz. An active fault sets its knobs again at each tick.
 
 namespace vantage::test {
 
@@ -34,7 +34,7 @@ enum class PlanFault {
   kLeavesFence,
   kMeetsObstacle,
   kMeetsTeammate,
-  kHeadOn,  ///< straight at a teammate; for guards that do not check plans against teammates
+  kHeadOn,  ///< straight at a teammate; requires guards that do not check plans against teammates
   kWrongVehicle,
   kEmpty,
   kHalfASecondOld,
@@ -54,12 +54,12 @@ enum class BodyFault {
   kMirrored,
   kUpsideDown,
   kDuplicated,
-  kForeign,  ///< a stationary body with this name, 0.24 m from the last position
+  kForeign,  ///< stationary body with this name, 0.24 m from the last position
 };
 
 /// Faults of one vehicle and its environment during one tick.
 struct VehicleKnobs {
-  std::vector<BodyFault> body;  ///< all apply
+  std::vector<BodyFault> body;  ///< faults of the mocap body; all of them apply
   double offset_m = 0.0;        ///< m; added to its shown position along x
   std::string swapped_with;
   PlanFault plan = PlanFault::kNone;
@@ -71,17 +71,17 @@ struct VehicleKnobs {
   bool motor_failed = false;
   double tilt_rad = 0.05;
   double body_tilt_rad = 0.0;        ///< rad; of the mocap body about its x axis
-  double attitude_offset_rad = 0.0;  ///< rad; added to the roll that the autopilot reports
-  double yaw_offset_rad = 0.0;       ///< rad; added to the yaw that the autopilot reports
+  double attitude_offset_rad = 0.0;  ///< rad; error of the roll that the autopilot reports
+  double yaw_offset_rad = 0.0;       ///< rad; error of the yaw that the autopilot reports
   bool reports_disarmed = false;     ///< the autopilot reports disarmed motors
   bool estimator_bad = false;
   double estimate_offset_m = 0.0;
-  double velocity_offset_mps = 0.0;  ///< m/s; added to the x velocity that the autopilot reports
+  double velocity_offset_mps = 0.0;  ///< m/s; error of the x velocity that the autopilot reports
   std::optional<double> battery_share;
   bool battery_frozen = false;
   bool battery_silent = false;
-  bool motors_off = false;   ///< motors stop whatever is commanded
-  bool cannot_lift = false;  ///< motors run without lift
+  bool motors_off = false;   ///< motors stop regardless of the commands
+  bool cannot_lift = false;  ///< motors run but produce no lift
   bool link_cut = false;
   bool telemetry_cut = false;
   bool mode_left = false;
@@ -94,32 +94,33 @@ struct VehicleKnobs {
 
 struct RoomKnobs {
   int mocap_every = 1;   ///< ticks per frame
-  int mocap_age_ms = 0;  ///< ms; age of mocap frames when a tick processes them
+  int mocap_age_ms = 0;  ///< ms; age of each mocap frame when a tick processes it
   double mocap_latency_s = 0.005;
   double mocap_jitter_s = 0.0;
   Duration mocap_clock{};
-  double frame_loss = 0.0;  ///< probability
+  double frame_loss = 0.0;  ///< probability that a mocap frame is lost
   bool mocap_dead = false;
   bool ghost_body = false;
-  std::vector<Eigen::Vector3d> target_positions_m;  ///< m; shown positions of the first targets
+  std::vector<Eigen::Vector3d>
+      target_positions_m;  ///< m; positions of the first targets as shown by mocap
   std::optional<Eigen::Vector3d>
-      unknown_body_m;  ///< m; shown position of a body with an unknown name
+      unknown_body_m;  ///< m; position of a body with an unknown name, as shown by mocap
   bool operator_silent = false;
-  std::string command_recipient;                  ///< recipient of `command`; empty: all
-  bool second_station = false;                    ///< it sends heartbeats and `follow`
-  bool second_arms = false;                       ///< it also sends `arm`
+  std::string command_recipient;  ///< recipient of `command`; empty: all
+  bool second_station = false;    ///< a second station sends heartbeats and `follow`
+  bool second_arms = false;       ///< the second station also sends `arm`
   std::optional<models::OperatorAction> command;  ///< operator command at this tick
   std::optional<models::OperatorAction>
       second_command;  ///< command of the second station at this tick
 };
 
-/// Set-up of the room, possibly wrong. It holds for the whole run.
+/// Configuration of the room, possibly wrong; constant during a run.
 struct Wiring {
   Eigen::Matrix3d mocap_from_world = Eigen::Matrix3d::Identity();
   bool mirrors_attitude = true;  ///< a mirrored mocap also mirrors rotations
-  bool swaps_names = false;      ///< mocap shows Q1 under the name Q2, and the reverse
-  bool swaps_addresses = false;  ///< Q1 and Q2 each drive the autopilot of the other
-  bool has_compass = false;      ///< autopilots measure the true yaw and ignore that of mocap
+  bool swaps_names = false;      ///< mocap shows Q1 under the name Q2 and vice versa
+  bool swaps_addresses = false;  ///< Q1 and Q2 are each connected to the autopilot of the other
+  bool has_compass = false;      ///< autopilots measure the true yaw and ignore the yaw of mocap
 };
 
 struct Vehicle {
@@ -129,25 +130,27 @@ struct Vehicle {
   double lane_y_m = 0.0;
   bool heads_east = true;
 
-  // Truth.
+  // True state.
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
   double yaw_rad = 0.0;
   bool is_armed = false;
   bool has_flown = false;
 
-  // The autopilot.
-  Eigen::Vector3d drift_m = Eigen::Vector3d::Zero();  ///< m; error of its position estimate
+  // State of the autopilot.
+  Eigen::Vector3d drift_m =
+      Eigen::Vector3d::Zero();  ///< m; error of the autopilot's position estimate
   double without_pose_s = 0.0;
-  Eigen::Vector3d estimated_mps = Eigen::Vector3d::Zero();  ///< m/s; its own velocity estimate
-  double turn_radps = 0.0;  ///< rad/s; true value and gyroscope reading
+  Eigen::Vector3d estimated_mps =
+      Eigen::Vector3d::Zero();  ///< m/s; the autopilot's velocity estimate
+  double turn_radps = 0.0;      ///< rad/s; true yaw rate and gyroscope reading
   double spool_s = 0.0;
   double ground_s = 0.0;
   double without_setpoint_s = 0.0;
   double battery_share = 0.9;
   drivers::FlightSetpoint setpoint;
 
-  // The planner.
+  // State of the planner.
   std::int64_t round = 0;
   std::int64_t sequence = 0;
   std::vector<models::RobotPlan> sent;
@@ -161,7 +164,7 @@ class FlightBench {
  public:
   static constexpr double kTickS = 0.01;
   static constexpr double kSeparationMinM = 0.5;  ///< m; closer vehicles count as a collision
-  /// Time before 0 in which the three vehicles lift one after the other, s.
+  /// s; time before t = 0 in which the three vehicles lift one after the other.
   static constexpr double kLeadS = 15.0;
 
   /// With `trusts_plans` the plan check ignores teammates, so that only the position checks
@@ -173,19 +176,19 @@ class FlightBench {
   FlightBench(FlightBench&&) = delete;
   FlightBench& operator=(FlightBench&&) = delete;
 
-  /// Runs until `until_s`: arms and takes off at the start, follows from 3.5 s on.
+  /// Runs until `until_s`: vehicles arm and take off at the start and follow plans from 3.5 s on.
   virtual void fly_up(double until_s);
   /// Runs one tick with the current knobs, then resets them.
   void tick();
   /// Runs ticks for `seconds`; calls `set_knobs` before each.
   void run(
       double seconds, const std::function<void()>& set_knobs = [] {});
-  /// Sends an operator command at the next tick, to one vehicle or, if `whom` is empty, to all.
+  /// Sends an operator command at the next tick to one vehicle, or to all if `whom` is empty.
   void send_command(models::OperatorAction action, const std::string& whom = "");
-  /// True if the status of the vehicle contains `reason` now.
+  /// True if the vehicle's status at `now` contains `reason`.
   [[nodiscard]] static bool has_reason(const Vehicle& vehicle, const std::string& reason, Time now);
 
-  /// Returns the bench time; it starts at minus the lead.
+  /// Returns the bench time, s; it starts at the negative lead time.
   [[nodiscard]] double time_s() const { return static_cast<double>(ticks_) * kTickS - lead_s_; }
   [[nodiscard]] Time now() const;
   [[nodiscard]] std::vector<Vehicle>& vehicles() { return vehicles_; }
@@ -207,9 +210,9 @@ class FlightBench {
   /// Constructs a bench without guards, for a subclass that drives its vehicles by other means.
   FlightBench(std::uint64_t seed, scenario::Scenario scenario, double lead_s);
 
-  /// Delivers a frame, a plan or a command to every running driver.
+  /// Delivers a message to every running driver.
   virtual void deliver(const models::MocapFrame& frame);
-  /// Returns true if the vehicle accepts the plan.
+  /// Delivers a plan; returns true if the vehicle accepts it.
   virtual bool deliver(Vehicle& vehicle, const models::RobotPlan& plan);
   virtual void deliver(const models::OperatorCommand& command);
   /// Advances drivers, autopilots and vehicles by one tick.
@@ -218,7 +221,7 @@ class FlightBench {
   [[nodiscard]] std::int64_t ticks() const { return ticks_; }
 
  private:
-  struct Flight {  ///< a frame in transit
+  struct Flight {  ///< a mocap frame in transit
     Time arrives;
     models::MocapFrame frame;
   };
@@ -230,11 +233,11 @@ class FlightBench {
   void operate();
   void send_command(models::OperatorAction action, std::int64_t run_id, std::int64_t& sequence);
   void autopilot(Vehicle& vehicle);
-  /// Returns the pose of the vehicle as mocap shows it, without noise.
+  /// Returns the vehicle's pose as shown by mocap, without noise.
   [[nodiscard]] Pose3 shown_pose(const Vehicle& vehicle) const;
   /// Returns the vehicle whose driver is connected to the autopilot of `vehicle`.
   [[nodiscard]] Vehicle& connected_driver(const Vehicle& vehicle);
-  /// Returns the vehicle whose body mocap shows under the name of `named`.
+  /// Returns the vehicle whose body mocap shows under the name of vehicle `named`.
   [[nodiscard]] Vehicle& shown_vehicle(const Vehicle& named);
   void fly(Vehicle& vehicle);
   void check();

@@ -1,4 +1,4 @@
-// Simulated autopilot and airframe of the bench, and the checks of forbidden events.
+// Simulated autopilot and airframe of the bench, and the detection of forbidden events.
 
 #include <algorithm>
 #include <cmath>
@@ -17,12 +17,14 @@ constexpr double kResponseS = 0.1;  // s; equals SafetyLimits::setpoint_lead_s
 constexpr double kLagS = 0.15;
 constexpr double kAccelerationMaxMps2 = 6.0;
 constexpr double kGravityMps2 = 9.81;
-constexpr double kEstimatorBlindS = 5.0;  // s without a pose until it reports bad
-constexpr double kDriftMps = 0.05;        // m/s; drift of its estimate without poses
+constexpr double kEstimatorBlindS =
+    5.0;  // s; time without a pose until the autopilot reports a bad estimate
+constexpr double kDriftMps = 0.05;  // m/s; drift of its estimate without poses
 constexpr double kSpoolUpS = 0.8;
 constexpr double kYawGainPerS = 10.0;
 constexpr double kTurnMaxRadps = 4.0;
-constexpr double kVelocityMemoryS = 0.2;  // s; time constant of the accelerometers in its estimate
+constexpr double kVelocityMemoryS =
+    0.2;  // s; time constant of the accelerometers in the velocity estimate
 
 double yaw_of(const Pose3& pose) { return flatten(pose).yaw_rad; }
 
@@ -108,7 +110,7 @@ void FlightBench::fly(Vehicle& vehicle) {
   if (vehicle.is_armed && lands_itself) {
     ask_mps = {0.0, 0.0, -0.5};
   } else if (is_tracking && vehicle.spool_s > kSpoolUpS && !knobs.cannot_lift) {
-    // Set-points state the position at the time of the response.
+    // A set-point is the desired position after the response time.
     const Eigen::Vector3d believed_m =
         fed.translation_m + vehicle.drift_m + kResponseS * vehicle.velocity_mps;
     ask_mps = vehicle.setpoint.velocity_world_mps +

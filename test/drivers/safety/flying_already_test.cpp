@@ -1,5 +1,5 @@
-// The motion of the body decides whether the vehicle flies: drivers that start in the air, and
-// disarmed reports.
+// The measured motion of the body decides whether the vehicle flies, when a driver starts in the
+// air and when a disarmed report arrives in flight.
 
 #include <cmath>
 
@@ -88,8 +88,8 @@ TEST_F(FlyingAlready, IgnoresDisarmedReportsInTheAir) {
   }
 }
 
-// Without mocap, three consecutive heartbeats (one per second) must report it. Until then the
-// landing continues.
+// Without mocap, three consecutive heartbeats (one per second) must report disarmed motors. Until
+// then the landing continues.
 TEST_F(FlyingAlready, StaysArmedUnseenBeforeThreeHeartbeats) {
   bench.fly_up(6.4);
   const auto hide = [&] { q1.knobs.body = {BodyFault::kOccluded}; };
@@ -108,13 +108,14 @@ TEST_F(FlyingAlready, StaysArmedUnseenBeforeThreeHeartbeats) {
   EXPECT_FALSE(q1.is_armed);
 }
 
-// The third such heartbeat in a row is accepted, in the tick that receives it.
+// The third consecutive heartbeat that reports disarmed motors is accepted in the tick that
+// receives it.
 TEST_F(FlyingAlready, IsDisarmedUnseenAtTheThirdHeartbeat) {
   bench.fly_up(6.4);
   int beats = 0;
   for (int tick = 0; tick < 300; ++tick) {
     const auto ticks = std::lround(bench.time_s() / FlightBench::kTickS);
-    if (beats == 2) {  // it was seen to fly until then
+    if (beats == 2) {  // mocap shows the flight until the second heartbeat
       q1.knobs.body = {BodyFault::kOccluded};
     }
     q1.knobs.reports_disarmed = true;
@@ -132,7 +133,7 @@ TEST_F(FlyingAlready, IsDisarmedUnseenAtTheThirdHeartbeat) {
   ADD_FAILURE() << "never believed";
 }
 
-// With motors that really are off it falls, which is seen at once.
+// If the motors are really off the vehicle falls, and mocap shows the fall immediately.
 TEST_F(FlyingAlready, IsDisarmedWhenItFalls) {
   bench.fly_up(6.4);
   bench.run(0.6, [&] { q1.knobs.motors_off = true; });
@@ -150,8 +151,8 @@ TEST_F(FlyingAlready, IsIdleAtOnceWhenDisarmedOnTheGround) {
   EXPECT_EQ(q1.out.state, FlightState::kIdle);
 }
 
-// Mocap defines the ground. A vehicle on the ground whose estimate drifted while it was not seen is
-// not flying when it is seen again and armed by hand.
+// Only mocap measures the ground height. A vehicle on the ground is unseen while its estimate
+// drifts, then is seen again and armed without a command. It must not count as flying.
 TEST_F(FlyingAlready, IgnoresADriftedEstimateOnTheGround) {
   bench.run(1.0);
   bench.run(2.0, [&] {

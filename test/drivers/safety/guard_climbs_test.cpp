@@ -1,4 +1,4 @@
-// First lift, its supervision, and the climb, with set-points checked to the centimetre.
+// First lift, its supervision, and the climb. Set-points are checked to the centimetre.
 
 #include <algorithm>
 #include <cmath>
@@ -20,8 +20,8 @@ constexpr double kLiftM = 0.2;
 
 double asked_m(const OneVehicle& one) { return one.out.setpoint.position_world_m.z(); }
 
-// It climbs at 0.5 m/s to 0.2 m, proves itself there, and climbs to 1 m, with set-points 0.1 s
-// ahead. Plans are not taken until it is within 0.15 m of its height. A second flight does the
+// It climbs at 0.5 m/s to 0.2 m, where its identity is verified, and then to 1 m. Set-points lead
+// by 0.1 s. Plans are refused until it is within 0.15 m of its height. A second flight does the
 // same.
 TEST(GuardClimb, ReachesLiftHeightThenFlightHeight) {
   OneVehicle one;
@@ -64,7 +64,7 @@ TEST(GuardClimb, ReachesLiftHeightThenFlightHeight) {
   }
 }
 
-// Heights count from the ground position, for example a table.
+// Heights count from the ground position of the vehicle, which may be a table.
 TEST(GuardClimb, StartsAtTheGroundHeight) {
   scenario::Scenario room = OneVehicle::room();
   OneVehicle one({0.0, 0.0, 0.0}, 0.0, room);
@@ -73,8 +73,8 @@ TEST(GuardClimb, StartsAtTheGroundHeight) {
   ASSERT_EQ(one.state(), FlightState::kHold);
   EXPECT_NEAR(one.out.climb_to_m, 0.3 + kLiftM, 1e-9);
   EXPECT_NEAR(asked_m(one), 0.3 + 0.01 + 0.1 * kClimbMps, 1e-9);
-  // During the climb any height up to the goal counts as tracked; below the start and above the
-  // goal do not.
+  // During the climb, any height up to the goal causes no tracking error. Heights below the start
+  // or above the goal do.
   EXPECT_NEAR(one.in().tracking_error_m, 0.0, 1e-9);
   for (const double off_m : {-0.2, -0.1, 0.1}) {
     one.hold_at_height(0.3 + off_m);
@@ -89,8 +89,8 @@ TEST(GuardClimb, StartsAtTheGroundHeight) {
       << "above, and not gone where it was told";
 }
 
-// A climb that does not reach its height ends after twice its nominal time and 5 s. The set-point
-// stays at the goal height all the time.
+// A climb that does not reach its height ends after twice its nominal time plus 5 s. During this
+// time the set-point stays at the goal height.
 TEST(GuardClimb, EndsAfterItsTimeLimit) {
   OneVehicle one;
   one.hold_at_height(0.3);
@@ -148,8 +148,8 @@ TEST(GuardClimb, PausesBelowAnotherVehicle) {
   EXPECT_NEAR(asked_m(one), 1.0, 1e-6) << "and is asked to be there";
 }
 
-// A vehicle above does not restart a climb that was held back for long, and one far above does not
-// block it. The first lift and a followed plan are not interrupted.
+// Once the set-point is at the goal height, another vehicle above does not extend the time limit of
+// the climb.
 TEST(GuardClimb, EndsOnTimeBelowAnotherVehicle) {
   OneVehicle one;
   const auto fly_above = [&] { one.others = {one.body("Q2", {0.5, 0.0, 1.5})}; };
@@ -198,7 +198,7 @@ TEST(GuardClimb, ContinuesInLiftAndPlanBelowAnotherVehicle) {
   }
 }
 
-// A finished climb stays finished: pushed down later, the vehicle has a tracking error.
+// A climb is not repeated: a vehicle that is pushed down after its climb has a tracking error.
 TEST(GuardClimb, DoesNotResumeAfterItsEnd) {
   OneVehicle one;
   one.begin_lift();
@@ -229,8 +229,8 @@ TEST(GuardClimb, EndsWhenALandingBegins) {
   EXPECT_GT(one.in().tracking_error_m, std::hypot(level_m, 0.1)) << "lower than where it waits";
 }
 
-// A plan at another height is flown at that height, up or down, at the speed of a climb, even with
-// a vehicle above. A hover keeps its height.
+// A plan at another height is flown at that height. The vehicle climbs or descends to it at the
+// climb speed, even with a vehicle above. A hover keeps its height.
 TEST(GuardClimb, ReachesTheHeightOfThePlan) {
   for (const double height_m : {1.2, 1.8}) {
     OneVehicle one;
@@ -255,8 +255,8 @@ TEST(GuardClimb, ReachesTheHeightOfThePlan) {
   }
 }
 
-// Position, velocity, acceleration and yaw of a set-point are consistent: the window mean of the
-// plan 0.1 s from now.
+// Position, velocity, acceleration and yaw of a set-point are consistent. They are those of the
+// plan in 0.1 s, averaged over the window.
 TEST(GuardClimb, SetpointsLeadByATenthOfASecond) {
   OneVehicle one({0.0, 0.0, 1.5});
   one.hover_without_plan();
@@ -294,7 +294,7 @@ TEST(GuardClimb, SendsNoSetpointWhenIdleOrKilled) {
   EXPECT_FALSE(one.lifts());
 }
 
-// A killed vehicle that is still in the air is not treated as found flying.
+// A killed vehicle that is still in the air must not be classified as found flying.
 TEST(GuardClimb, DoesNotFindAKilledVehicle) {
   OneVehicle one;
   one.run(0.2);
@@ -304,7 +304,7 @@ TEST(GuardClimb, DoesNotFindAKilledVehicle) {
   EXPECT_FALSE(one.in().is_found_flying);
 }
 
-// A lift ends with an emergency stop or a landing.
+// A lift ends when an emergency stop or a landing begins.
 TEST(GuardClimb, LiftEndsWithAStopOrLanding) {
   for (const OperatorAction action : {OperatorAction::kEmergencyStop, OperatorAction::kLand}) {
     OneVehicle one;

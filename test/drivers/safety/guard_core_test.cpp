@@ -25,7 +25,8 @@ scenario::Scenario room() {
   return out;
 }
 
-// The result does not depend on the order of the commands; the next tick starts without any.
+// Of several commands in a tick, the safest one is kept, in any order of arrival. The next tick
+// starts without a command.
 TEST(GuardCore, KeepsTheSafestOrderOfATick) {
   const scenario::Scenario scenario = room();
   GuardCore core(scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25));
@@ -45,7 +46,7 @@ TEST(GuardCore, KeepsTheSafestOrderOfATick) {
   } while (std::next_permutation(orders.begin(), orders.end()));
 }
 
-// A heartbeat requests nothing and is obeyed at once.
+// A heartbeat requests no action and is processed immediately.
 TEST(GuardCore, ObeysCommandsThatNeedNoCheckAtOnce) {
   const scenario::Scenario scenario = room();
   GuardCore core(scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25));
@@ -73,8 +74,8 @@ TEST(GuardCore, ObeysCommandsThatNeedNoCheckAtOnce) {
 /// Q1 as seen by successive mocap publishers.
 class SeenCore : public testing::Test {
  protected:
-  /// Delivers a frame and returns whether its publisher is accepted. It reaches the mocap driver
-  /// `latency_s` after its stamp and this process `way_s` later, now.
+  /// Delivers a frame at the time `now` and returns whether its publisher is accepted. The frame
+  /// took `latency_s` from its stamp to the mocap driver, and then `way_s` to this process.
   bool see(std::int64_t run_id, const Eigen::Vector3d& place_m, bool is_armed = false,
            BodyContext context = {}) {
     models::MocapFrame frame;
@@ -94,7 +95,8 @@ class SeenCore : public testing::Test {
   Time now = from_utime(1'700'000'000'000'000);
   double latency_s = 0.02;
   double way_s = 0.0;
-  double clock_s = 0.0;  ///< s; lead of the clock of the mocap computer over ours
+  double clock_s =
+      0.0;  ///< s; offset of the mocap computer's clock, positive: ahead of the local clock
   std::int64_t number = 1;
   const Eigen::Vector3d here_m{0.5, -0.5, 0.0};
   const Eigen::Vector3d far_m{1.5, -0.5, 0.0};
@@ -102,8 +104,8 @@ class SeenCore : public testing::Test {
   static constexpr int kOther = 4;
 };
 
-// After arming, a new publisher must show the vehicle at its known position; before, it may have
-// been carried. The current publisher may show it elsewhere on the ground, armed or not, but never
+// After arming, a new publisher must show the vehicle at its known position; before arming the
+// vehicle may have been carried. The current publisher may show it elsewhere on the ground, but not
 // in the air.
 TEST_F(SeenCore, NewSourceMustAgreeOnceArmed) {
   for (const bool is_armed : {false, true}) {
@@ -120,7 +122,7 @@ TEST_F(SeenCore, NewSourceMustAgreeOnceArmed) {
           const bool is_heard = see(is_other ? kOther : kFirst, shown_m, is_armed, {in_air});
           EXPECT_EQ(is_heard, is_believed || !is_other) << "its own source stays its source";
           EXPECT_TRUE(is_at(is_believed ? shown_m : here_m));
-          // A refused publisher does not become the source, so the first continues at once.
+          // A refused publisher does not replace the current one, whose frames are still accepted.
           EXPECT_EQ(see(kFirst, here_m), !(is_other && is_believed));
         }
       }
@@ -128,7 +130,7 @@ TEST_F(SeenCore, NewSourceMustAgreeOnceArmed) {
   }
 }
 
-// Counts each change of the clock once, in either direction, and nothing else.
+// Each clock change is counted once, in either direction; other frames are not counted.
 TEST_F(SeenCore, CountsClockChanges) {
   const auto frames = [&] {
     for (int i = 0; i < 20; ++i) {
@@ -153,11 +155,12 @@ TEST_F(SeenCore, CountsClockChanges) {
   EXPECT_NEAR(core.in.pose_latency_s, 0.12, 1e-6);
 }
 
-// Latency includes delays in the cameras' computer and in the network from the mocap driver.
+// The latency includes delays in the mocap computer and in the network from the mocap driver.
 TEST_F(SeenCore, MeasuresLatencyOfEveryStage) {
   for (int round = 0; round < 2; ++round) {  // repeated with the same state
     for (const double waits_s : {0.0, 0.05, 0.3, 0.9, 0.0}) {
-      pass(std::max(0.0, waits_s - way_s));  // nothing arrives while the path becomes longer
+      pass(std::max(0.0,
+                    waits_s - way_s));  // no frame arrives while the network delay becomes longer
       way_s = waits_s;
       for (int i = 0; i < 20; ++i) {
         pass(0.01);
@@ -170,7 +173,7 @@ TEST_F(SeenCore, MeasuresLatencyOfEveryStage) {
   EXPECT_EQ(core.clocks_set, 0);
 }
 
-// Both counts are consecutive; without a frame they are 0.
+// Counts consecutive accepted and consecutive rejected poses; both are 0 without a frame.
 TEST_F(SeenCore, CountsAcceptedAndRejectedPoses) {
   core.update_common_inputs(now);
   EXPECT_EQ(core.in.poses_accepted, 0);
@@ -194,7 +197,7 @@ TEST_F(SeenCore, CountsAcceptedAndRejectedPoses) {
   }
 }
 
-// Only an accepted plan is put on the course.
+// Only an accepted plan is added to the course.
 TEST_F(SeenCore, FollowsAcceptedPlans) {
   models::RobotPlan plan;
   plan.robot = "Q1";

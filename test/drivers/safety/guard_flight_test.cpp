@@ -1,5 +1,5 @@
-// Commands, accepted poses and status of the guard in the air, with a body that moves exactly as
-// the test states.
+// Commands, accepted poses and status of the guard in the air. The body moves exactly as the test
+// sets it.
 
 #include <algorithm>
 #include <string>
@@ -77,8 +77,8 @@ constexpr Phase kPhases[] = {
      }},
 };
 
-// When a vehicle is seen again, a sinking vehicle may be lower by its commanded descent. A vehicle
-// that was not sinking may not. Tested on both sides of either limit.
+// After a gap, the pose of a vehicle that was descending may be lower by the commanded descent. The
+// pose of a vehicle that was not descending may not. Both sides of both limits are tested.
 TEST(GuardInTheAir, AcceptsALowerPoseOnlyAfterADescent) {
   constexpr double kUnseenS = 0.4;
   for (const Phase& phase : kPhases) {
@@ -99,8 +99,8 @@ TEST(GuardInTheAir, AcceptsALowerPoseOnlyAfterADescent) {
   }
 }
 
-// In the air, poses repeated bit for bit mean that mocap is stuck. Near the ground the vehicle may
-// really be stationary.
+// In the air, poses that repeat bit for bit mean that mocap is stuck. Near the ground they are
+// accepted, because the vehicle may be stationary.
 TEST(GuardInTheAir, AcceptsIdenticalPosesOnlyNearTheGround) {
   for (const double off_m : {-0.03, 0.03}) {
     OneVehicle q1({-2.0, -1.3, 0.3});
@@ -120,7 +120,7 @@ TEST(GuardInTheAir, AcceptsIdenticalPosesOnlyNearTheGround) {
   }
 }
 
-// A vehicle that is commanded to move faster than 0.1 m/s cannot show identical poses for long.
+// If the vehicle is commanded to move faster than 0.1 m/s, identical poses are soon refused.
 TEST(GuardInTheAir, RefusesIdenticalPosesInMotion) {
   for (const double speed_mps : {0.07, 0.15}) {
     OneVehicle q1(kHigh);
@@ -136,8 +136,8 @@ TEST(GuardInTheAir, RefusesIdenticalPosesInMotion) {
   }
 }
 
-// The clock of the plan runs at full rate with fresh poses, stops at the maximum pose age, and
-// slows linearly in between.
+// The plan's clock runs at full rate up to the warning pose age and stops at the maximum pose age.
+// In between, its rate decreases linearly.
 TEST(GuardInTheAir, SlowsThePlanInProportionToPoseAge) {
   constexpr double kSpeedMps = 0.5;
   constexpr double kStepS = 0.1;
@@ -165,7 +165,7 @@ TEST(GuardInTheAir, SlowsThePlanInProportionToPoseAge) {
   }
 }
 
-// An accepted plan begins at its start time. After `hold` it does not begin, then or later.
+// An accepted plan begins at its start time. After `hold` the plan is dropped.
 TEST(GuardInTheAir, DropsTheNextPlanAfterHold) {
   for (const bool is_told : {false, true}) {
     OneVehicle q1(kHigh);
@@ -192,7 +192,8 @@ TEST(GuardInTheAir, DropsTheNextPlanAfterHold) {
   }
 }
 
-// Too close to the fence, it moves away while it holds; with enough room it stays at its hover.
+// During a hold, a vehicle too close to the fence moves away from it. With enough distance it stays
+// at its hover position.
 TEST(GuardInTheAir, MovesAwayFromTheFenceDuringHold) {
   const double fence_m = -5.0;
   for (const double room_m : {0.02, 0.2}) {
@@ -206,8 +207,8 @@ TEST(GuardInTheAir, MovesAwayFromTheFenceDuringHold) {
   }
 }
 
-// While it waits at the lift height, its course still has the height of the ground. The distance to
-// a teammate must be computed from its actual height.
+// While the vehicle waits at the lift height, its commanded trajectory is still at ground height.
+// The distance to a teammate must be computed from the measured height.
 TEST(GuardInTheAir, MovesOffTheFenceWithoutMeetingATeammate) {
   scenario::Scenario room = OneVehicle::room();
   room.world.bounds.min_m.y() = -0.27;
@@ -225,8 +226,8 @@ TEST(GuardInTheAir, MovesOffTheFenceWithoutMeetingATeammate) {
   EXPECT_GT((q1.position_m - mate_m).norm(), 0.6);
 }
 
-// It descends at the stated speed, slower near the ground. The commanded vertical velocity equals
-// the rate of the commanded height.
+// The vehicle descends at the configured speed, which is lower near the ground. The commanded
+// vertical velocity equals the rate of the commanded height.
 TEST(GuardInTheAir, VerticalSpeedMatchesHeight) {
   OneVehicle q1(kHigh);
   q1.setpoint_offset_m.z() = 0.01;  // avoids a jump of the set-point to the body
@@ -264,8 +265,8 @@ TEST(GuardInTheAir, SendsFiniteSetpointsWithoutElapsedTime) {
   EXPECT_LT(q1.out.setpoint.velocity_world_mps.z(), 0.0);
 }
 
-// The commanded vertical velocity stays within the limits, even when the vehicle is lifted during a
-// landing or climb and descent limits differ.
+// The commanded vertical velocity stays within the limits. This holds even if the vehicle is pushed
+// up during a landing, and if the climb and descent limits differ.
 TEST(GuardInTheAir, LimitsItsVerticalSpeed) {
   OneVehicle lifted(kHigh);
   hover(lifted);
@@ -293,7 +294,7 @@ TEST(GuardInTheAir, LimitsItsVerticalSpeed) {
       << "the height that is asked for moves as fast as the velocity says";
 }
 
-// `changed` is set for one tick when the state or the reasons change, each without the other.
+// `changed` is set for one tick when either the state or the reasons change.
 TEST(GuardInTheAir, ReportsEachChangeOnce) {
   OneVehicle q1(kHigh);
   hover(q1);
@@ -318,7 +319,7 @@ TEST(GuardInTheAir, ReportsEachChangeOnce) {
   EXPECT_FALSE(q1.out.changed);
 }
 
-// The status gives the set-point if there is one, otherwise the position.
+// The status contains the set-point if there is one, otherwise the position.
 TEST(VehicleStatus, ReportsSetpointOrPosition) {
   OneVehicle q1(kHigh, 0.5);
   q1.place_on_ground();
@@ -355,8 +356,8 @@ TEST(VehicleStatus, ReportsSetpointOrPosition) {
   expect_at(-1.94, -1.22, 0.8);
 }
 
-// Without mocap, the motors count as off after the third consecutive heartbeat that reports it.
-// Earlier interrupted reports do not count.
+// Without mocap, the motors count as off after the third consecutive heartbeat that reports this.
+// An armed report in between restarts the count.
 TEST(GuardInTheAir, IsDisarmedUnseenAtTheThirdReport) {
   OneVehicle q1(kHigh);
   hover(q1);
@@ -380,7 +381,8 @@ TEST(GuardInTheAir, IsDisarmedUnseenAtTheThirdReport) {
   }
 }
 
-// The age of the battery value counts from its first report, even if that equals the default value.
+// The age of the battery value counts from the first report, even if that report equals the default
+// value.
 TEST(GuardInTheAir, MeasuresTheTimeOfAnUnchangedBattery) {
   for (const double share : {1.0, 0.9}) {
     OneVehicle q1(kHigh);

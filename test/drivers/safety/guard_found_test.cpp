@@ -12,9 +12,9 @@ namespace {
 
 using models::FlightState;
 
-// A vehicle is found flying if its motors run without an order of this guard and it is over 0.15 m
-// above its last position with motors off. It must be seen, or unseen for long and report its
-// position.
+// A vehicle is found flying if its motors run without an order of this guard and it is more than
+// 0.15 m above the last position where its motors were off. It must be seen, or have been unseen
+// for long while its autopilot reports the position.
 struct Found {
   const char* what;
   void (*set)(OneVehicle&);

@@ -1,4 +1,4 @@
-// State that the guard derives at a tick from the messages received, as inputs() shows it.
+// Inputs that the guard computes at a tick from the received messages, as returned by inputs().
 
 #include <cmath>
 
@@ -14,8 +14,8 @@ using drivers::kNever;
 using models::FlightState;
 using models::OperatorAction;
 
-// The height comes from mocap. After 0.1 s without a pose it comes from the autopilot if that has a
-// valid position; otherwise the last pose counts.
+// The height comes from mocap. When the last pose is older than 0.1 s, the height comes from the
+// autopilot if its position is valid; otherwise from the last pose.
 TEST(GuardInputs, UseTheBestHeightSource) {
   enum class Lacks { kNothing, kPosition, kEstimator, kTelemetry };
   for (const Lacks lacks :
@@ -46,7 +46,7 @@ TEST(GuardInputs, UseTheBestHeightSource) {
   }
 }
 
-// The tracking error includes the height error, above or below.
+// The tracking error includes the height error in both directions.
 TEST(GuardInputs, MeasureTheHeightError) {
   for (const double off_m : {-0.3, 0.3}) {
     OneVehicle one({0.4, -0.7, 1.5});
@@ -57,7 +57,7 @@ TEST(GuardInputs, MeasureTheHeightError) {
   }
 }
 
-// After a landing, the next flight is measured like the first.
+// After a landing, the height error of the next flight is measured as in the first.
 TEST(GuardInputs, MeasureTheHeightErrorAfterALanding) {
   OneVehicle one({0.4, -0.7, 1.5});
   one.run(0.4);
@@ -91,7 +91,7 @@ TEST(GuardInputs, KeepTheGroundHeightInTheAir) {
   EXPECT_TRUE(one.in().is_found_flying);
 }
 
-// While a vehicle sinks, its height error is ignored; while it waits for its landing, it counts.
+// The height error is ignored during a descent. It counts while a landing is waiting.
 TEST(GuardInputs, IgnoreTheHeightErrorWhileSinking) {
   for (const bool waits : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5});
@@ -113,8 +113,8 @@ TEST(GuardInputs, IgnoreTheHeightErrorWhileSinking) {
   }
 }
 
-// A disarmed report is rejected while the body is seen to fly: above 0.15 m and not falling at
-// 1 m/s.
+// A disarmed report is rejected while mocap shows the body in flight: higher than 0.15 m and not
+// falling at 1 m/s.
 TEST(GuardInputs, RejectDisarmedReportsInFlight) {
   struct Case {
     double height_m, sinks_mps;
@@ -148,8 +148,8 @@ TEST(GuardInputs, RejectDisarmedReportsInFlight) {
   }
 }
 
-// Without mocap, three consecutive heartbeats must report it; an armed report in between resets the
-// count.
+// Without mocap, the disarmed state is accepted after three consecutive heartbeats report it; an
+// armed report in between restarts the count.
 TEST(GuardInputs, NeedThreeHeartbeatsToDisarmUnseen) {
   OneVehicle one({0.3, 3.0, 1.5});
   one.run(0.4);
@@ -170,7 +170,7 @@ TEST(GuardInputs, NeedThreeHeartbeatsToDisarmUnseen) {
       beat();
       EXPECT_TRUE(one.in().autopilot_armed) << beats;
     }
-    if (time == 0) {  // the count starts again
+    if (time == 0) {  // restarts the count
       one.report.armed = true;
       one.tick();
       beat();
@@ -240,7 +240,7 @@ TEST(GuardInputs, CountMissingInputsFromTheStart) {
   EXPECT_EQ(mute.in().telemetry_age_s, kNever);
 }
 
-// Ages of the inputs received; that of the battery value counts in flight only.
+// Ages of the received inputs. The age of the battery value counts in flight only.
 TEST(GuardInputs, MeasureAges) {
   OneVehicle one({0.3, 0.05, 1.5});
   one.report.is_in_our_mode = false;
@@ -264,7 +264,7 @@ TEST(GuardInputs, MeasureAges) {
   EXPECT_NEAR(one.in().flight_s, 1.8, 1e-9);
 }
 
-// The horizontal speed, while the vehicle is seen.
+// Measures the horizontal speed while the vehicle is seen.
 TEST(GuardInputs, MeasureTheSpeedWhileSeen) {
   OneVehicle one({0.3, 0.05, 1.5});
   one.run(0.4);
@@ -283,7 +283,7 @@ TEST(GuardInputs, MeasureTheSpeedWhileSeen) {
   EXPECT_EQ(carried.in().tracking_error_m, 0.0) << "on the ground nothing is asked";
 }
 
-// A plan whose clock is slowed because of late poses falls behind; the delay counts as tracking
+// Late poses slow the clock of the plan. The resulting delay of the vehicle counts as tracking
 // error.
 TEST(GuardInputs, MeasureTheDelayBehindThePlan) {
   OneVehicle one({0.0, 0.0, 1.5});
@@ -291,7 +291,8 @@ TEST(GuardInputs, MeasureTheDelayBehindThePlan) {
   ASSERT_EQ(one.follow(1.0, 0.0, 4.0, 1.5), drivers::PlanVerdict::kAccepted);
   one.run(1.0);
   EXPECT_NEAR(one.in().tracking_error_m, 0.0, 0.01);
-  for (int i = 0; i < 8; ++i) {  // seen at every fifth tick, so the plan clock runs at 0.68
+  for (int i = 0; i < 8;
+       ++i) {  // mocap shows the body at every fifth tick, so the plan clock runs at a rate of 0.68
     one.has_mocap = false;
     one.run(0.08);
     one.has_mocap = true;
@@ -302,7 +303,7 @@ TEST(GuardInputs, MeasureTheDelayBehindThePlan) {
   EXPECT_NEAR(one.in().tracking_error_m, late_m, 0.03);
 }
 
-// Only before its first flight is it compared with the start of the scenario.
+// The position is compared with the start position of the scenario only before the first flight.
 TEST(GuardInputs, MeasureTheDistanceFromTheStartBeforeTheFirstFlight) {
   scenario::Scenario room = OneVehicle::room();
   room.robots[0].start = {1.0, -1.0, 3.0};
@@ -343,7 +344,7 @@ TEST(GuardInputs, MeasureTheDistanceFromTheStartBeforeTheFirstFlight) {
   EXPECT_EQ(unseen.in().body_tilt_rad, 0.0);
 }
 
-// near_m is the least distance to a passing body within the next second.
+// near_m is the least distance to any passing body within the next second.
 TEST(GuardInputs, MeasureTheDistanceToPassingBodies) {
   OneVehicle one;
   one.place_on_ground();
@@ -357,7 +358,7 @@ TEST(GuardInputs, MeasureTheDistanceToPassingBodies) {
   EXPECT_NEAR(one.in().near_m, std::hypot(x_m + 0.02 - 1.0, 0.5), 0.02);
 }
 
-// Autopilot and mocap are compared only while both are fresh.
+// The autopilot's estimate is compared with mocap only while both are fresh.
 TEST(GuardInputs, CompareTheEstimateOnlyWhileFresh) {
   for (const int lacks : {0, 1, 2, 3, 4}) {
     OneVehicle one({0.3, 0.05, 1.5});

@@ -1,5 +1,5 @@
-// Landings: position, descent speed, and waiting for bodies below. Several tests fly twice with the
-// same guard.
+// Landings: landing position, descent speed, and waiting for bodies below. Several tests perform
+// two flights with the same guard.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ using drivers::FlightSetpoint;
 using models::FlightState;
 using models::OperatorAction;
 
-// It descends at 0.6 m/s, and at 0.4 m/s below 1 m.
+// The vehicle descends at 0.6 m/s above 1 m and at 0.4 m/s below.
 TEST(Landing, DescendsAtTwoSpeeds) {
   OneVehicle one;
   for (int flight = 0; flight < 2; ++flight) {  // second flight with the same guard
@@ -44,20 +44,20 @@ TEST(Landing, DescendsAtTwoSpeeds) {
   }
 }
 
-// The set-point goes down until touchdown, but never more than 0.5 m below the vehicle.
+// The set-point descends until touchdown but stays at most 0.5 m below the vehicle.
 TEST(Landing, SetpointIsAtMostHalfAMetreBelow) {
   for (const double held_m : {0.3, 1.8}) {
     OneVehicle one;
     one.begin_landing_at({0.0, 0.0, 2.0});
     one.run(held_m < 1.0 ? 3.5 : 0.1);
     one.hold_at_height(held_m);
-    one.run(2.2);  // limited: later the sinking check would act
+    one.run(2.2);  // s; short, because a longer descent would trigger the check for sinking
     EXPECT_NEAR(one.out.setpoint.position_world_m.z(), held_m - 0.5, 1e-6);
     EXPECT_NEAR(one.out.setpoint.velocity_world_mps.z(), 0.0, 1e-6);
   }
 }
 
-// A landing during a climb starts from the lower of set-point and position.
+// A landing that begins during a climb starts at the lower of set-point and position.
 TEST(Landing, StartsAtTheLowerOfPositionAndSetpoint) {
   for (const double off_m : {-0.3, 0.3}) {
     OneVehicle one;
@@ -75,8 +75,8 @@ TEST(Landing, StartsAtTheLowerOfPositionAndSetpoint) {
   }
 }
 
-// A vehicle that was pushed up and waits for its landing keeps the height of its set-point. This
-// also holds after an earlier landing without a wait.
+// A vehicle that is pushed up while its landing waits keeps its set-point height. This also holds
+// after an earlier landing without a wait.
 TEST(Landing, WaitsAtTheSetpointHeightAfterAPushUp) {
   OneVehicle one;
   one.begin_landing_at({0.0, 0.0, 1.5});
@@ -98,8 +98,8 @@ TEST(Landing, WaitsAtTheSetpointHeightAfterAPushUp) {
   EXPECT_NEAR(one.out.setpoint.position_world_m.z(), 1.5, 1e-3);
 }
 
-// With a body below, it first moves aside at 0.6 m/s and then descends. The second flight does the
-// same.
+// With a body below, the vehicle first moves aside at 0.6 m/s and then descends. The second flight
+// does the same.
 TEST(Landing, MovesAsideFromABodyBelow) {
   OneVehicle one;
   for (int flight = 0; flight < 2; ++flight) {
@@ -126,8 +126,8 @@ TEST(Landing, MovesAsideFromABodyBelow) {
   }
 }
 
-// The vehicle has drifted from its hover, and a body is below the vehicle or below the hover. It
-// lands where neither is the case.
+// The vehicle has drifted from its hover position. A body is below the vehicle or below the hover
+// position. The vehicle lands at a spot that is free of both.
 TEST(Landing, AvoidsBodiesBelowVehicleAndHover) {
   for (const double at_m : {-0.5, 0.85}) {  // closer than 0.7 m to only one of the two
     OneVehicle one;
@@ -136,7 +136,7 @@ TEST(Landing, AvoidsBodiesBelowVehicleAndHover) {
     one.run(0.4);
     one.tracks_setpoint = false;
     one.drift_mps = Eigen::Vector3d(0.3, 0.0, 0.0);
-    one.run(0.8);  // less than the pose gate, which the return in one tick must pass
+    one.run(0.8);  // s; short enough that the return within one tick passes the pose gate
     one.drift_mps = Eigen::Vector3d::Zero();
     one.others = {one.body("W1", walker_m)};
     one.run(0.1);
@@ -158,8 +158,8 @@ TEST(Landing, AvoidsBodiesBelowVehicleAndHover) {
   }
 }
 
-// A vehicle that does not reach its landing spot descends 6 s after the command to go there. A
-// vehicle within 0.25 m of the spot at the expected arrival descends then.
+// A vehicle that does not reach its landing spot descends 6 s after the command to move there. A
+// vehicle within 0.25 m of the spot descends at the expected arrival time.
 TEST(Landing, DescendsNextToAnUnreachedSpot) {
   OneVehicle one;
   const Eigen::Vector3d walker_m(-0.1, 0.0, 0.3);
@@ -183,7 +183,8 @@ TEST(Landing, DescendsNextToAnUnreachedSpot) {
   }
 }
 
-// While there is no free spot it waits, for at most 20 s. The second flight does the same.
+// While there is no free landing spot the vehicle waits for at most 20 s. The second flight does
+// the same.
 TEST(Landing, ProceedsAfterTheTimeLimit) {
   scenario::Scenario room = OneVehicle::room();
   room.world.bounds = {{-0.5, -0.5}, {0.5, 0.5}};
@@ -220,8 +221,8 @@ TEST(Landing, IgnoresBodiesWhenItBeginsLow) {
   }
 }
 
-// When a body moves in below, a descent stops at its height and continues after the body has left.
-// Below 0.15 m it does not stop.
+// A descent stops at its current height when a body moves in below, and continues when the body has
+// left. Below 0.15 m it does not stop.
 TEST(Landing, PausesForABodyUntilItIsLow) {
   for (const double at_m : {0.8, 0.2, 0.1}) {
     scenario::Scenario room = OneVehicle::room();
@@ -245,7 +246,7 @@ TEST(Landing, PausesForABodyUntilItIsLow) {
   }
 }
 
-// When the path aside becomes blocked, the vehicle stops and searches again.
+// When the path to the spot aside becomes blocked, the vehicle stops and searches for a new spot.
 TEST(Landing, StopsWhenThePathAsideIsBlocked) {
   OneVehicle one;
   const Eigen::Vector3d below_m(-0.1, 0.0, 0.3);
@@ -267,7 +268,7 @@ TEST(Landing, StopsWhenThePathAsideIsBlocked) {
                (one.position_m - ahead_m).head<2>().norm() < one.limits.landing_clearance_m);
 }
 
-// A free path aside is flown to its end without a stop.
+// A free path to the spot aside is flown to its end without a stop.
 TEST(Landing, FliesAFreePathAsideWithoutAStop) {
   OneVehicle one;
   const Eigen::Vector3d below_m(-0.1, 0.0, 0.3);
@@ -287,7 +288,7 @@ TEST(Landing, FliesAFreePathAsideWithoutAStop) {
   EXPECT_LT(one.ticks, 200);
 }
 
-// A vehicle that is pushed down while it waits has not begun its descent.
+// Pushing a vehicle down while its landing waits must not count as the start of the descent.
 TEST(Landing, IsNotDecidedByAPushDown) {
   OneVehicle one;
   const auto walker = [&] { one.others = {one.body("W1", {0.65, 0.0, 0.1})}; };
@@ -303,8 +304,8 @@ TEST(Landing, IsNotDecidedByAPushDown) {
   EXPECT_FALSE(one.out.is_sinking);
 }
 
-// A vehicle sinks 0.2 m from its spot. A body below the vehicle, or only below the spot, stops
-// the descent. The vehicle then moves from its position to a free spot.
+// The vehicle has descended 0.2 m at its spot. A body below the vehicle, or only below the spot,
+// stops the descent. The vehicle then moves from its position to a free spot.
 TEST(Landing, StopsForBodiesBelowVehicleOrSpot) {
   for (const double at_m : {-0.55, 0.8}) {
     OneVehicle one;
@@ -334,7 +335,8 @@ TEST(Landing, StopsForBodiesBelowVehicleOrSpot) {
   }
 }
 
-// Once the descent is decided, the set-point stays above the spot and does not follow the vehicle.
+// After the descent has become final, the set-point stays above the spot and does not follow the
+// vehicle.
 TEST(Landing, KeepsItsSpotOnceDecided) {
   OneVehicle one;
   for (int i = 1; i <= 20; ++i) {
@@ -350,8 +352,8 @@ TEST(Landing, KeepsItsSpotOnceDecided) {
   EXPECT_LT(one.position_m.z(), 0.04);
 }
 
-// During the path aside the estimator failed and the vehicle sank so low that the landing is
-// decided. The vehicle stops there within its braking distance and is not moved aside.
+// On the path aside the estimator failed and the vehicle sank so low that the landing is final. The
+// vehicle stops within its braking distance and does not move aside.
 TEST(Landing, DoesNotMoveAsideOnceLow) {
   OneVehicle one;
   const auto walker = [&] { one.others = {one.body("W1", {-0.62, 0.0, 0.1})}; };
@@ -373,7 +375,7 @@ TEST(Landing, DoesNotMoveAsideOnceLow) {
   EXPECT_LT((one.setpoint_m() - here_m).norm(), 0.05);
 }
 
-// The 6 s to reach the spot count from the command to go to that spot.
+// The time limit of 6 s starts again with the command to move to each spot.
 TEST(Landing, CountsTheTimeToEachSpotSeparately) {
   OneVehicle one;
   one.begin_landing_at({0.0, 0.0, 1.5});
@@ -392,7 +394,7 @@ TEST(Landing, CountsTheTimeToEachSpotSeparately) {
   EXPECT_NEAR(waited_s, 6.04, 0.06);
 }
 
-// A vehicle that is found landing at the fence is brought inside. The second flight does the same.
+// A vehicle that is found landing at the fence is moved inside. The second flight does the same.
 TEST(Landing, MovesInsideTheFenceWhenFoundOutside) {
   OneVehicle one;
   one.report.is_in_our_mode = false;

@@ -13,8 +13,7 @@ using drivers::FlightSetpoint;
 using models::FlightState;
 using models::OperatorAction;
 
-// In a landing, the autopilot takes over and lands by itself once its estimator has been bad for
-// 0.2 s.
+// In a landing, a blind descent by the autopilot begins when its estimator has been bad for 0.2 s.
 TEST(LandingUnseen, BecomesBlindWhenTheEstimatorFails) {
   OneVehicle one;
   one.begin_landing_at({0.0, 0.0, 1.5});
@@ -35,8 +34,8 @@ TEST(LandingUnseen, BecomesBlindWhenTheEstimatorFails) {
   }
 }
 
-// A vehicle that is not seen waits above its hover for 1.4 s and lands blindly after 1.5 s, even
-// with a body below.
+// A vehicle that is not seen waits at its hover position for 1.4 s and descends blindly after 1.5
+// s, even with a body below.
 TEST(LandingUnseen, BecomesBlindAfterTheTimeLimit) {
   OneVehicle one;
   one.run(0.4);
@@ -44,7 +43,7 @@ TEST(LandingUnseen, BecomesBlindAfterTheTimeLimit) {
   one.tick();
   one.has_mocap = false;
   one.tracks_setpoint = false;
-  one.sends_telemetry = false;  // nor does its autopilot report its height
+  one.sends_telemetry = false;  // the autopilot does not report its height either
   double unseen_s = OneVehicle::kTickS;
   double blind_at_s = 0.0;
   for (; unseen_s < 2.0; unseen_s += OneVehicle::kTickS) {
@@ -60,8 +59,8 @@ TEST(LandingUnseen, BecomesBlindAfterTheTimeLimit) {
   EXPECT_TRUE(one.out.is_sinking);
 }
 
-// Without any height measurement the estimated height sinks at 0.4 of the commanded speed and stops
-// at the floor.
+// Without a height measurement, the estimated height decreases at 0.4 of the commanded speed and
+// stops at the floor.
 TEST(LandingUnseen, EstimatesItsHeightWithoutMeasurements) {
   OneVehicle one;
   one.begin_landing_at({0.0, 0.0, 1.5});
@@ -92,8 +91,8 @@ TEST(LandingUnseen, EstimatesNoHeightBelowTheFloor) {
   EXPECT_EQ(one.state(), FlightState::kLand);
 }
 
-// A vehicle that has not been seen for a while descends above its hover without a search for
-// another spot. It waits if a body was last seen below.
+// A vehicle that is unseen for a while descends at its hover position without a search for another
+// spot. It waits if a body was last seen below.
 TEST(LandingUnseen, StaysAboveItsHover) {
   for (const bool is_free : {true, false}) {
     OneVehicle one;

@@ -1,5 +1,5 @@
-// Supervision of the first lift: rise, proof, deviation from the path, and comparison with the
-// autopilot.
+// Supervision of the first lift: rise, verification of the identity, deviation from the path, and
+// comparison with the autopilot.
 
 #include <cmath>
 
@@ -15,7 +15,7 @@ using models::OperatorAction;
 
 constexpr double kLiftM = 0.2;
 
-// The times without a rise and without the commanded step.
+// Measures the time without a rise and the time without the commanded test step.
 TEST(FirstLiftWatch, TimesTheRiseAndTheProof) {
   OneVehicle one;
   one.hold_at_height(0.0);
@@ -35,8 +35,8 @@ TEST(FirstLiftWatch, TimesTheRiseAndTheProof) {
   EXPECT_LT(one.in().proof_pending_s, 1.3);
 }
 
-// While it is armed on the ground, a rise is not due to an order. A body that is not seen has not
-// risen.
+// A vehicle that is armed on the ground has no order to rise, so a rise counts as uncommanded. A
+// body that is not seen has not risen.
 TEST(FirstLiftWatch, MeasuresARiseWithoutAnOrder) {
   OneVehicle one;
   one.place_on_ground();
@@ -69,7 +69,7 @@ TEST(FirstLiftWatch, MeasuresARiseWithoutAnOrder) {
   EXPECT_EQ(carried.state(), FlightState::kKilled);
 }
 
-// A rise of another body counts only until our own body has risen.
+// A rise of another body counts only until the vehicle's own body has risen.
 TEST(FirstLiftWatch, WatchesOtherBodiesUntilItHasRisen) {
   for (const bool has_risen : {false, true}) {
     OneVehicle one;
@@ -88,7 +88,7 @@ TEST(FirstLiftWatch, WatchesOtherBodiesUntilItHasRisen) {
   }
 }
 
-// Distance from the path of the lift, now or in 0.2 s.
+// Measures the distance from the lift path, now and predicted for 0.2 s later.
 TEST(FirstLiftWatch, MeasuresTheDistanceFromThePathNowAndSoon) {
   OneVehicle one;
   one.hold_at_height(0.0);
@@ -110,7 +110,7 @@ TEST(FirstLiftWatch, MeasuresTheDistanceFromThePathNowAndSoon) {
   EXPECT_EQ(one.in().lift_deviation_m, 0.0);
 }
 
-// Climb and turn rates of body and autopilot are compared while both report.
+// Compares the climb and turn rates of body and autopilot while both are reported.
 TEST(FirstLiftWatch, ComparesRatesWithTheAutopilot) {
   enum class Lacks { kNothing, kPosition, kTelemetry, kPose };
   for (const Lacks lacks : {Lacks::kNothing, Lacks::kPosition, Lacks::kTelemetry, Lacks::kPose}) {
@@ -143,7 +143,7 @@ TEST(FirstLiftWatch, ComparesRatesWithTheAutopilot) {
   }
 }
 
-// A pose older than 0.05 s does not prove the lift, and a short loss of poses does not end the
+// A pose older than 0.05 s does not confirm the lift, and a short loss of poses does not end the
 // climb.
 TEST(FirstLiftWatch, NeedsFreshPoses) {
   for (const double late_s : {0.04, 0.06}) {

@@ -1,5 +1,5 @@
-// Answers of the guard to commands on the ground and in the air, and how a take-off waits for its
-// turn.
+// Responses of the guard to commands on the ground and in the air, and the wait of a take-off for
+// its turn.
 
 #include <limits>
 #include <string>
@@ -21,7 +21,7 @@ constexpr OperatorAction kAll[] = {OperatorAction::kHeartbeat,    OperatorAction
                                    OperatorAction::kHold,         OperatorAction::kLand,
                                    OperatorAction::kEmergencyStop};
 
-/// Returns the answer of a new vehicle, so that it does not depend on earlier commands.
+/// Returns the response of a new vehicle to one command, so that earlier commands have no effect.
 CommandVerdict answer(bool is_airborne, OperatorAction action, const std::string& whom,
                       std::int64_t station) {
   OneVehicle q1;
@@ -40,7 +40,7 @@ CommandVerdict answer(bool is_airborne, OperatorAction action, const std::string
   return verdict;
 }
 
-// Arming and taking off are for the ground, following is for the air.
+// Arm and take-off are accepted on the ground only, follow in the air only.
 TEST(GuardOrders, AreRefusedInTheWrongState) {
   for (const bool is_airborne : {false, true}) {
     for (const OperatorAction action : kAll) {
@@ -57,8 +57,8 @@ TEST(GuardOrders, AreRefusedInTheWrongState) {
   }
 }
 
-// Any station may send commands that make the vehicle safer; all others only the station in charge.
-// Commands for another vehicle are ignored.
+// Commands that make the vehicle safer are accepted from any station, all others only from the
+// station in charge. Commands for another vehicle are ignored.
 TEST(GuardOrders, AreAcceptedFromTheStationInCharge) {
   for (const bool is_airborne : {false, true}) {
     for (const OperatorAction action : kAll) {
@@ -70,7 +70,8 @@ TEST(GuardOrders, AreAcceptedFromTheStationInCharge) {
   }
 }
 
-// Another station takes charge after the first was silent for the limit; both sides of it.
+// Another station takes charge when the first has been silent for the time limit. Both sides of the
+// limit are tested.
 TEST(GuardOrders, AreAcceptedFromAnotherStationAfterSilence) {
   for (const double off_s : {-0.01, 0.01}) {
     OneVehicle q1;
@@ -84,7 +85,8 @@ TEST(GuardOrders, AreAcceptedFromAnotherStationAfterSilence) {
   }
 }
 
-// A take-off waits for the motors and then for the vehicle that lifts; the status shows both.
+// A take-off waits for the motors and then for the vehicle that is lifting. The status shows each
+// reason.
 TEST(GuardOrders, ReportWhatATakeOffWaitsFor) {
   OneVehicle q1;
   q1.place_on_ground();
@@ -136,7 +138,8 @@ TEST(GuardOrders, WaitForATeammateThatReportsItsLift) {
   }
 }
 
-// Two take-off orders at once: the first by name lifts, and its turn ends with its lift.
+// Two vehicles get their take-off orders simultaneously. The first by name lifts, and its turn ends
+// when its lift ends.
 TEST(GuardOrders, EndTheTurnWithTheLift) {
   OneVehicle q1;
   q1.place_on_ground();
@@ -169,7 +172,8 @@ TEST(GuardOrders, EndTheTurnWithTheLift) {
   }
 }
 
-// A wrong map counts until the right one is announced, another version for a limited time.
+// A wrong map is reported until the right one is announced. Another software version is reported
+// for a limited time.
 TEST(GuardOnTheGround, ReportsAnotherMapOrVersion) {
   OneVehicle q1;
   q1.place_on_ground();
@@ -197,7 +201,7 @@ TEST(GuardOnTheGround, ReportsAnotherMapOrVersion) {
   }
 }
 
-// Any finite number is accepted, however large.
+// Finite numbers of any size are accepted.
 TEST(AutopilotReport, IsAcceptedWithLargeValues) {
   OneVehicle q1;
   q1.place_on_ground();

@@ -1,5 +1,5 @@
-// Stops: along the plan while the vehicle tracks it, straight on otherwise; and what begins at a
-// change of state.
+// Stops: along the plan while the vehicle tracks it, otherwise straight. Also tests the actions
+// that begin at a change of state.
 
 #include <cmath>
 
@@ -45,8 +45,8 @@ void follow_straight(OneVehicle& one, double seconds) {
   ASSERT_EQ(one.state(), FlightState::kFollow);
 }
 
-// It stops within v²/2a on the circle; a straight stop would end 3 cm from it. The predicted
-// braking path also follows the circle.
+// The vehicle stops within v²/2a along the circle; a straight stop would end 3 cm away. The
+// predicted braking path also follows the circle.
 TEST(GuardStop, FollowsThePlanWhileTracking) {
   for (const double unseen_s : {0.0, 0.04}) {
     OneVehicle one;
@@ -66,8 +66,8 @@ TEST(GuardStop, FollowsThePlanWhileTracking) {
   }
 }
 
-// Set-points change their speed gradually where the plan changes it abruptly. At the ends of a plan
-// the vehicle is up to 0.1 m from its plan and has a different speed. A stop begins at its position
+// At an abrupt speed change of the plan, set-points change their speed gradually. The vehicle is
+// then up to 0.1 m from its plan and has a different speed. A stop begins at its actual position
 // and speed.
 TEST(GuardStop, StartsAtPositionAndSpeedWhereThePlanChanges) {
   for (const double after_s : {0.1, 0.2, 0.3, 1.0, 2.8, 3.0, 3.1}) {
@@ -87,7 +87,8 @@ TEST(GuardStop, StartsAtPositionAndSpeedWhereThePlanChanges) {
   }
 }
 
-// After a loss long enough to land, it stops straight on from its last accepted position.
+// After a loss of poses that is long enough to land, the vehicle stops in a straight line from its
+// last accepted position.
 TEST(GuardStop, IsStraightAfterALongLoss) {
   OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
   follow_straight(one, 1.0);
@@ -103,8 +104,8 @@ TEST(GuardStop, IsStraightAfterALongLoss) {
   EXPECT_LT((back(one.setpoint_m()) - seen_m - on_s * Eigen::Vector2d(1.0, 0.3)).norm(), 0.01);
 }
 
-// A velocity error of more than 0.6 m/s in any direction makes it stop straight on; below that it
-// still follows the plan.
+// With a velocity error above 0.6 m/s in any direction, the vehicle stops in a straight line. With
+// a smaller error the stop follows the plan.
 TEST(GuardStop, IsStraightAfterAPush) {
   for (const Eigen::Vector2d& push_mps :
        {Eigen::Vector2d(0.0, 0.5), Eigen::Vector2d(0.0, 0.75), Eigen::Vector2d(0.0, -0.75),
@@ -128,7 +129,7 @@ TEST(GuardStop, IsStraightAfterAPush) {
   }
 }
 
-// An error larger than the tracking limit stops the vehicle without a command.
+// A tracking error above the limit stops the vehicle in a straight line without a command.
 TEST(GuardStop, IsStraightBeyondTheTrackingLimit) {
   for (const bool is_far : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
@@ -153,7 +154,8 @@ TEST(GuardStop, IsStraightBeyondTheTrackingLimit) {
   }
 }
 
-// The braking path of a pushed hover follows its measured motion, not that of a finished plan.
+// When a vehicle is pushed out of its hover, the predicted braking path follows its measured
+// motion.
 TEST(GuardStop, PredictsADriftingHover) {
   for (const bool has_flown_a_plan : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
@@ -170,8 +172,8 @@ TEST(GuardStop, PredictsADriftingHover) {
   }
 }
 
-// A vehicle that has only just been commanded to move stops at its position and does not begin the
-// plan. This holds if the commanded speed exceeds twice its own by more than 0.1 m/s.
+// A vehicle that has only just begun a plan stops at its position and does not continue the plan.
+// This applies if the commanded speed exceeds twice its actual speed by more than 0.1 m/s.
 TEST(GuardStop, StaysWhenThePlanHasJustBegun) {
   struct Case {
     double own_mps, asked_mps;
@@ -183,7 +185,7 @@ TEST(GuardStop, StaysWhenThePlanHasJustBegun) {
     one.hover_without_plan();
     one.drift_mps = turned(c.own_mps, 0.0);
     one.run(0.4);
-    // 0.26 s after its start the whole window of 0.5 s lies on the plan.
+    // 0.26 s after its start, the plan covers the whole averaging window of 0.5 s.
     ASSERT_EQ(one.follow(c.asked_mps, 0.0, 2.0, 1.5), PlanVerdict::kAccepted);
     one.run(0.24);
     ASSERT_EQ(one.state(), FlightState::kFollow);
@@ -199,7 +201,7 @@ TEST(GuardStop, StaysWhenThePlanHasJustBegun) {
   }
 }
 
-// The braking path follows a plan that has just been commanded.
+// The predicted braking path follows a plan that has just begun.
 TEST(GuardStop, PredictsAlongANewPlan) {
   OneVehicle one;
   one.hover_without_plan();
@@ -210,8 +212,9 @@ TEST(GuardStop, PredictsAlongANewPlan) {
   EXPECT_NEAR(one.in().fence_stop_m, 5.0 - 0.25 - 0.2 - 0.25, 0.06);
 }
 
-// The final hover of a plan was checked with it, so the vehicle hovers there, wherever the body is.
-// If a further plan was accepted, it stops from its position.
+// The final hover of a plan was checked together with the plan, so the vehicle hovers there
+// regardless of its actual position. If a further plan was accepted, the vehicle stops from its
+// actual position.
 TEST(GuardStop, HoversAtTheEndOfThePlan) {
   for (const bool has_next : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
@@ -237,7 +240,7 @@ TEST(GuardStop, HoversAtTheEndOfThePlan) {
   }
 }
 
-// In the middle of a plan it stops from its actual position.
+// A stop in the middle of a plan starts at the actual position.
 TEST(GuardStop, StartsAtThePositionInAPlan) {
   OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
   follow_straight(one, 1.0);
@@ -251,8 +254,7 @@ TEST(GuardStop, StartsAtThePositionInAPlan) {
   EXPECT_LT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 1e-9);
 }
 
-// A plan that was accepted during a hold is not flown after a landing has begun, and the hover
-// position is kept.
+// A plan accepted during a hold is dropped when a landing begins, and the hover position is kept.
 TEST(GuardStop, DropsAnAcceptedPlanWhenLanding) {
   OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
   one.hover_without_plan();
@@ -277,7 +279,7 @@ TEST(GuardStop, KeepsTheHoverWhenLanding) {
   EXPECT_LT((one.setpoint_m() - Eigen::Vector2d(0.3, -0.4)).norm(), 1e-6);
 }
 
-// The flight time runs through all airborne states and starts at 0 in the next flight.
+// The flight time counts in all airborne states and restarts at 0 in the next flight.
 TEST(GuardStop, KeepsTheFlightTime) {
   OneVehicle one;
   one.tick();
@@ -299,7 +301,7 @@ TEST(GuardStop, KeepsTheFlightTime) {
   goes_on(0.4, FlightState::kLand);
 }
 
-// A pose up to 0.05 s old is fresh enough for a move away from the fence.
+// A pose up to 0.05 s old is fresh enough for a motion away from the fence.
 TEST(GuardStop, MovesOffWithASlightlyOldPose) {
   OneVehicle one({5.0 - 0.25 - 0.05, 1.0, 1.5});
   one.report.armed = one.sends_heartbeats = false;
@@ -310,12 +312,13 @@ TEST(GuardStop, MovesOffWithASlightlyOldPose) {
   ASSERT_EQ(one.state(), FlightState::kHold);
   one.has_mocap = true;
   one.tick();
-  // The shift began one tick ago, so the velocity 0.1 s ahead is that of 0.12 s, not of 0.1 s.
+  // The shift began one tick (0.02 s) ago, so the set-point, which leads by 0.1 s, has the velocity
+  // of 0.12 s after its start.
   EXPECT_GT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 0.2 * 0.11 / 0.5);
 }
 
-// A hover closer than 0.1 m to the fence moves at 0.2 m/s to 0.15 m. It does not move while poses
-// are old or the estimator is bad.
+// A hover closer than 0.1 m to the fence moves away at 0.2 m/s to a distance of 0.15 m. It does not
+// move while poses are old or the estimator is bad.
 TEST(GuardStop, MovesOffTheFence) {
   enum class Waits { kNot, kForMocap, kForEstimator };
   for (const Waits waits : {Waits::kNot, Waits::kForMocap, Waits::kForEstimator}) {

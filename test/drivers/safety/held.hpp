@@ -7,8 +7,8 @@
 
 namespace vantage::test {
 
-/// Returns the plan in the form in which flight safety holds it; fails the test if it cannot be
-/// held.
+/// Converts a trajectory to the plan format of flight safety; fails the test if the conversion
+/// fails.
 inline drivers::HeldPlan held(const models::Trajectory& way) {
   drivers::HeldPlan plan;
   EXPECT_TRUE(drivers::hold_plan(way, plan));

@@ -11,8 +11,8 @@
 #include "test/drivers/safety/held.hpp"
 #include "test/support/random.hpp"
 
-// Position, velocity and duration of a held plan. Braking, distance checks and set-points depend
-// only on these numbers.
+// Position, velocity and duration of a held plan. Braking, distance checks and set-points use only
+// these values.
 
 namespace vantage::drivers {
 namespace {
@@ -21,8 +21,8 @@ using test::held;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// Random paths forwards and backwards, straight, in arcs and on the spot, with stops, some of them
-/// with time left.
+/// Returns a random trajectory: forwards and backwards, straight, in arcs and on the spot. It has
+/// stops, and some stops end before their segment does.
 models::Trajectory random_way(test::Random& random) {
   models::Trajectory way;
   way.start_time = kStart;
@@ -38,7 +38,8 @@ models::Trajectory random_way(test::Random& random) {
   return way;
 }
 
-// Velocity and yaw rate compared with differences of position and yaw, in every kind of segment.
+// Velocity and yaw rate equal the difference quotients of position and yaw, in every kind of
+// segment.
 TEST(PointAt, VelocityIsTheDerivativeOfPosition) {
   constexpr double kHalfS = 1e-5;
   test::Random random(41);
@@ -63,8 +64,8 @@ TEST(PointAt, VelocityIsTheDerivativeOfPosition) {
   }
 }
 
-// A stop from v at a is v²/2a long, takes v/a and stays at rest for the remaining time of the
-// segment.
+// A stop from speed v with deceleration a has the length v²/2a and the duration v/a. For the rest
+// of its segment the vehicle is stationary.
 TEST(PointAt, BrakesAtTheStatedDeceleration) {
   for (const double speed_mps : {0.6, 1.0, 1.7}) {
     for (const double brake_mps2 : {0.5, 1.0, 2.5}) {
@@ -91,7 +92,8 @@ TEST(PointAt, BrakesAtTheStatedDeceleration) {
   }
 }
 
-// The hover after a plan is at its end, even if it drives and turns until its last instant.
+// After a plan, the vehicle hovers at its end, even if the plan drives and turns until its last
+// instant.
 TEST(PointAt, IsStationaryBeforeStartAndAfterEnd) {
   HeldPlan plan;
   plan.start = {1.0, -0.5, 3.0};
@@ -123,8 +125,8 @@ TEST(PointAt, IsStationaryBeforeStartAndAfterEnd) {
   }
 }
 
-// A turn that is treated as straight deviates by at most 2 mm after 60 s at 1 m/s. Its exact chord
-// is v t sinc(ω t / 2), half-way between both headings.
+// Treating a slow turn as straight causes an error of at most 2 mm after 60 s at 1 m/s. The exact
+// chord is v t sinc(ω t / 2), in the mean of the first and last heading.
 TEST(PointAt, ComputesSlowTurnsToTwoMillimetres) {
   HeldPlan plan;
   plan.count = 1;
@@ -165,8 +167,8 @@ TEST(HoldPlan, KeepsUpToTheMaximumOfSegments) {
   EXPECT_NEAR(duration_s(plan), 3e-3 * 64.0 * 65.0 / 2.0, 1e-12);
 }
 
-// The storage is reused: remains of a longer earlier plan do not count, even if they are fast,
-// tight, long or not finite.
+// The storage is reused. Remaining segments of a longer earlier plan must have no effect, even if
+// they are fast, tight, long or not finite.
 TEST(HoldPlan, IgnoresRemainsOfALongerPlan) {
   test::Random random(42);
   const SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q1");

@@ -1,5 +1,5 @@
-// Inputs of the ladder computed from messages: on the ground in closed form, in a first lift
-// against the truth of the bench, and in a second flight as in the first.
+// Inputs of the ladder computed from messages. On the ground they are compared with closed forms,
+// in a first lift with the true state of the bench. A second flight is compared with the first.
 
 #include "drivers/safety/inputs.hpp"
 
@@ -22,7 +22,7 @@ using test::FlightBench;
 using test::Vehicle;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
-constexpr double kSeenS = 0.02;  ///< s after kStart; evaluated 10 ms later
+constexpr double kSeenS = 0.02;  ///< s after kStart; inputs are evaluated 10 ms later
 constexpr double kNowS = 0.03;
 
 Time at(double t_s) { return kStart + from_seconds(t_s); }
@@ -62,7 +62,7 @@ class Inputs : public testing::Test {
   std::int64_t number = 0;
 };
 
-// All components count equally, with either sign.
+// Position errors in all components and with either sign count equally.
 TEST_F(Inputs, ComparePositions) {
   const Eigen::Vector3d here_m(-2.1, -1.2, 0.05);
   for (const Eigen::Vector3d& off_m :
@@ -74,7 +74,8 @@ TEST_F(Inputs, ComparePositions) {
   }
 }
 
-// Holds for any yaw of the body, either sign, and across ±π.
+// Yaw and attitude are compared at any yaw of the body, with either sign of the error, and across
+// ±π.
 TEST_F(Inputs, CompareYawAndAttitude) {
   const Eigen::Vector3d here_m(-2.0, -1.3, 0.0);
   for (const double yaw_rad : {0.0, 1.0, -2.0, 3.1, -3.1}) {
@@ -145,7 +146,7 @@ TEST_F(Inputs, AreComparedOnlyWhileBothAreFresh) {
   }
 }
 
-// A quaternion with a small length error does not add tilt, upright or upside down.
+// A quaternion with a small length error does not change the tilt, upright or upside down.
 TEST_F(Inputs, ComputeFiniteTilts) {
   for (const double length : {0.995, 1.0, 1.005}) {
     for (const double roll_rad : {0.0, kPi}) {
@@ -185,8 +186,8 @@ TEST_F(Inputs, ContainTheProcessorWait) {
   EXPECT_EQ(look(9.1).processor_wait_s, 0.0);
 }
 
-// While ordered to stay on the ground, the rise is measured from its ground position, floor or
-// table.
+// While the vehicle must stay on the ground, its rise is measured from its ground position, which
+// may be a table.
 TEST_F(Inputs, MeasureARiseWithoutAnOrder) {
   for (const double table_m : {0.0, 0.4}) {
     guard.emplace(scenario, "Q1", limits);
@@ -218,8 +219,7 @@ TEST_F(Inputs, MeasureARiseWithoutAnOrder) {
   }
 }
 
-// Each input has its own age. The values that the autopilot reports about itself are passed on
-// unchanged.
+// Each input has its own age. The values that the autopilot reports about itself are unchanged.
 TEST_F(Inputs, HaveSeparateAges) {
   const SafetyInputs& never = look(0.0);
   EXPECT_EQ(never.heartbeat_age_s, kNever);
@@ -250,7 +250,7 @@ TEST_F(Inputs, HaveSeparateAges) {
   }
 }
 
-// Values that are not numbers or not shares are ignored and counted.
+// Values that are not finite, and shares outside 0 to 1, are ignored and counted.
 TEST_F(Inputs, IgnoreNonFiniteReports) {
   const double nan = std::nan("");
   AutopilotReport good;
@@ -284,7 +284,8 @@ TEST_F(Inputs, IgnoreNonFiniteReports) {
     ++refused;
     expect_refused();
   }
-  // Fields that the report does not claim are not checked; 0 and 1 are valid shares.
+  // Fields that the report does not declare as present are not checked. Both 0 and 1 are valid
+  // shares.
   AutopilotReport little;
   little.position_world_m.x() = little.velocity_world_mps.x() = little.yaw_rate_radps = nan;
   little.world_from_body.coeffs()[0] = nan;
@@ -297,8 +298,8 @@ TEST_F(Inputs, IgnoreNonFiniteReports) {
   }
 }
 
-// In a first lift, climb and turn rates are compared between body and autopilot: either sign, on
-// both sides of the limit.
+// In a first lift, the climb and turn rates of body and autopilot are compared: with either sign
+// and on both sides of the limit.
 TEST(FirstLiftInputs, CompareClimbAndTurnRates) {
   struct Lie {
     double climb_mps, turn_radps;
@@ -325,7 +326,7 @@ TEST(FirstLiftInputs, CompareClimbAndTurnRates) {
       report.velocity_world_mps = q1.velocity_mps + Eigen::Vector3d(0.0, 0.0, lie.climb_mps);
       report.world_from_body = turned(q1.yaw_rad);
       report.yaw_rate_radps = q1.turn_radps + lie.turn_radps;
-      q1.knobs.telemetry_cut = true;  // replaces the reports of the bench
+      q1.knobs.telemetry_cut = true;  // the test sends reports instead of the bench
       q1.guard->on_autopilot(report, bench.now());
       bench.tick();
       if (q1.out.state == FlightState::kHold && tick < 5) {
@@ -340,7 +341,7 @@ TEST(FirstLiftInputs, CompareClimbAndTurnRates) {
   }
 }
 
-// The time without change counts from the last different share, or from the take-off.
+// The age of the battery value counts from its last change, or from the take-off.
 TEST(FlightInputs, MeasureTheTimeOfAnUnchangedBattery) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
@@ -360,8 +361,7 @@ TEST(FlightInputs, MeasureTheTimeOfAnUnchangedBattery) {
   EXPECT_EQ(other.guard->inputs().battery_unchanged_s, other.guard->inputs().flight_s);
 }
 
-// Nothing of the first flight remains in the second: height error, flight time, age of the battery
-// value.
+// The second flight starts without height error, flight time or battery age from the first.
 TEST(SecondFlight, IsMeasuredLikeTheFirst) {
   for (const double push_mps : {1.0, -1.0}) {
     FlightBench bench(3);

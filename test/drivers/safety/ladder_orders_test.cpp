@@ -3,7 +3,8 @@
 #include "drivers/safety/ladder.hpp"
 #include "test/drivers/safety/stepped_ladder.hpp"
 
-// Orders after a flight ends, when a vehicle is found in the air, and while it may not lift yet.
+// Tests when orders end: after a flight, for a vehicle found in the air, and while a vehicle may
+// not lift yet.
 
 namespace vantage::drivers {
 namespace {
@@ -19,7 +20,8 @@ class LadderOrders : public ::testing::Test {
     EXPECT_FALSE(d.ladder.take_off.is_given) << when;
     EXPECT_FALSE(d.ladder.wants_follow) << when;
   }
-  /// On the ground with both orders given, while another vehicle lifts.
+  /// Places the vehicle on the ground with both orders given (arm, take-off), while another vehicle
+  /// lifts.
   void wait_for_its_turn() {
     d.in.autopilot_armed = false;
     d.step(0.01, OperatorAction::kArm);
@@ -96,7 +98,8 @@ TEST_F(LadderOrders, EachClearsTheLastRefusal) {
     d.step(0.01, next);
     EXPECT_EQ(d.ladder.refusal, Refusal{});
   }
-  // A new take-off order after one that was refused because a body stayed near for too long.
+  // The first take-off order was refused because a body stayed near for too long; a new order is
+  // given.
   d = {};
   wait_for_its_turn();
   d.in.is_lift_blocked = false;
@@ -146,13 +149,13 @@ TEST_F(LadderOrders, TakeOffWaitsForNearBodies) {
   }
 }
 
-// Motors that were not wanted and are still seen to run may stop within 2.5 s, the stop delay and
-// one heartbeat. Motors that run after that run because they are wanted again.
+// Idle motors may still be stopped up to 2.5 s (stop delay plus one heartbeat) after they are
+// wanted again. Motors that run longer will not stop, so the take-off begins.
 TEST_F(LadderOrders, TakeOffWaitsForStoppingMotors) {
   wait_for_its_turn();
   for (int time = 0; time < 2; ++time) {
     d.in.is_lift_blocked = true;
-    d.wait(d.lim.lift_idle_s + 5.0);  // unwanted for longer than they need to stop
+    d.wait(d.lim.lift_idle_s + 5.0);  // s; long enough that the motors are no longer wanted
     ASSERT_FALSE(d.ladder.wants_armed);
     d.in.is_lift_blocked = false;
     EXPECT_EQ(d.wait(2.45), FlightState::kIdle) << time;

@@ -76,7 +76,7 @@ TEST_F(StepLadder, NeverLeavesALandingBeforeTheGround) {
   EXPECT_EQ(d.step(), FlightState::kIdle);
 }
 
-// An estimated height does not disarm: once the pose is older than the hold limit, the motors stay
+// An estimated height must not disarm. When the pose is older than the hold limit, the motors stay
 // armed.
 TEST_F(StepLadder, StaysArmedInALandingWithAnEstimatedHeight) {
   for (int time = 0; time < 2; ++time) {
@@ -100,11 +100,12 @@ TEST_F(StepLadder, StaysArmedInALandingWithAnEstimatedHeight) {
   }
 }
 
-// A condition must hold, and must be gone, without a break. Each period is timed separately.
+// A condition must hold, or be gone, for an uninterrupted time. Each such time is measured
+// separately.
 TEST_F(StepLadder, TimesConditionsSeparately) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
-    for (int burst = 0; burst < 3; ++burst) {  // "tracking" must last 0.1 s
+    for (int burst = 0; burst < 3; ++burst) {  // "tracking" must hold for 0.1 s
       d.in.tracking_error_m = d.lim.tracking_hold_m + 0.01;
       EXPECT_EQ(d.wait(0.09), FlightState::kFollow) << "burst " << burst;
       d.in.tracking_error_m = d.lim.tracking_hold_m;
@@ -112,7 +113,7 @@ TEST_F(StepLadder, TimesConditionsSeparately) {
     }
     d.in.tracking_error_m = d.lim.tracking_hold_m + 0.01;
     EXPECT_EQ(d.wait(0.12), FlightState::kHold);
-    for (int burst = 0; burst < 3; ++burst) {  // it must be gone for clear_s
+    for (int burst = 0; burst < 3; ++burst) {  // the condition must be gone for clear_s
       d.in.tracking_error_m = 0.0;
       EXPECT_EQ(d.wait(0.45), FlightState::kHold) << "gone " << burst;
       d.in.tracking_error_m = d.lim.tracking_hold_m + 0.01;
@@ -124,7 +125,7 @@ TEST_F(StepLadder, TimesConditionsSeparately) {
   }
 }
 
-// The vehicle whose name is later waits longer, each time.
+// The later a vehicle is by name, the longer it waits. Tested repeatedly.
 TEST_F(StepLadder, YieldsForTheStatedTime) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
@@ -152,7 +153,8 @@ TEST_F(StepLadder, WaitsForTheOperatorEachTime) {
   }
 }
 
-// Orders on the ground: what forbids them, how long they wait, and that each order is new.
+// Orders on the ground: the conditions that forbid them, their time limit, and that a new order
+// starts a new time limit.
 TEST_F(StepLadder, DropsAnOrderAfterTheTimeLimit) {
   d.in.autopilot_armed = false;
   for (int time = 0; time < 2; ++time) {
@@ -187,7 +189,8 @@ TEST_F(StepLadder, ArmsWhenNothingForbidsIt) {
     d.wait(0.04);
     EXPECT_TRUE(d.ladder.wants_armed);
   }
-  // A condition that comes and goes does not forbid it for an uninterrupted arm_wait_s.
+  // A condition that comes and goes does not hold for arm_wait_s without interruption, so it does
+  // not delete the order.
   for (int time = 0; time < 4; ++time) {
     d.in.pose_age_s = d.lim.pose_age_hold_s + 0.01;
     d.wait(0.6 * d.lim.arm_wait_s);
@@ -220,7 +223,7 @@ TEST_F(StepLadder, RevokesOrdersThatNeedTheOperator) {
   }
 }
 
-// Nothing of one flight remains in the next.
+// A flight has no effect on the next one.
 TEST_F(StepLadder, ResetsForEachFlight) {
   for (int flight = 0; flight < 3; ++flight) {
     d.in = {};
@@ -275,7 +278,7 @@ TEST_F(StepLadder, KillsABlindVehicleOnlyNearTheFloorOrOutside) {
   EXPECT_EQ(d.step(), FlightState::kKilled);
 }
 
-// Random inputs around their limits: the state equals the severity of the worst condition that
+// For random inputs around their limits, the state has the severity of the worst condition that
 // held.
 TEST_F(StepLadder, IsAsSevereAsItsWorstCondition) {
   test::Random random(11);
@@ -310,7 +313,7 @@ TEST_F(StepLadder, IsAsSevereAsItsWorstCondition) {
   }
 }
 
-// Autopilots stop motors that idle for ten seconds, which would end the order.
+// Autopilots stop motors that idle for ten seconds; that would end the order.
 TEST_F(StepLadder, LimitsIdlingWhileOthersLift) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
@@ -332,8 +335,8 @@ TEST_F(StepLadder, LimitsIdlingWhileOthersLift) {
   EXPECT_EQ(d.step(), FlightState::kHold);
 }
 
-// Regression, flown: the turn came while the idling motors were being stopped, so the vehicle
-// lifted and fell.
+// Regression, seen in a flight: the vehicle's turn began while its idling motors were being
+// stopped, so it lifted and fell.
 TEST_F(StepLadder, DoesNotLiftWhileMotorsStop) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
@@ -342,7 +345,7 @@ TEST_F(StepLadder, DoesNotLiftWhileMotorsStop) {
   d.step(0.01, OperatorAction::kTakeOff);
   d.wait(d.lim.lift_idle_s + 0.5);
   ASSERT_FALSE(d.ladder.wants_armed);
-  d.in.is_lift_blocked = false;  // the disarming is not yet reported
+  d.in.is_lift_blocked = false;  // the motor stop is not reported yet
   d.wait(0.5);
   EXPECT_EQ(d.ladder.state, FlightState::kIdle);
   d.in.autopilot_armed = false;
@@ -352,9 +355,9 @@ TEST_F(StepLadder, DoesNotLiftWhileMotorsStop) {
   EXPECT_EQ(d.step(), FlightState::kHold);
 }
 
-// Distances until a vehicle stops that was commanded to, and one that gets no more commands.
+// Compares the stopping distance after a stop command with that after a loss of commands.
 TEST(SafetyLimits, GiveStoppingDistances) {
-  const SafetyLimits lim = limits();  // brakes at 2 m/s²
+  const SafetyLimits lim = limits();  // deceleration 2 m/s²
   EXPECT_NEAR(stopping_distance_m(lim, 1.0), 0.20 + 0.25, 1e-12);
   EXPECT_NEAR(stopping_distance_after_loss_m(lim, 1.0), 0.50 + 0.25, 1e-12);
   EXPECT_NEAR(stopping_distance_m(lim, 2.0), 0.40 + 1.00, 1e-12);

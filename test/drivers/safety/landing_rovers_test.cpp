@@ -10,7 +10,7 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/random.hpp"
 
-// Landing spots and approaching bodies.
+// Tests of landing spots and of approaching bodies.
 
 namespace vantage::drivers {
 namespace {
@@ -22,8 +22,8 @@ SafetyLimits wide_limits() {
   return limits;
 }
 
-// A body below that has not been seen for long: the spot is on the nearest ring that is far enough,
-// up to 1.5 m away.
+// A body below has been unseen for a long time. The landing spot is on the nearest ring with enough
+// distance, up to 1.5 m away.
 TEST(LandingSpot, IsOnTheNearestFreeRing) {
   SafetyLimits limits = wide_limits();
   const Eigen::Vector3d hover_m(0.5, -0.5, 1.0);
@@ -65,8 +65,8 @@ TEST(NearSoon, IgnoresStationaryRobotsOnly) {
   EXPECT_DOUBLE_EQ(near_m(-1, -1.0), 1.0);
 }
 
-// The set-point sinks at the stated speed, slower near the ground, starting at the vehicle. A
-// controller that tracks it well does not descend faster.
+// The set-point starts at the vehicle's position and sinks at the configured speed, which is lower
+// near the ground. A vehicle that tracks it well does not descend faster.
 TEST(FlightGuard, DescendsAtTheStatedSpeeds) {
   test::FlightBench bench(3, false, 0.7);
   bench.fly_up(3.0);
@@ -75,7 +75,7 @@ TEST(FlightGuard, DescendsAtTheStatedSpeeds) {
   ASSERT_GT(q3.position_m.z(), limits.low_height_m + 0.5);
   bench.send_command(models::OperatorAction::kLand, "Q3");
   bench.tick();
-  const auto asked_m = [&] {  // now, without the lead
+  const auto asked_m = [&] {  // current set-point without the lead
     const FlightSetpoint& out = q3.out.setpoint;
     return out.position_world_m.z() - limits.setpoint_lead_s * out.velocity_world_mps.z();
   };
@@ -95,9 +95,9 @@ TEST(FlightGuard, DescendsAtTheStatedSpeeds) {
   EXPECT_EQ(q3.out.state, models::FlightState::kIdle);
 }
 
-// Five rovers drive at up to 0.5 m/s with random turns among three vehicles that land at once. No
-// vehicle is hit, and few landings take long. (Preferring spots that no rover drives towards had
-// little effect: 28 instead of 37 of 360 took over 8 s.)
+// Three vehicles land simultaneously among five rovers that drive at up to 0.5 m/s with random
+// turns. No vehicle is hit, and few landings take more than 8 s. (Preferring spots that no rover
+// drives towards had little effect: 28 instead of 37 of 360 landings took over 8 s.)
 TEST(FlightGuard, LandsAmongRoversWithRandomTurns) {
   constexpr double kRoverMps = 0.5;
   const models::Rectangle bounds = limits_for(test::FlightBench::scenario(), "Q1").fence.bounds;
@@ -119,7 +119,8 @@ TEST(FlightGuard, LandsAmongRoversWithRandomTurns) {
     std::vector<double> down_s(bench.vehicles().size(), 30.0);
     bench.run(30.0, [&] {
       for (std::size_t i = 0; i < rovers_m.size(); ++i) {
-        headings_rad[i] += random.normal() * std::sqrt(test::FlightBench::kTickS);  // 1 rad in 1 s
+        headings_rad[i] +=
+            random.normal() * std::sqrt(test::FlightBench::kTickS);  // σ 1 rad in 1 s
         Eigen::Vector3d ahead_m = rovers_m[i] + kRoverMps * test::FlightBench::kTickS *
                                                     Eigen::Vector3d(std::cos(headings_rad[i]),
                                                                     std::sin(headings_rad[i]), 0.0);
@@ -151,7 +152,7 @@ TEST(FlightGuard, LandsAmongRoversWithRandomTurns) {
   const auto slower_than = [&](double limit_s) {
     return std::count_if(took_s.begin(), took_s.end(), [&](double s) { return s > limit_s; });
   };
-  EXPECT_LE(slower_than(8.0), 12);  // of 60; 37 of 360 in a longer run
+  EXPECT_LE(slower_than(8.0), 12);  // of 60 landings; 37 of 360 in a longer run
   EXPECT_EQ(slower_than(25.0), 0);
 }
 

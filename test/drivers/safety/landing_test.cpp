@@ -16,7 +16,7 @@ namespace {
 
 using models::FlightState;
 
-constexpr double kTouchM = 0.5;  // m; centre to centre
+constexpr double kTouchM = 0.5;  // m; distance of the centres at contact
 
 double clearance_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
   const Eigen::Vector2d level_m = p_m.head<2>();
@@ -49,7 +49,8 @@ TEST(LandingSpot, IsFreeBelowAndClearOfObstacles) {
   EXPECT_GT(moved, 500);
 }
 
-// In a narrow room it still moves aside; in a room without any free spot it stays.
+// In a narrow room without enough clearance, the vehicle still moves aside. Without any free spot
+// it stays.
 TEST(LandingSpot, AcceptsLessRoomInANarrowRoom) {
   SafetyLimits limits = bench_limits();
   limits.hover_clearance_m = 0.2;
@@ -76,11 +77,11 @@ TEST(IsWayTaken, CountsBodiesWithPriority) {
   others[0].has_priority = true;
   others[0].position_world_m.y() = limits.separation_hold_m + 0.01;
   EXPECT_FALSE(is_path_blocked(from_m, to_m, others, limits));
-  others[0].position_world_m = {-0.1, 0.0, 1.0};  // behind: not closer than it is now
+  others[0].position_world_m = {-0.1, 0.0, 1.0};  // behind: the distance only increases
   EXPECT_FALSE(is_path_blocked(from_m, to_m, others, limits));
 }
 
-// A stationary robot lands there and does not give way, whatever its priority.
+// A stationary robot lands at its position and does not yield, whatever its priority.
 TEST(IsWayTaken, CountsStationaryRobotsAtAnyHeight) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
@@ -90,9 +91,9 @@ TEST(IsWayTaken, CountsStationaryRobotsAtAnyHeight) {
   others[0].robot = 1;
   for (const double height_m : {0.4, 1.0, 1.6, 2.2}) {
     others[0].position_world_m = {0.8, 0.3, height_m};
-    others[0].velocity_world_mps = {0.0, 0.0, -0.4};  // it sinks
+    others[0].velocity_world_mps = {0.0, 0.0, -0.4};  // the robot sinks
     EXPECT_TRUE(is_path_blocked(from_m, to_m, others, limits)) << height_m;
-    others[0].velocity_world_mps = {0.2, 0.0, 0.0};  // it yields
+    others[0].velocity_world_mps = {0.2, 0.0, 0.0};  // the robot moves sideways and yields
     EXPECT_FALSE(is_path_blocked(from_m, to_m, others, limits)) << height_m;
     others[0].has_priority = true;
     EXPECT_TRUE(is_path_blocked(from_m, to_m, others, limits)) << height_m;
@@ -103,7 +104,8 @@ TEST(IsWayTaken, CountsStationaryRobotsAtAnyHeight) {
   }
 }
 
-// A robot that flies above may land as well.
+// A robot that flies above may land too, so neither the spot nor the path to it may be below that
+// robot.
 TEST(LandingSpot, AndItsPathAreNotBelowAnotherRobot) {
   const SafetyLimits limits = bench_limits();
   test::Random random(22);
@@ -149,12 +151,12 @@ TEST(LandingSpot, AssumesAnUnseenBodyCloser) {
 }
 
 struct Landing {
-  double closest_m = 1e9;    ///< m; to the walker
-  double clearance_m = 1e9;  ///< m; to fence and obstacles
+  double closest_m = 1e9;    ///< m; least distance to the walker
+  double clearance_m = 1e9;  ///< m; least clearance to fence and obstacles
   double way_m = 0.0;        ///< m; greatest horizontal distance from the position at the command
   double late_mps = 0.0;     ///< m/s; greatest horizontal speed later than 21 s
-  double took_s = 0.0;       ///< s; until idle, at most the time limit
-  double fell_m = 0.0;       ///< m; greatest fall between stop and continuation
+  double took_s = 0.0;       ///< s; time until idle, at most the time limit
+  double fell_m = 0.0;  ///< m; greatest descent between a stop of the descent and its continuation
 };
 
 /// Commands Q1 to land; `walk` gives the walker position from the time since the command and the
@@ -205,8 +207,8 @@ TEST(FlightGuard, DoesNotLandOnABodyBelow) {
   }
 }
 
-// A person follows below the vehicle for 12 s. The vehicle stays up and lands after the person has
-// left.
+// A person stays below the vehicle for 12 s. The vehicle waits in the air and lands after the
+// person has left.
 TEST(FlightGuard, WaitsWhileAPersonFollowsBelow) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -223,8 +225,8 @@ TEST(FlightGuard, WaitsWhileAPersonFollowsBelow) {
   EXPECT_LT(seen.took_s, 25.0);
 }
 
-// A person walks in from each side during the descent and stays. The vehicle stops its descent in
-// time and lands aside.
+// A person walks in from each side during the descent and stays there. The vehicle stops its
+// descent in time and lands aside.
 TEST(FlightGuard, StopsItsDescentWhenAPersonWalksIn) {
   enum class Walker { kWaits, kWalks, kStands };
   for (int side = 0; side < 8; ++side) {
@@ -252,7 +254,7 @@ TEST(FlightGuard, StopsItsDescentWhenAPersonWalksIn) {
   }
 }
 
-// A person approaches before the motors have stopped; the vehicle stays on the ground.
+// A person approaches before the motors have stopped. The vehicle stays on the ground.
 TEST(FlightGuard, StaysOnTheGroundWhenABodyApproaches) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -273,9 +275,9 @@ TEST(FlightGuard, StaysOnTheGroundWhenABodyApproaches) {
   EXPECT_LT(seen.took_s, 15.0);
 }
 
-// All vehicles land at once, each with bodies below or close. No vehicle goes where another lands.
-// If landings consider only bodies below, four of 400 seeds end in a contact; three of those seeds
-// are included here.
+// All vehicles land simultaneously, each with bodies below or close. No vehicle moves to where
+// another lands. If landings considered only bodies below, four of 400 seeds would end in a
+// contact; three of those seeds are tested here.
 TEST(FlightGuard, KeepsSeparationInSimultaneousLandings) {
   std::vector<std::uint64_t> seeds = {226, 251};
   for (std::uint64_t seed = 80; seed < 100; ++seed) {
@@ -311,8 +313,8 @@ TEST(FlightGuard, KeepsSeparationInSimultaneousLandings) {
   }
 }
 
-// Regression, seen with real firmware: a landing from 2 m among moving rovers took 10.6 s at
-// 0.4 m/s.
+// Regression, seen with real firmware: a landing from 2 m at a descent speed of 0.4 m/s took 10.6 s
+// among moving rovers.
 TEST(FlightGuard, LandsNextToABodyWithinTheTimeLimit) {
   double slowest_s = 0.0;
   int aside = 0;
@@ -336,10 +338,10 @@ TEST(FlightGuard, LandsNextToABodyWithinTheTimeLimit) {
     aside += (highest.position_m - from_m).head<2>().norm() > 0.5 ? 1 : 0;
   }
   EXPECT_GE(aside, 15);
-  EXPECT_LT(slowest_s, 7.0);  // 8.0 s with both speeds at 0.4 m/s
+  EXPECT_LT(slowest_s, 7.0);  // s; 8.0 s if both descent speeds were 0.4 m/s
 }
 
-// A plan that was accepted before `land` and would begin after it is dropped.
+// A plan that was accepted before `land` and begins after it is dropped.
 TEST(FlightGuard, DropsTheNextPlanWhenItLands) {
   test::FlightBench bench(1);
   bench.fly_up(3.93);  // plans published at 3.9 s begin at 4.0 s
@@ -350,7 +352,8 @@ TEST(FlightGuard, DropsTheNextPlanWhenItLands) {
   EXPECT_LT(seen.took_s, 10.0);
 }
 
-// During a take-off, near the ground, it descends at once, even with a body next to it.
+// During a take-off, near the ground, `land` makes the vehicle descend immediately, even with a
+// body next to it.
 TEST(FlightGuard, EndsATakeOffImmediately) {
   for (const double up_to_m : {0.05, 0.1, 0.2, 0.3}) {
     test::FlightBench bench(1);
@@ -370,7 +373,8 @@ TEST(FlightGuard, EndsATakeOffImmediately) {
   }
 }
 
-// A constant push to one side, towards a body just far enough from the landing spot.
+// The vehicle is pushed sideways with a constant force, towards a body just far enough from the
+// landing spot.
 TEST(FlightGuard, LandsWhileItIsPushed) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -385,8 +389,8 @@ TEST(FlightGuard, LandsWhileItIsPushed) {
   EXPECT_LT(seen.took_s, 15.0);
 }
 
-// While the vehicle itself is not seen, it does not descend onto a body that is seen, as long as it
-// can wait.
+// While mocap does not see the vehicle but sees a body below, the vehicle waits as long as it can
+// before it descends.
 TEST(FlightGuard, WaitsForABodyBelowWithoutAPose) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -401,7 +405,7 @@ TEST(FlightGuard, WaitsForABodyBelowWithoutAPose) {
   EXPECT_EQ(vehicle.out.state, FlightState::kLand);
 }
 
-// A single bad estimator report does not end the controlled landing; 0.2 s of them do.
+// A single bad estimator report does not end a controlled landing; bad reports for 0.2 s do.
 TEST(FlightGuard, KeepsTheLandingAfterOneBadReport) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -418,7 +422,8 @@ TEST(FlightGuard, KeepsTheLandingAfterOneBadReport) {
   EXPECT_EQ(vehicle.out.setpoint.kind, FlightSetpoint::Kind::kBlindLand);
 }
 
-// The wait for a free spot is limited, with a follower below or a crowd that leaves no spot.
+// The wait for a free spot is limited, both above a person who follows and above a crowd without
+// free spot.
 TEST(FlightGuard, LandsAfterTheTimeLimitAboveBodies) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);

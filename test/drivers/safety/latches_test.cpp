@@ -11,8 +11,9 @@
 
 #include "test/support/random.hpp"
 
-// Watching, latching and clearing of conditions, tested with an artificial table. Each row holds
-// while its bit is set. The result is compared with a brute-force evaluation of the whole history.
+// Timing, latching and clearing of conditions, tested with an artificial table. Each row holds
+// while its bit is set. The result is compared with a brute-force evaluation of the complete
+// history.
 
 namespace vantage::drivers {
 namespace {
@@ -34,8 +35,8 @@ std::array<bool (*)(const SafetyInputs&, const SafetyLimits&), kRows> all_bits(
   return {is_set<kBits>...};
 }
 
-/// Returns rows with every combination of clearing and severity; some need a minimum duration, some
-/// yield.
+/// Returns rows with every combination of clearing and severity. Some rows need a minimum duration,
+/// some yield.
 std::vector<Condition> made_rows() {
   const auto bits = all_bits(std::make_index_sequence<kRows>());
   std::vector<Condition> rows;
@@ -77,7 +78,7 @@ TEST(Latches, MatchTheWholeHistory) {
     watch(ladder, rows, inputs, limits);
     latch(ladder, rows, inputs, limits);
     for (std::size_t i = 0; i < kRows; ++i) {
-      // Duration of the current uninterrupted period.
+      // Computes the duration of the current uninterrupted period of the condition.
       const bool holds = rows[i].holds(inputs, limits);
       Time since = inputs.now;
       bool held_ever = false;
@@ -116,7 +117,8 @@ TEST(Latches, MatchTheWholeHistory) {
   EXPECT_TRUE(ladder.latched[kRows - 1]) << "what only arming again ends is there for good";
 }
 
-/// Tests each row alone, and all other rows without it, so that rows cannot be confused.
+/// Evaluates `ask` for each row alone, and for the row together with all rows for which it is
+/// false.
 template <class Ask>
 void expect_of_rows(const std::vector<Condition>& rows, const Ask& ask,
                     const std::vector<bool>& expected) {
@@ -160,7 +162,7 @@ TEST(Latches, ActBySeverityAndClearing) {
         },
         of([&](const Condition& row) { return row.clearing == clearing; }));
   }
-  // Notes and conditions that clear at once do not count.
+  // Notes and conditions that clear immediately do not count.
   expect_of_rows(
       rows, [&](const Reasons& latched) { return waits_for_more_than_a_plan(rows, latched); },
       of([](const Condition& row) {

@@ -1,4 +1,4 @@
-// The order in which vehicles lift, and the first lift itself, tested without a simulated flight.
+// The order in which vehicles lift, and the first lift, tested without a simulated flight.
 
 #include "drivers/safety/lift.hpp"
 
@@ -19,7 +19,7 @@ namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr double kClimbMps = 0.3;
-constexpr double kTurnDelayS = 0.15;  // s; added per position in the scenario
+constexpr double kTurnDelayS = 0.15;  // s; additional wait per position in the scenario
 
 Time after(double t_s) { return kStart + from_seconds(t_s); }
 
@@ -39,8 +39,8 @@ OtherBody body(int robot, double height_m, double climb_mps = 0.0) {
   return out;
 }
 
-/// Returns the queue of Q1 of three that saw the bodies at rest as in `rest` and, 1 s later, as in
-/// `then`.
+/// Returns the queue of Q1 (of three robots), updated with the bodies at rest, `rest`, and 1 s
+/// later with `then`.
 LiftQueue seen(const std::vector<OtherBody>& rest, const std::vector<OtherBody>& then) {
   LiftQueue queue(team({"Q1", "Q2", "Q3"}), "Q1");
   queue.update(rest, SafetyLimits{}, kStart);
@@ -82,7 +82,8 @@ TEST(LiftQueue, OrdersByCommandThenByName) {
     double t_s = 0.0;
     std::vector<bool> is_gone(names.size(), false);
     for (; !heard.empty(); heard.erase(heard.begin())) {
-      for (const double later_s : {0.0, 1.0}) {  // longer than the extra wait of any vehicle
+      for (const double later_s :
+           {0.0, 1.0}) {  // s; 1.0 is longer than the additional wait of any vehicle
         for (LiftQueue& queue : queues) {
           queue.update(bodies, limits, after(t_s + later_s));
         }
@@ -110,8 +111,8 @@ TEST(LiftQueue, OrdersByCommandThenByName) {
   }
 }
 
-// A report of lifting blocks for 0.5 s and the extra wait of the vehicle. Own reports and those of
-// unknown vehicles are ignored.
+// A report of lifting blocks other lifts for 0.5 s plus the vehicle's additional wait. The
+// vehicle's own reports and those of unknown vehicles are ignored.
 TEST(LiftQueue, WaitsTheStatedTimeAfterAReport) {
   const std::vector<std::string> names = {"Q1", "Q2", "Q3"};
   for (std::size_t own = 0; own < names.size(); ++own) {
@@ -132,7 +133,8 @@ TEST(LiftQueue, WaitsTheStatedTimeAfterAReport) {
   }
 }
 
-// A monotonic clock may start at 0: without a report, nothing counts as received at time 0.
+// A monotonic clock may start at 0. A report that was never received must not count as received at
+// time 0.
 TEST(LiftQueue, IsFreeAtTheStartOfTheClock) {
   LiftQueue queue(team({"Q1", "Q2"}), "Q1");
   for (const double t_s : {0.2, 0.3, 0.4}) {
@@ -141,8 +143,8 @@ TEST(LiftQueue, IsFreeAtTheStartOfTheClock) {
   }
 }
 
-// The turn of the front begins when it is first seen. The queue is static so that its memory starts
-// as zero.
+// The turn of the first vehicle in the queue begins when it is first seen there. The queue is
+// static so that its memory starts as zero.
 TEST(LiftQueue, WaitsForThePredecessorFromTheFirstTick) {
   static LiftQueue queue(team({"Q1", "Q2"}), "Q2");
   queue.on_take_off("Q1");
@@ -217,9 +219,9 @@ TEST(LiftQueue, UsesPosesUpToTheMaximumAge) {
   }
 }
 
-// The result is the largest rise since our own lift began of those bodies that climb and had not
-// risen by then. A second, later lift starts from new heights; the result is 0 when all stand
-// still.
+// other_risen_m() is the largest rise of another body since this vehicle began its lift. Only
+// bodies that climb and had not risen before count. A second lift starts from new heights. The
+// result is 0 when no body climbs.
 TEST(LiftQueue, MeasuresTheRiseOfAnotherBody) {
   const SafetyLimits limits;
   test::Random random(32);
@@ -273,7 +275,7 @@ TEST(LiftQueue, MeasuresARiseFromTheFirstPose) {
   }
 }
 
-// A vehicle on a table waits as long as one on the floor; its rise counts from the table.
+// A vehicle on a table waits as long as one on the floor; its rise is measured from the table.
 TEST(LiftQueue, WaitsEquallyLongAtAnyGroundHeight) {
   const SafetyLimits limits;
   for (const double rest_m : {0.0, 0.4, -0.3}) {
@@ -316,8 +318,8 @@ struct Room {
   }
 };
 
-// The step goes to one of the four diagonal positions at lift_step_m, and no other has more room.
-// Walls, boxes and bodies each are the limit in some trials.
+// The test step goes to the diagonal position at lift_step_m with the most free space. Walls, boxes
+// and bodies each determine the result in some trials.
 TEST(Lift, StepsToTheRoomiestDiagonalAmongRandomBodies) {
   test::Random random(33);
   int least[3] = {};
@@ -363,7 +365,8 @@ TEST(Lift, StepsToTheRoomiestDiagonalAmongRandomBodies) {
   EXPECT_GT(*std::min_element(std::begin(least), std::end(least)), 50);
 }
 
-constexpr double kProofHeightToleranceM = 0.06;  // m; below its hover, where the proof may begin
+constexpr double kProofHeightToleranceM =
+    0.06;  // m; the verification may begin this far below the hover
 
 /// A vehicle commanded to climb from its ground position, far from all walls.
 struct Flight {
@@ -411,7 +414,8 @@ TEST(Lift, TimesTheRiseAndTheProof) {
   }
 }
 
-// Only the hover can be proven, once: not during the climb, after the proof or after end().
+// The identity can only be verified in the hover, once: not during the climb, after the
+// verification or after end().
 TEST(Lift, ProvesOnlyItsHover) {
   for (const bool is_proven_first : {true, false}) {
     Flight f({1.0, -2.0, 0.5}, 0.1);
@@ -430,7 +434,7 @@ TEST(Lift, ProvesOnlyItsHover) {
     EXPECT_FALSE(step(asked.position_world_m, asked.yaw_rad));
     EXPECT_FALSE(f.own.is_under_way());
     EXPECT_EQ(f.course.planned_at(kStart).position_world_m, elsewhere_m);
-    // Back on the ground, a second lift begins.
+    // Begins a second lift on the ground.
     f.own.begin(lift(f.rest, f.rest_m), {}, f.limits, kStart);
     EXPECT_FALSE(step(asked.position_world_m - Eigen::Vector3d(0.0, 0.0, 0.2), asked.yaw_rad));
     EXPECT_EQ(f.own.phase(), Lift::Phase::kRising);
@@ -438,8 +442,8 @@ TEST(Lift, ProvesOnlyItsHover) {
   }
 }
 
-// Compares with the nearest of ten thousand points of the path, also beyond both ends and at any
-// height. Before and after the lift the distance is 0.
+// Compared with the nearest of ten thousand points of the path. The body is also beyond both ends
+// and at any height. Before and after the lift the distance is 0.
 TEST(Lift, MeasuresItsDistanceFromThePath) {
   Flight f({1.0, -2.0, 0.5}, 0.1);
   EXPECT_EQ(Lift{}.deviation_m({3.0, 3.0, 3.0}), 0.0);

@@ -13,8 +13,8 @@
 #include "test/support/stated.hpp"
 #include "wire/autopilot/parameter_rules.hpp"
 
-// Every value of SafetyLimits compared with its definition: docs/explanation/safety.md and
-// docs/results/faults.md for values that hold in every lab, the scenario for the others.
+// Compares every value of SafetyLimits with its definition. Values for all labs are defined in
+// docs/explanation/safety.md and docs/results/faults.md, the others in the scenario.
 
 namespace vantage::drivers {
 namespace {
@@ -152,7 +152,7 @@ TEST_F(FromTheScenario, DerivesLimitsFromTheScenario) {
   EXPECT_EQ(is.vehicle.brake_mps2, 1.9);
   EXPECT_EQ(is.vehicle.radius_m, 0.22);
   EXPECT_EQ(is.take_off_height_m, 1.4);
-  // Vehicles touch at 0.44 m, the planner keeps 0.9 m, and the hold distance is half-way between.
+  // Vehicles touch at 0.44 m and the planner keeps 0.9 m. The hold distance is half-way between.
   EXPECT_NEAR(is.plan_separation_m, 0.89, 1e-12);
   EXPECT_NEAR(is.separation_land_m, 0.44, 1e-12);
   EXPECT_NEAR(is.separation_hold_m, 0.67, 1e-12);
@@ -166,7 +166,7 @@ TEST_F(FromTheScenario, DerivesLimitsFromTheScenario) {
   EXPECT_NEAR(is.plan_silent_warn_s, 4.7, 1e-12);
   EXPECT_NEAR(is.planner_lease_s, 4.7, 1e-12);
   EXPECT_NEAR(is.plan_future_max_s, 8.4, 1e-12);
-  // Two and five times the tracking tolerance.
+  // The limits are two and five times the tracking tolerance.
   EXPECT_NEAR(is.tracking_hold_m, 0.30, 1e-12);
   EXPECT_NEAR(is.tracking_land_m, 0.75, 1e-12);
   EXPECT_NEAR(is.plan_start_tolerance_m, 0.30, 1e-12);
@@ -206,8 +206,8 @@ TEST_F(FromTheScenario, KeepsDefaultsOtherwise) {
   EXPECT_EQ(is.reaction_s, 0.20);
 }
 
-// docs/explanation/safety.md, "When a driver dies in motion". The budget holds for each vehicle
-// that arms, because arming is refused with a longer time-out
+// See "When a driver dies in motion" in docs/explanation/safety.md. The budget holds for each
+// vehicle that arms, because arming is refused with a longer time-out
 // (Parameters.LongerThanTheStopWasBudgetedFor...).
 TEST_F(FromTheScenario, BudgetsReactionAndTimeOutPerDialect) {
   using models::AutopilotDialect;
@@ -239,7 +239,8 @@ TEST_F(FromTheScenario, BudgetsReactionAndTimeOutPerDialect) {
   }
 }
 
-// Half the time from rest to the greatest speed at the braking deceleration.
+// The half window is half the time to accelerate from rest to the maximum speed at the braking
+// deceleration.
 TEST(HalfWindow, IsHalfTheTimeToTheGreatestSpeed) {
   struct Vehicle {
     double speed_max_mps, brake_mps2, half_window_s;
@@ -256,7 +257,7 @@ TEST(HalfWindow, IsHalfTheTimeToTheGreatestSpeed) {
 
 TEST_F(FromTheScenario, AnUnknownRobotIsRefused) { EXPECT_THROW(of("Q9"), UsageError); }
 
-// The limits of each ladder must increase strictly and be finite.
+// The limits of each ladder must be finite and increase strictly.
 TEST(CheckLimits, RefusesLimitsThatDoNotIncrease) {
   using Limit = double SafetyLimits::*;
   using L = SafetyLimits;

@@ -15,8 +15,8 @@ constexpr double kPeriodS = 0.01;
 
 Time after(double seconds_s) { return kStart + from_seconds(seconds_s); }
 
-// With lost frames, jitter and a clock that is set repeatedly, the reported latency is the true
-// one.
+// The reported latency is the true one, despite lost frames, jitter and a clock that is set
+// repeatedly.
 TEST(MocapClock, ReportsTrueLatencyThroughClockChanges) {
   test::Random random(5);
   MocapClock clock;
@@ -54,8 +54,8 @@ TEST(MocapClock, ReportsLatencyThatBeginsWithAClockChange) {
   EXPECT_NEAR(clock.latency_s(), 0.155, 1e-6);
 }
 
-// A clock set back by up to a second looks like latency. It is detected because, by the publisher's
-// clock, later frames then arrive earlier than previous ones.
+// A clock that is set back by up to a second looks like additional latency. It is detected because,
+// by the publisher's clock, later frames then arrive before earlier ones.
 TEST(MocapClock, KeepsTheLatencyWhenTheClockIsSetBackByASecondOrLess) {
   for (const double set_s : {-0.02, -0.1, -0.5, -0.99, -1.0}) {
     for (const int lost : {0, 1, 50}) {
@@ -77,7 +77,8 @@ TEST(MocapClock, KeepsTheLatencyWhenTheClockIsSetBackByASecondOrLess) {
   }
 }
 
-// Two computers with unsynchronised clocks: only changes of the offset count as latency.
+// If the clocks of the two computers are not synchronised, only changes of their offset count as
+// latency.
 TEST(MocapClock, CountsFromTheFirstFrameWhenTheClocksDiffer) {
   MocapClock clock;
   EXPECT_FALSE(clock.on_frame(after(-7200.0), after(0.0), 0));
@@ -86,8 +87,8 @@ TEST(MocapClock, CountsFromTheFirstFrameWhenTheClocksDiffer) {
   EXPECT_NEAR(clock.latency_s(), 0.12, 1e-6);
 }
 
-// Impossible latencies are limited: arrival before capture gives 0 s, and after a clock change the
-// maximum is 1 s.
+// Impossible latencies are limited. A frame that arrives before its capture has a latency of 0 s;
+// after a clock change the maximum is 1 s.
 TEST(MocapClock, LimitsLatencyAtAClockChange) {
   MocapClock clock;
   for (int i = 0; i < 10; ++i) {
@@ -101,8 +102,8 @@ TEST(MocapClock, LimitsLatencyAtAClockChange) {
   EXPECT_EQ(clock.latency_s(), 1.0);
 }
 
-// When the clock is set while frames are lost, up to a hundred missing frames account for the gap.
-// The time of a longer gap counts as latency.
+// If the clock is set while frames are lost, the time of up to a hundred missing frames is
+// subtracted from the gap, and the rest is latency. With more missing frames nothing is subtracted.
 TEST(MocapClock, AccountsForUpToAHundredLostFrames) {
   for (const auto& [frames, due] :
        {std::pair{1, 1}, {99, 99}, {100, 100}, {101, 0}, {0, 0}, {-1, 0}}) {
@@ -110,7 +111,7 @@ TEST(MocapClock, AccountsForUpToAHundredLostFrames) {
     for (int i = 0; i < 10; ++i) {
       EXPECT_TRUE(clock.on_frame(after(kPeriodS * i), after(kPeriodS * i + 0.005), i));
     }
-    // 0.2 s later than these frames take.
+    // The next frame arrives 0.2 s later than the missing frames explain.
     const double gap_s = kPeriodS * due + 0.2;
     const double at_s = kPeriodS * 9 + 0.005 + gap_s;
     EXPECT_FALSE(clock.on_frame(after(at_s + 3600.0), after(at_s), 9 + frames)) << frames;
@@ -118,12 +119,12 @@ TEST(MocapClock, AccountsForUpToAHundredLostFrames) {
   }
 }
 
-// The frame period comes from stamps and numbers that advance by less than 1 s per frame and at
-// most 100 frames. Stamps that do not advance, numbers that repeat, restart or jump, and pauses
-// leave it unchanged.
+// The frame period is computed from stamps that advance by less than 1 s and frame numbers that
+// advance by 1 to 100. Other frames leave it unchanged: after pauses, with stamps that do not
+// advance, or with numbers that repeat, restart or jump.
 TEST(MocapClock, EstimatesThePeriodFromAdvancingFrames) {
   struct Frame {
-    std::int64_t numbers;  // frame numbers since the last one
+    std::int64_t numbers;  // difference of the frame number from the previous frame
     double stamps_s;
     double period_s;  // s; expected estimate of the period
   };
@@ -141,7 +142,7 @@ TEST(MocapClock, EstimatesThePeriodFromAdvancingFrames) {
     const double stamp_s = 9 * kPeriodS + odd.stamps_s;
     EXPECT_TRUE(clock.on_frame(after(stamp_s), after(stamp_s + 0.5), 9 + odd.numbers));
     EXPECT_NEAR(clock.latency_s(), 0.5, 1e-6);
-    // The clock is set before the next frame, which is 0.2 s late.
+    // The clock is set before the next frame, which arrives 0.2 s late.
     const double gap_s = odd.period_s + 0.2;
     EXPECT_FALSE(
         clock.on_frame(after(stamp_s + 3600.0), after(stamp_s + 0.5 + gap_s), 9 + odd.numbers + 1));
@@ -149,8 +150,8 @@ TEST(MocapClock, EstimatesThePeriodFromAdvancingFrames) {
   }
 }
 
-// A single frame has no period, also on clocks that count from power-up. All time after it counts
-// as latency.
+// A single frame does not define a period, whatever time its clock starts from. All time after it
+// counts as latency.
 TEST(MocapClock, HasNoPeriodAfterOneFrame) {
   for (const std::int64_t number : {0, 1, 7, 100, 101}) {
     MocapClock clock;
@@ -162,7 +163,7 @@ TEST(MocapClock, HasNoPeriodAfterOneFrame) {
   }
 }
 
-// Latencies from 0 to 1 s are accepted; other values mean that the clock was set.
+// Latencies from 0 to 1 s are accepted. Any other value means that the clock was set.
 TEST(MocapClock, AcceptsLatenciesUpToASecond) {
   for (const auto& [latency_s, is_believed] :
        {std::pair{0.0, true}, {1e-6, true}, {1.0, true}, {-1e-6, false}, {1.0 + 1e-6, false}}) {

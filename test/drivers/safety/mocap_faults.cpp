@@ -14,7 +14,7 @@ Act swaps_names() {
     q2(bench).swapped_with = "Q1";
   };
 }
-/// Sets the mocap latency; of two faults the longer one counts.
+/// Sets the mocap latency, s; of two latency faults the longer one applies.
 Act latency(double latency_s) {
   return [latency_s](FlightBench& bench, double) {
     bench.room().mocap_latency_s = std::max(latency_s, bench.room().mocap_latency_s);
@@ -27,7 +27,7 @@ std::vector<Fault> mocap_faults() {
   const std::vector<Stage> gone = {{kHold, 0.10 + kTicks}, {kLand, 0.50 + kTicks}};
   std::vector<Stage> to_the_end = gone;
   to_the_end.push_back({kKilled, 10.0});
-  /// Returns a fault with a body that is shown this way from then on.
+  /// Returns a fault with a body that mocap shows in the given wrong way.
   const auto refused_poses = [&](int number, const char* name, const char* what, BodyFault how) {
     return fault(number, name, what, body(how), ends(kKilled, to_the_end, "pose implausible"));
   };

@@ -18,7 +18,8 @@ Time at(double seconds_s) { return kStart + from_seconds(seconds_s); }
 
 class Source : public testing::Test {
  protected:
-  /// Delivers a frame of `run` that arrives at `at_s`; its clock is `ahead_s` ahead of ours.
+  /// Delivers a frame of run `run` at time `at_s`. The publisher's clock is `ahead_s` ahead of the
+  /// local clock.
   Standing hear(std::int64_t run, double at_s, double ahead_s = 0.0, std::int64_t number = -1) {
     models::MocapFrame frame;
     frame.stamp.run_id = run;
@@ -117,7 +118,7 @@ TEST_F(Source, CountsRefusalsAndTakeovers) {
   }
 }
 
-// Both sides of both time limits, and again after a take-over.
+// Both sides of both time limits are tested, and again after a take-over.
 TEST_F(Source, HasTheStatedTimeLimits) {
   shows_body = false;
   for (const double side : {1.0, -1.0}) {
@@ -135,7 +136,7 @@ TEST_F(Source, HasTheStatedTimeLimits) {
   }
 }
 
-// The message names a second source first, then another clock; each for two seconds.
+// The message first reports a second source, then a second clock; each for two seconds.
 TEST_F(Source, ReportsRefusalsForTwoSeconds) {
   const std::string second = "messages from a second VICON source are rejected";
   const std::string other_time = "VICON messages from another clock or a log are rejected";
@@ -158,12 +159,12 @@ TEST_F(Source, ReportsRefusalsForTwoSeconds) {
     EXPECT_EQ(refusal_message(begin_s + 2.24), other_time);
     EXPECT_EQ(refusal_message(begin_s + 2.26), "");
   }
-  // The new source is no longer a second source.
+  // After the take-over, the new source is no longer reported as a second source.
   EXPECT_EQ(hear(2, 20.0), Standing::kCandidate);
   EXPECT_EQ(refusal_message(20.0), "");
 }
 
-// Frames of the source itself with an old stamp and a discontinuous number are counted and
+// Frames of the accepted source that have an old stamp and a discontinuous number are counted and
 // reported, each time.
 TEST_F(Source, RefusesItsOwnFramesOfAnotherTime) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
@@ -182,7 +183,8 @@ TEST_F(Source, RefusesItsOwnFramesOfAnotherTime) {
   }
 }
 
-// A changed clock is accepted until it is set back, and only for its own source.
+// A changed clock of the source is accepted until it is set back. It does not apply to other
+// sources.
 TEST_F(Source, AcceptsOneClockAtATime) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
   EXPECT_EQ(hear(1, 0.1, kHourS, 101), Standing::kAccepted);

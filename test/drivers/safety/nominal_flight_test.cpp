@@ -18,8 +18,7 @@ namespace {
 
 using models::FlightState;
 
-// Flight safety does not act in a flight without faults; otherwise the fault tests would prove
-// nothing.
+// Flight safety does not intervene in a flight without faults. The fault tests rely on this.
 TEST(FlightGuard, FollowsForAMinuteWithoutAReasonToStop) {
   FlightBench bench(1);
   bench.fly_up(5.0);
@@ -45,8 +44,8 @@ TEST(FlightGuard, FollowsForAMinuteWithoutAReasonToStop) {
   }
 }
 
-// Set-points follow the course of the plans; a plan does not count beyond its round before the next
-// one arrives. The course keeps up while poses are younger than 50 ms.
+// Set-points follow the course of the plans. A plan applies beyond its round only after the next
+// one has arrived. The course is not slowed while poses are younger than 50 ms.
 TEST(FlightGuard, FollowsThePlanUntilTheRoundEnds) {
   FlightBench bench(1);
   bench.fly_up(5.0);
@@ -59,7 +58,7 @@ TEST(FlightGuard, FollowsThePlanUntilTheRoundEnds) {
   for (int i = 0; i < 3000; ++i) {
     const std::size_t plans = q1.sent.size();
     const Time now = bench.now();
-    if (i / 100 % 5 == 1) {  // lets plans end anywhere in a round
+    if (i / 100 % 5 == 1) {  // makes plans end at any time within a round
       q1.knobs.plan = PlanFault::kDropped;
     }
     bench.room().mocap_age_ms = 8;
@@ -73,7 +72,7 @@ TEST(FlightGuard, FollowsThePlanUntilTheRoundEnds) {
     course.advance(now, FlightBench::kTickS, 1.0);
     endless.advance(now, FlightBench::kTickS, 1.0);
     if (i < 300) {
-      continue;  // until the course has the previous plan
+      continue;  // the course does not contain the previous plan yet
     }
     const Time soon = now + from_seconds(limits.setpoint_lead_s);
     const Eigen::Vector3d asked_m = q1.out.setpoint.position_world_m;
@@ -100,7 +99,7 @@ TEST(FlightGuard, CountsEveryPlanVerdictByName) {
   }
 }
 
-// Frames of a second source are ignored, however similar; those of the own source are used.
+// Frames of a second source are ignored, even if they are similar to those of the accepted source.
 TEST(FlightGuard, IgnoresFramesOfASecondSource) {
   FlightBench bench(2);
   bench.run(1.0);

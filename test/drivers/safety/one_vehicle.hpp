@@ -20,8 +20,8 @@
 
 namespace vantage::test {
 
-/// One guard, ticked at 50 Hz, with all its inputs set exactly by the test, while FlightBench
-/// simulates a room with noise. A body with tracks_setpoint is exactly at its set-point, unless its
+/// One guard, ticked at 50 Hz, whose inputs are all set exactly by the test. (FlightBench simulates
+/// a room with noise.) With `tracks_setpoint` the body is exactly at its set-point, unless its
 /// speed is limited.
 struct OneVehicle {
   static constexpr double kTickS = 0.02;
@@ -62,7 +62,7 @@ struct OneVehicle {
   void send_command(models::OperatorAction action) {
     (void)send_command_to(action == models::OperatorAction::kHeartbeat ? "" : own, action);
   }
-  /// Sends a command for `whom` ("": all vehicles) from the given station.
+  /// Sends a command from the given station to `whom` ("": all vehicles).
   drivers::CommandVerdict send_command_to(const std::string& whom, models::OperatorAction action,
                                           std::int64_t station = 7) {
     models::OperatorCommand command;
@@ -82,7 +82,7 @@ struct OneVehicle {
     if (is_seen) {
       models::MocapBody& body = frame.bodies.emplace_back();
       body.name = own;
-      // Two measurements are never identical.
+      // A real measurement never repeats bit for bit, so every second pose is shifted by 1 nm.
       const double twitch_m = frames % 2 == 0 && !is_frozen ? 1e-9 : 0.0;
       body.world_from_body =
           lift({position_m.x(), position_m.y(), yaw_rad}, position_m.z() + twitch_m);
@@ -184,12 +184,12 @@ struct OneVehicle {
                                 {{speed_mps, 0.0}, speed_mps / 2.0, 2.0}};
     return made;
   }
-  /// Delivers such a plan to the guard.
+  /// Delivers a plan as returned by plan() to the guard.
   drivers::PlanVerdict follow(double speed_mps, double turn_radps, double seconds, double height_m,
                               double start_in_s = 0.0) {
     return guard.on_plan(plan(speed_mps, turn_radps, seconds, height_m, start_in_s), now);
   }
-  /// Puts the vehicle in the air at a position where mocap sees it, and commands it to land.
+  /// Puts the vehicle in the air, visible to mocap, at the given position and commands it to land.
   void begin_landing_at(const Eigen::Vector3d& from_m) {
     position_m = from_m;
     report.armed = true;
@@ -198,7 +198,7 @@ struct OneVehicle {
     tick();
     EXPECT_EQ(out.state, models::FlightState::kLand);
   }
-  /// Moves the body to the ground whatever is commanded, and stops its motors.
+  /// Moves the body to the ground regardless of the commands, and stops its motors.
   void finish_landing() {
     others.clear();
     drift_mps = Eigen::Vector3d(0.0, 0.0, -1.0);
@@ -234,7 +234,7 @@ struct OneVehicle {
     const std::vector<std::string> all = reasons();
     return std::find(all.begin(), all.end(), reason) != all.end();
   }
-  /// Returns the value of a counter, −1 if there is none with this name.
+  /// Returns the value of the counter with this name, −1 if there is none.
   [[nodiscard]] std::int64_t count(const std::string& name) const {
     for (const models::NamedCount& each : guard.counters()) {
       if (each.name == name) {
@@ -245,7 +245,7 @@ struct OneVehicle {
   }
   [[nodiscard]] bool lifts() const { return has_reason("first lift"); }
 
-  /// Lets it be seen flying and commands it to follow; it then waits for plans.
+  /// Shows the vehicle in flight and commands it to follow; afterwards it waits for plans.
   void hover_without_plan() {
     run(0.1);
     send_command(models::OperatorAction::kFollow);
@@ -262,28 +262,32 @@ struct OneVehicle {
   Time now = from_utime(1'700'000'000'000'000);
   std::int64_t ticks = 0, said = 0, frames = 0, plans = 0;
 
-  // The body.
+  // State of the body.
   Eigen::Vector3d position_m;
   double yaw_rad;
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
   bool tracks_setpoint = true;
-  /// Limits of the speed towards the set-point.
+  /// m/s and rad/s; limits of the speed towards the set-point.
   double fastest_mps = drivers::kNever, fastest_radps = drivers::kNever;
   Eigen::Vector3d setpoint_offset_m =
-      Eigen::Vector3d::Zero();               ///< m; offset of the body from its set-point
-  std::optional<Eigen::Vector3d> drift_mps;  ///< m/s; replaces the motion
+      Eigen::Vector3d::Zero();  ///< m; offset of the body from its set-point
+  std::optional<Eigen::Vector3d>
+      drift_mps;  ///< m/s; if set, the body moves at this velocity instead of to its set-point
   double turns_radps = 0.0;
   bool rises = true;
   double held_m = 0.0;
   std::vector<models::MocapBody> others;
 
-  // Inputs that arrive.
+  // Selects the inputs that arrive.
   bool is_seen = true, has_mocap = true, is_commanded = true, sends_heartbeats = true,
        sends_telemetry = true;
   bool is_frozen = false;  ///< mocap repeats the same pose bit for bit
   drivers::AutopilotReport report;
-  std::optional<Eigen::Vector3d> estimate_m;  ///< m; own position estimate if different
-  double climb_rate_error_mps = 0.0, yaw_rate_error_radps = 0.0;  ///< added to the reported rates
+  std::optional<Eigen::Vector3d>
+      estimate_m;  ///< m; position estimate of the autopilot, if it differs from the true position
+  double climb_rate_error_mps = 0.0,
+         yaw_rate_error_radps =
+             0.0;  ///< m/s, rad/s; errors of the rates that the autopilot reports
   std::optional<double> battery_share = 0.9;
   drivers::GuardOutput out;
 };

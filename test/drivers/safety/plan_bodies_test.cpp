@@ -10,7 +10,7 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/drivers/safety/held.hpp"
 
-// The plan check against bodies without a plan, and its cost with many teammates.
+// Tests of the plan check against bodies without a plan, and of its cost with many teammates.
 
 namespace vantage::drivers {
 namespace {
@@ -60,7 +60,7 @@ TEST(CheckWay, AvoidsPredictedBodyPositions) {
   }
 }
 
-// Each teammate is stepped separately, so distant ones cost almost nothing.
+// The check uses separate time steps for each teammate, so distant ones cost almost nothing.
 TEST(CheckWay, TakesFewStepsWithNinetyNineTeammates) {
   SafetyLimits lim = limits();
   lim.fence.bounds = {{-400.0, -400.0}, {400.0, 400.0}};
@@ -82,13 +82,13 @@ TEST(CheckWay, TakesFewStepsWithNinetyNineTeammates) {
   std::vector<OtherCourse> far(others.begin() + 1, others.end());
   EXPECT_EQ(check_path(own, kStart, lim, far, &steps), PlanVerdict::kAccepted);
   EXPECT_LT(steps, 3'000);
-  // Half a millimetre beyond the separation for a minute needs 60 000 steps; the check stops at its
-  // limit.
+  // Another vehicle stays half a millimetre beyond the separation for a minute. This would need 60
+  // 000 steps; the check stops at its limit.
   EXPECT_EQ(check_path(own, kStart, lim, others, &steps), PlanVerdict::kTooCostly);
   EXPECT_LE(steps, kPathStepsMax);
 }
 
-// The states of a plan of 64 segments equal those of point_at(), on both sides of each segment end.
+// At both sides of each segment end, a plan of 64 segments has the same states as point_at().
 TEST(PlanWalk, AgreesWithPointAt) {
   models::Trajectory way;
   way.start_time = kStart;

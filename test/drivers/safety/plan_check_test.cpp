@@ -25,7 +25,7 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 SafetyLimits limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
 
-/// Returns limits for a room without anything near.
+/// Returns limits for a room without walls or obstacles nearby.
 SafetyLimits open_limits() {
   SafetyLimits out = limits();
   out.fence.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
@@ -46,7 +46,7 @@ models::Trajectory random_way(test::Random& random) {
   return way;
 }
 
-// Compares two independent closed forms of the same motion.
+// Compares the results of two independent closed forms of the same motion.
 TEST(PointAt, AgreesWithTheModelsTrajectory) {
   test::Random random(3);
   for (int i = 0; i < 2000; ++i) {
@@ -61,7 +61,8 @@ TEST(PointAt, AgreesWithTheModelsTrajectory) {
   }
 }
 
-// Brute force: samples the path every millisecond with the same distance functions.
+// The reference is a brute-force check that samples the path every millisecond with the same
+// distance functions.
 TEST(CheckWay, AgreesWithSamplesEveryMillisecond) {
   test::Random random(4);
   const SafetyLimits lim = limits();
@@ -93,8 +94,8 @@ TEST(CheckWay, AgreesWithSamplesEveryMillisecond) {
   EXPECT_LT(refused, 395);
 }
 
-// The shared models compute swept clearance by another method and must accept every plan that we
-// accept.
+// The shared models compute the swept clearance by another method. They must accept every plan that
+// flight safety accepts.
 TEST(CheckWay, AcceptsOnlyPathsThatAreClearInTheModels) {
   test::Random random(5);
   const SafetyLimits lim = limits();
@@ -183,7 +184,7 @@ TEST(PointAt, TurnsAtVerySmallRates) {
   }
 }
 
-// The result is the greatest speed between two instants, forwards or backwards.
+// The result is the greatest speed between two times, for forward and backward motion.
 TEST(SpeedMax, CoversTheGivenTime) {
   HeldPlan plan;
   plan.count = 3;
@@ -225,7 +226,7 @@ TEST(PlanVerdict, HasAName) {
   }
 }
 
-// Any value of a plan that is not finite is refused with this verdict, before all other checks.
+// A plan with any value that is not finite is refused with this verdict before all other checks.
 TEST(CheckShape, RefusesNonFiniteValues) {
   const SafetyLimits lim = limits();
   const std::vector<double* (*)(HeldPlan&)> numbers = {
@@ -255,7 +256,7 @@ TEST(CheckShape, RefusesNonFiniteValues) {
       EXPECT_EQ(check_shape(plan, lim), PlanVerdict::kNotFinite) << i << " is " << value;
     }
   }
-  // The greatest finite number is valid, but infeasible.
+  // The greatest finite number passes this check, but makes the plan infeasible.
   HeldPlan plan = held(way);
   for (double* number :
        {&plan.segments[0].control.speed_mps, &plan.segments[0].control.yaw_rate_radps}) {
@@ -267,8 +268,8 @@ TEST(CheckShape, RefusesNonFiniteValues) {
   }
 }
 
-// Rounding on the wire: each limit may be exceeded by 1e-6 of its value, in both directions and on
-// both sides, also by segments that change the speed in steps.
+// Message encoding rounds values, so each limit may be exceeded by 1e-6 of its value. This holds in
+// both directions, on both sides, and for segments that change the speed in steps.
 TEST(CheckShape, ToleratesAMillionthOfEachLimit) {
   SafetyLimits lim = limits();
   lim.vehicle.speed_max_mps = 0.8;
@@ -313,12 +314,12 @@ TEST(CheckShape, ToleratesAMillionthOfEachLimit) {
       });
       EXPECT_NEAR(tight, 1e-6, 1e-9);
     }
-    // A stop may be 1e-6 s too short and may leave 1e-6 m/s.
+    // A stop may be 1e-6 s too short and may also leave a speed of 1e-6 m/s.
     const double stop_s = test::last_accepted(1.0, 0.0, 1e-12, [&](double t_s) {
       return accepts({{{sign * 0.8, 0.0}, t_s, 1.6}});
     });
     EXPECT_NEAR(0.8 / 1.6 - stop_s, 1e-6 + 1e-6 / 1.6, 1e-10);
-    // Without a stop the final speed must already be 0.
+    // A plan that does not end with a stop must already have a final speed of 0, to 1e-6 m/s.
     const double left_mps = test::last_accepted(0.0, 0.1, 1e-12, [&](double v) {
       return accepts({half, {{sign * v, 0.0}, 0.1, 0.0}});
     });
@@ -326,7 +327,7 @@ TEST(CheckShape, ToleratesAMillionthOfEachLimit) {
   }
 }
 
-// The nearest obstacle counts, outside and inside, in any order.
+// The distance is that to the nearest obstacle, from outside and inside, in any order of the list.
 TEST(Distances, AreToTheNearestOfAllObstacles) {
   test::Random random(38);
   for (int i = 0; i < 300; ++i) {
@@ -366,8 +367,8 @@ HeldPlan hover(double start_s, double x_m, double y_m) {
   return held(way);
 }
 
-// Every path is checked to its end, to the centimetre, for any start times. A teammate that came to
-// rest long before does not shorten the check.
+// Every path is checked to its end, to the centimetre, for any start times. This also holds if a
+// teammate has been at rest for a long time.
 TEST(CheckWay, ChecksEveryPathToItsEnd) {
   SafetyLimits lim = open_limits();
   lim.plan_separation_m = 0.5;
@@ -396,7 +397,7 @@ TEST(CheckWay, ChecksEveryPathToItsEnd) {
       for (const auto& others : {alone, first, last}) {
         EXPECT_EQ(check_path(stands, kStart, lim, others), expected) << others.size();
       }
-      // The same before a wall.
+      // The same path ends before a wall.
       SafetyLimits walled = open_limits();
       const double face_m = 3.25 + walled.vehicle.radius_m + (is_apart ? 0.01 : -0.01);
       walled.fence.obstacles = {{{{face_m, -1.0}, {face_m + 1.0, 1.0}}, 2.0}};
@@ -406,11 +407,13 @@ TEST(CheckWay, ChecksEveryPathToItsEnd) {
   }
 }
 
-// A teammate under way is at the current point of its plan; the part behind it does not count.
+// A teammate in motion is at the current point of its plan. The flown part of its plan is ignored.
 TEST(CheckWay, IgnoresTheFlownPartOfTeammatePlans) {
   SafetyLimits lim = open_limits();
   lim.plan_separation_m = 0.5;
-  const HeldPlan passes = drive(0.0, 0.3);  // at 0.3 m when x = 1 m; 0.5 m away again at 1.4 m
+  const HeldPlan passes = drive(
+      0.0,
+      0.3);  // the other plan passes at a distance of 0.3 m when x = 1 m and of 0.5 m at x = 1.4 m
   const OtherCourse others[] = {{&passes, {}}};
   const double since_s = test::last_accepted(3.0, 0.0, 1e-7, [&](double t_s) {
     const HeldPlan stands = hover(t_s - 0.1, 1.0, 0.0);
@@ -425,8 +428,8 @@ TEST(CheckWay, IgnoresTheFlownPartOfTeammatePlans) {
   }
 }
 
-// At any speed of the vehicle, a thin wall across the path is found, and one next to the path is
-// not a conflict.
+// At any speed of the vehicle, a thin wall across the path is a conflict and one next to the path
+// is not.
 TEST(CheckWay, FindsAThinWallAtAnySpeed) {
   for (const double speed_mps : {0.3, 1.0, 2.0, 3.0, 6.0}) {
     SafetyLimits lim = open_limits();
@@ -445,7 +448,7 @@ TEST(CheckWay, FindsAThinWallAtAnySpeed) {
   }
 }
 
-// At 2 m/s no body of 2 mm is stepped over.
+// At a speed of 2 m/s, the steps of the check do not miss a body of 2 mm.
 TEST(CheckWay, FindsTwoMillimetresAtTwoMetresPerSecond) {
   test::Random random(39);
   SafetyLimits lim = open_limits();

@@ -13,8 +13,8 @@
 #include "test/support/bisect.hpp"
 #include "test/support/random.hpp"
 
-// Plan check at the edge of what it accepts: random plans that pass as closely as allowed, and the
-// same plans mirrored, rotated, shifted in time and with other names.
+// Tests of the plan check at its limits. Random plans pass as closely as allowed; the results must
+// not change if the scene is mirrored, rotated, shifted in time or renamed.
 
 namespace vantage::drivers {
 namespace {
@@ -24,7 +24,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 
 SafetyLimits bench_limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
 
-/// Returns limits for a room without anything near.
+/// Returns limits for a room without walls or obstacles nearby.
 SafetyLimits open_limits() {
   SafetyLimits limits = bench_limits();
   limits.fence.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
@@ -43,7 +43,8 @@ HeldPlan held(Time start, const Pose2& pose, std::vector<models::PlanSegment> se
   return plan;
 }
 
-// Returns a random plan of driving, turning and a stop, with at most `speed_mps`.
+// Returns a random plan of driving and turning segments, at most `speed_mps` fast, and a final
+// stop.
 HeldPlan random_plan(test::Random& random, double speed_mps) {
   std::vector<models::PlanSegment> segments;
   const double speed = speed_mps * random.uniform(0.3, 1.0);
@@ -56,7 +57,7 @@ HeldPlan random_plan(test::Random& random, double speed_mps) {
               std::move(segments));
 }
 
-/// Returns the same motion, moved so that it is at `p_m` with this yaw at `time`.
+/// Returns the same motion, transformed so that it is at `p_m` with yaw `yaw_rad` at `time`.
 HeldPlan placed(HeldPlan plan, Time time, const Eigen::Vector2d& p_m, double yaw_rad) {
   const double elapsed_s = to_seconds(time - plan.start_time);
   plan.start = {0.0, 0.0, 0.0};
@@ -84,10 +85,11 @@ Eigen::Vector3d place_m(const HeldPlan& plan, Time t) {
 
 Time end_of(const HeldPlan& plan) { return plan.start_time + from_seconds(duration_s(plan)); }
 
-// Error of the check, m: it steps at least 1 ms at the speed of both.
+// m; error of the check, because it steps at least 1 ms at the sum of both speeds.
 constexpr double kStepM = 0.004;
 
-/// Expects that a plan with the least distance `least_m` is refused only if `limit_m` exceeds it.
+/// Expects that a plan with the least distance `least_m` is refused if and only if `limit_m`
+/// exceeds it.
 void expect_edge_at(double least_m, double& limit_m, const HeldPlan& plan, Time now,
                     const SafetyLimits& limits, std::span<const OtherCourse> others,
                     PlanVerdict refusal) {
@@ -97,7 +99,7 @@ void expect_edge_at(double least_m, double& limit_m, const HeldPlan& plan, Time 
   EXPECT_EQ(check_path(plan, now, limits, others), refusal) << least_m;
 }
 
-/// Calls look(i, random, plan, now) with random plans, at times around their start.
+/// Calls look(i, random, plan, now) with random plans at times around their start.
 template <class Look>
 void for_each_plan(unsigned seed, int count, const Look& look) {
   test::Random random(seed);
@@ -109,8 +111,8 @@ void for_each_plan(unsigned seed, int count, const Look& look) {
   }
 }
 
-// Crossing, head-on and overtaking plans are accepted exactly down to the least separation that
-// sampling finds.
+// Crossing, head-on and overtaking plans are accepted if the required separation is at most the
+// least separation found by sampling, otherwise refused.
 TEST(CheckWay, FindsTheLeastSeparationOfTwoPlansThatPassClosely) {
   test::Random random(31);
   SafetyLimits limits = open_limits();
@@ -120,7 +122,7 @@ TEST(CheckWay, FindsTheLeastSeparationOfTwoPlansThatPassClosely) {
     const PlanPoint here = point_at(plan, to_seconds(meets - plan.start_time));
     const double bearing_rad = random.uniform(-kPi, kPi);
     const double apart_m = random.uniform(0.2, 0.9);
-    // Other teammates may be faster than this vehicle.
+    // A teammate may be faster than this vehicle.
     const double yaw_rad = i % 2 == 0 ? here.yaw_rad + kPi : random.uniform(-kPi, kPi);
     const HeldPlan other =
         placed(random_plan(random, i % 3 == 0 ? 2.5 : 1.0), meets,
@@ -162,7 +164,7 @@ TEST(CheckWay, FindsTheLeastDistanceOfFenceAndObstacle) {
     if (i % 2 == 0) {
       limits.fence.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
       limits.fence.obstacles = {{{corner_m, corner_m + random.vector<2>(0.02, 0.5)}, 2.5}};
-    } else {  // one edge of the fence is near
+    } else {  // the fence has one edge near the path
       refusal = PlanVerdict::kOutsideFence;
       limits.fence.obstacles.clear();
       limits.fence.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
@@ -179,7 +181,8 @@ TEST(CheckWay, FindsTheLeastDistanceOfFenceAndObstacle) {
   for_each_plan(33, 400, check);
 }
 
-// Thin conflicts: a body of 2 mm on the path, and a head-on teammate with a limit of 4 mm.
+// Thin conflicts: a body of 2 mm on the path, and a head-on teammate with a separation limit of 4
+// mm.
 TEST(CheckWay, FindsConflictsOfTheStatedThickness) {
   test::Random random(37);
   SafetyLimits limits = open_limits();
@@ -197,7 +200,7 @@ TEST(CheckWay, FindsConflictsOfTheStatedThickness) {
   }
 }
 
-// Signed distances by brute force over a fine grid on the edge of the rectangle.
+// The reference is a brute-force search over a fine grid of points on the edge of the rectangle.
 TEST(Distances, AreToTheNearestPointOfTheEdge) {
   test::Random random(34);
   for (int i = 0; i < 300; ++i) {
@@ -224,7 +227,7 @@ TEST(Distances, AreToTheNearestPointOfTheEdge) {
   }
 }
 
-// ---- The same scenes mirrored, rotated, later and with other names ----
+// ---- The same scenes mirrored, rotated, shifted in time and with other names ----
 
 struct Scene {
   HeldPlan plan;
@@ -258,7 +261,7 @@ Scene random_scene(test::Random& random) {
   return scene;
 }
 
-/// Transforms positions by `of(x, y)` and yaws by `yaw(yaw)`; multiplies turn rates by `sense`.
+/// Transforms positions by `of(x, y)` and yaws by `yaw(yaw)`, and multiplies turn rates by `sense`.
 template <class Place, class Yaw>
 Scene seen(Scene scene, const Place& of, const Yaw& yaw, double sense) {
   const auto move = [&](HeldPlan& plan) {
@@ -330,7 +333,7 @@ TEST(PlanCheck, IsInvariantUnderSymmetries) {
   }
 }
 
-// Driving backwards reaches the same positions at the same times.
+// A plan flown backwards with the yaw turned by π reaches the same positions at the same times.
 TEST(PlanCheck, TreatsBackwardsAsForwardsTurned) {
   test::Random random(36);
   for (int i = 0; i < 1000; ++i) {
@@ -443,20 +446,20 @@ TEST_F(ShapeEdges, FliesBetweenTheGroundAndTheCeiling) {
   EXPECT_NEAR(test::last_accepted(1.0, 9.0, 1e-9, accepts_height), limits.fence.ceiling_m, 1e-8);
 }
 
-// The part of the path behind the vehicle does not count; finds the last instant of a conflict
-// ahead.
+// The part of the path behind the vehicle is ignored. The test finds the last time at which a
+// conflict is still ahead.
 TEST_F(ShapeEdges, IgnoresTheFlownPart) {
   limits = open_limits();
   const HeldPlan plan = held(kStart, {}, {{{1.0, 0.0}, 3.0, 0.0}, models::brake(1.0, 2.0).front()});
   const OtherCourse others[] = {{nullptr, {1.0, 0.3, 1.0}}};  // passed at 0.3 m after 1 s
-  limits.plan_separation_m = 0.5;                             // its range ends at x = 1.4 m
+  limits.plan_separation_m = 0.5;                             // the conflict ends at x = 1.4 m
   const double since_s = test::last_accepted(3.0, 0.0, 1e-7, [&](double t_s) {
     return check_path(plan, kStart + from_seconds(t_s), limits, others) == PlanVerdict::kAccepted;
   });
   EXPECT_NEAR(since_s, 1.4, 5e-6);
 }
 
-// Each other body counts, at any position in the list.
+// Each other body is checked, at any position in the list.
 TEST_F(ShapeEdges, ChecksEveryBody) {
   const HeldPlan plan = held(kStart, {1.0, -1.0, 0.0}, {});
   for (std::size_t near = 0; near < 4; ++near) {
@@ -467,7 +470,7 @@ TEST_F(ShapeEdges, ChecksEveryBody) {
   }
 }
 
-// Rounding on the wire: a violation of up to 1e-6 m is accepted, a larger one is not.
+// Message encoding rounds values, so a violation of up to 1e-6 m is accepted.
 TEST_F(ShapeEdges, ToleratesAMicrometre) {
   const auto forgiven_m = [&](const Eigen::Vector2d& edge_m, const Eigen::Vector2d& inward,
                               std::vector<OtherCourse> others = {}) {

@@ -5,7 +5,7 @@
 namespace vantage::test::faults {
 namespace {
 
-// Plans arrive once per second.
+// s; plans arrive once per second.
 constexpr double kRound = 1.0 + kTicks;
 
 Act spoils(PlanFault fault, const char* robot = "Q1") {
@@ -19,7 +19,7 @@ std::vector<Fault> plan_faults() {
                           const char* counter) {
     return fault(number, name, what, std::move(act), flies_on_counting(counter));
   };
-  /// The plans of one second are corrupted, and all of them are refused.
+  /// Returns a fault that corrupts the plans for one second; all of them must be refused.
   const auto spoilt = [&](int number, const char* name, const char* what, PlanFault how,
                           const char* counter) {
     return refused(number, name, what, lasting(1.0, spoils(how)), counter);

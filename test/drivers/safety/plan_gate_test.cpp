@@ -21,12 +21,13 @@ constexpr double kSeparationM = 0.5;
 
 Time after(double t_s) { return kStart + from_seconds(t_s); }
 
-/// Plan gate of Q1, which hovers at (1, −1, 1) with a yaw near π, so that yaws cross ±π.
+/// Plan gate of Q1. The vehicle hovers at (1, −1, 1) with a yaw near π, so that yaw differences
+/// cross ±π.
 class Gate : public testing::Test {
  protected:
   Gate() { course.hover({1.0, -1.0, 1.0}, kYawRad, kStart); }
 
-  /// Returns a new plan of planner `run`: a hover at the position of the vehicle.
+  /// Returns a new plan of planner run `run`: a hover at the position of the vehicle.
   models::RobotPlan news(double start_s, std::int64_t run = 1) {
     models::RobotPlan plan;
     plan.robot = "Q1";
@@ -45,7 +46,7 @@ class Gate : public testing::Test {
     gate.report(after(at_s), limits, out);
     return out;
   }
-  /// True if a gate without history accepts the plan.
+  /// True if a new gate accepts the plan.
   bool accepts_at_first(const models::RobotPlan& plan, double at_s) {
     gate = PlanGate("Q1");
     return judge(plan, at_s) == PlanVerdict::kAccepted;
@@ -144,7 +145,7 @@ TEST_F(Gate, AcceptsANewPlannerAfterTheLease) {
   EXPECT_EQ(gate.lease().takeovers(), 2);
 }
 
-// A clock that was never set may be before 1970.
+// A clock that was never set may give times before 1970.
 TEST_F(Gate, AcceptsAFirstPlanAtAnyTime) {
   constexpr double kEpochS = -1'700'000'000.0;
   for (const double at_s : {kEpochS - 5.0, kEpochS + 5.0, 0.0}) {
@@ -164,8 +165,8 @@ TEST_F(Gate, RefusesStaleAndFuturePlans) {
   EXPECT_EQ(judge(news(6.0), 0.0), PlanVerdict::kTooFarAhead);
 }
 
-// The path between the current hover and a third plan belongs to the second plan, which has not
-// begun.
+// The gate knows only the path to the second plan, which has not begun, so it cannot check a third
+// plan.
 TEST_F(Gate, RefusesAThirdPlan) {
   for (const double at_s : {0.0, 10.0}) {
     const models::RobotPlan next = news(at_s + 0.5);
@@ -210,12 +211,13 @@ TEST_F(Gate, AcceptsPlansThatBeginNearTheCourse) {
     });
     EXPECT_NEAR(turn_rad, limits.plan_start_turn_rad, 1e-8) << side;
   }
-  // The height is given separately; the course does not contain it.
+  // The height is a separate argument, because the course does not contain it.
   height_m = 1.0 + limits.plan_start_tolerance_m + 1e-6;
   EXPECT_FALSE(accepts_at_first(news(0.0), 0.0));
 }
 
-// A plan that has begun is compared at the current time, a future plan at its start.
+// A plan that has begun is compared with the course at the current time, a future plan at its start
+// time.
 TEST_F(Gate, ComparesThePlanNowOrAtItsStart) {
   HeldPlan drives;
   drives.start_time = kStart;
@@ -235,8 +237,8 @@ TEST_F(Gate, ComparesThePlanNowOrAtItsStart) {
   EXPECT_FALSE(accepts_at_first(plan, 0.0));
 }
 
-// A plan whose last half second agrees with the flown path continues from here at any speed. A plan
-// that begins now at the old start position does not.
+// A plan that agrees with the flown path is accepted up to the maximum age. The same path that
+// begins now at the old start position is refused.
 TEST_F(Gate, AcceptsPlansThatMatchTheFlownPath) {
   limits.plan_start_tolerance_m = 0.01;
   models::RobotPlan plan = news(0.0);
@@ -320,7 +322,7 @@ TEST_F(Gate, CountsEachVerdictByName) {
   }
 }
 
-// Each counter has its own value.
+// Each verdict has its own counter.
 TEST_F(Gate, CountsVerdictsSeparately) {
   const std::map<std::string, int> met = {
       {"accepted", 5}, {"wrong vehicle", 1}, {"stale", 2}, {"too far ahead", 3}, {"not finite", 4}};
@@ -350,7 +352,7 @@ TEST_F(Gate, CountsVerdictsSeparately) {
   }
 }
 
-// A second planner is reported until it has been silent for the lease time, each time.
+// Each time, a second planner is reported until it has been silent for the lease time.
 TEST_F(Gate, ReportsASecondPlannerForTheLease) {
   EXPECT_EQ(judge(news(0.0, 1), 0.0), PlanVerdict::kAccepted);
   EXPECT_FALSE(report(0.0).second_planner);

@@ -28,18 +28,19 @@ class Poses : public testing::Test {
     const models::MocapBody body{"Q1", lift({p_m.x(), p_m.y(), yaw_rad}, p_m.z()), false};
     return monitor.judge(&body, context, limits, kStart + from_seconds(at_s));
   }
-  /// Resets the monitor and shows the body at rest until time 0.
+  /// Resets the monitor and shows the body at rest at `p_m` until time 0.
   void stand(const Eigen::Vector3d& p_m) {
     monitor = {};
     EXPECT_EQ(see(p_m, -kFrameS), PoseVerdict::kAccepted);
     EXPECT_EQ(see(p_m, 0.0), PoseVerdict::kAccepted);
   }
 
-  SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q1");  // ±4 m, ±2.2 m, 3 m high
+  SafetyLimits limits =
+      limits_for(test::FlightBench::scenario(), "Q1");  // fence ±4 m × ±2.2 m, ceiling 3 m
   PoseMonitor monitor;
 };
 
-// The accepted volume ends 1 m beyond fence and ceiling, and 0.3 m below the floor.
+// The accepted volume extends 1 m beyond fence and ceiling, and 0.3 m below the floor.
 TEST_F(Poses, BeginOnlyInsideTheVolume) {
   const Eigen::Vector3d middle_m(0.5, -0.4, 1.0);
   const double ends_m[3][2] = {{-5.0, 5.0}, {-3.2, 3.2}, {-0.3, 4.0}};
@@ -58,7 +59,7 @@ TEST_F(Poses, BeginOnlyInsideTheVolume) {
   EXPECT_EQ(see({0.0, 9.0, 1.0}, 2.0), PoseVerdict::kOutside) << "nor jumps there in the air";
 }
 
-// In the air the gate covers an unknown acceleration of 10 m/s² during the gap, and stays below
+// In the air the pose gate allows an unknown acceleration of 10 m/s² during the gap. It stays below
 // half of the separation.
 TEST_F(Poses, PassAGateThatGrowsWithTheGap) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
@@ -83,7 +84,7 @@ TEST_F(Poses, PassAGateThatGrowsWithTheGap) {
       EXPECT_NEAR(last_rad, turn_rad, 1e-7) << gap_s << " " << side;
     }
   }
-  // The possible descent while not seen widens the gate downwards only.
+  // The possible descent during the gap widens the gate downwards only.
   for (const double z_m : {-0.4, 0.4}) {
     stand(here_m);
     const BodyContext sinks{true, false, false, 0.3};
@@ -92,7 +93,7 @@ TEST_F(Poses, PassAGateThatGrowsWithTheGap) {
   }
 }
 
-// A commanded descent while not seen widens the gate downwards only.
+// A descent commanded during the gap widens the gate downwards only.
 TEST_F(Poses, AllowACommandedDescentWhileUnseen) {
   const Eigen::Vector3d here_m(0.5, -0.4, 2.0);
   const double gap_s = 0.1;
@@ -112,7 +113,7 @@ TEST_F(Poses, AllowACommandedDescentWhileUnseen) {
   }
 }
 
-// On the ground the body may be carried: a jump starts a new track at rest with a count of one.
+// On the ground the body may be carried. A jump starts a new track at rest whose count is one.
 // Tested twice.
 TEST_F(Poses, RestartAtRestAfterCarrying) {
   double t_s = 0.0;
@@ -136,8 +137,8 @@ TEST_F(Poses, RestartAtRestAfterCarrying) {
   }
 }
 
-// The response to a velocity step is 1 − e^(−t / 50 ms) in either direction. A velocity that needs
-// more than 10 m/s² is limited.
+// The filtered velocity responds to a step with 1 − e^(−t / 50 ms) in either direction. A velocity
+// change that needs more than 10 m/s² is limited.
 TEST_F(Poses, FilterVelocityAndTurnWithFiftyMilliseconds) {
   for (const double side : {1.0, -1.0}) {
     stand({0.0, -1.0, 1.0});
@@ -158,7 +159,7 @@ TEST_F(Poses, FilterVelocityAndTurnWithFiftyMilliseconds) {
   }
 }
 
-// Identical poses are accepted for the stated time; afterwards the age counts from the first of
+// Identical poses are accepted for the time limit; afterwards the pose age counts from the first of
 // them.
 TEST_F(Poses, AreStuckAfterTheStatedTime) {
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
@@ -216,7 +217,7 @@ TEST_F(Poses, AreCountedFromTheFirst) {
   EXPECT_EQ(monitor.accepted_in_row(), 1);
 }
 
-// The length of a quaternion may be off by 1 %.
+// The length of a quaternion may differ from 1 by up to 1 %.
 TEST_F(Poses, HaveRotationsOfUnitLength) {
   const auto accepts = [&](double length) {
     monitor = {};
@@ -250,8 +251,8 @@ TEST_F(Poses, PredictTheOriginBeforeTheFirst) {
   }
 }
 
-// A continuous path out of the room is accepted in the air, and also the way back. On the ground,
-// or for a first pose, it is not.
+// In the air, a continuous path out of the room and back is accepted. On the ground, or for a first
+// pose, it is refused.
 TEST_F(Poses, LeaveTheVolumeOnlyOnAContinuousFlight) {
   const double beyond_m = 4.0 + limits.volume_margin_m;
   for (const BodyContext& context : {kFlies, kHovers, kOnGround}) {
@@ -280,7 +281,8 @@ TEST_F(Poses, AreRefusedWhileDistrusted) {
   EXPECT_EQ(see(here_m, 2 * kFrameS), PoseVerdict::kAccepted);
 }
 
-// A jump and a flip are reported by name, also outside the room; a pose with both is a jump.
+// A jump and a flip each have their own verdict, also outside the room. A pose with both counts as
+// a jump.
 TEST_F(Poses, AreRefusedByNameInTheAir) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
   const Eigen::Vector3d there_m = here_m + Eigen::Vector3d(1.0, 0.0, 0.0);
@@ -293,7 +295,8 @@ TEST_F(Poses, AreRefusedByNameInTheAir) {
   EXPECT_EQ(see(here_m, kFrameS), PoseVerdict::kAccepted);
 }
 
-// An unseen flight is extrapolated for half a second; the next pose is accepted around there.
+// The position of an unseen vehicle is extrapolated for half a second. The next pose is accepted
+// near the extrapolated position.
 TEST_F(Poses, AreExtrapolatedWhileUnseen) {
   const Eigen::Vector3d begin_m(-2.0, -1.0, 1.0);
   for (const double gap_s : {0.1, 0.3, 0.5, 0.8}) {
@@ -316,8 +319,9 @@ TEST_F(Poses, AreExtrapolatedWhileUnseen) {
   }
 }
 
-// When the pose of a moving vehicle repeats, the limit counts from its first occurrence, however
-// long it flew before. Afterwards the age counts from that pose. A second repetition acts the same.
+// When the pose of a moving vehicle repeats, the time limit counts from its first occurrence,
+// regardless of the earlier flight. Afterwards the pose age counts from that occurrence. A second
+// repetition has the same effect.
 TEST_F(Poses, AreStuckFromTheFirstRepetition) {
   double t_s = 0.0;
   Eigen::Vector3d p_m(-3.0, -1.0, 1.0);

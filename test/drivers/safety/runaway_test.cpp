@@ -1,5 +1,5 @@
-// A body that moves against its commands, also upwards: its poses are accepted, and it is held,
-// landed and stopped.
+// A vehicle moves against its commands, also upwards. Its poses must be accepted, and it must be
+// held, landed and stopped.
 
 #include <algorithm>
 
@@ -18,7 +18,7 @@ struct Seen {
   double oldest_pose_s = 0.0;
 };
 
-/// Commands Q1 to hover in the middle while it is carried away at `mps`.
+/// Commands Q1 to hover in the middle of the room while a fault carries it away at `mps`, m/s.
 Seen carry_away(const Eigen::Vector3d& mps, double seconds) {
   FlightBench bench(3);
   bench.fly_up(3.0);  // hovers above its start
@@ -26,7 +26,8 @@ Seen carry_away(const Eigen::Vector3d& mps, double seconds) {
   Seen seen;
   const double start_s = bench.time_s();
   bench.run(seconds, [&] {
-    // Compensates the 1.3 m/s that its controller commands in the opposite direction.
+    // The additional 1.3 m/s compensate the speed that its controller commands in the opposite
+    // direction.
     q1.knobs.runaway_mps = mps + 1.3 * mps.normalized();
     const double since_s = bench.time_s() - start_s;
     const auto note = [&](double& at_s, FlightState state) {
@@ -45,8 +46,8 @@ Seen carry_away(const Eigen::Vector3d& mps, double seconds) {
   return seen;
 }
 
-// Regression: a vehicle in `hold` climbed to 12 m, because its poses were refused from one metre
-// above the ceiling.
+// Regression: a vehicle in `hold` climbed to 12 m, because its poses were refused above one metre
+// over the ceiling.
 TEST(Runaway, UpwardsLandsAndStopsMotorsAboveTheCeiling) {
   const Seen seen = carry_away({0.0, 0.0, 0.7}, 8.0);
   ASSERT_GE(seen.landed_s, 0.0);
@@ -73,7 +74,7 @@ TEST(Runaway, SidewaysIsTheSameInEachDirection) {
   }
 }
 
-// A pose outside the room that does not continue the motion is refused, also in the air.
+// A pose outside the room that does not continue the measured motion is refused, also in the air.
 TEST(Runaway, IgnoresAJumpOutOfTheRoom) {
   FlightBench bench(3);
   bench.fly_up(3.0);
@@ -97,8 +98,8 @@ TEST(Runaway, HeightErrorCountsAsTrackingError) {
   }
 }
 
-// A climb may take 5 s and twice its nominal time; a vehicle that is still below then has a
-// tracking error.
+// A climb may take 5 s plus twice its nominal time. A vehicle that is still below its goal then has
+// a tracking error.
 TEST(Runaway, DownwardsInAClimbIsReportedAfterTheTimeLimit) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
@@ -107,7 +108,8 @@ TEST(Runaway, DownwardsInAClimbIsReportedAfterTheTimeLimit) {
   double said_s = 9.0;
   while (bench.time_s() < 5.0 && said_s > 5.0) {
     if (begin_s < 0.0) {
-      q1.knobs.runaway_mps = {0.0, 0.0, -1.0};  // half a metre below its set-point
+      q1.knobs.runaway_mps = {0.0, 0.0,
+                              -1.0};  // m/s; keeps the vehicle half a metre below its set-point
     }
     bench.fly_up(bench.time_s() + 0.5 * FlightBench::kTickS);
     const bool lifts = FlightBench::has_reason(q1, "first lift", bench.now());
@@ -120,7 +122,7 @@ TEST(Runaway, DownwardsInAClimbIsReportedAfterTheTimeLimit) {
   EXPECT_NEAR(said_s - begin_s, 5.0 + 2.0 * 1.0 / limits.climb_mps, 0.3);
 }
 
-// Above its maximum speed it holds.
+// A vehicle faster than its maximum speed is held.
 TEST(Runaway, FasterThanItsLimitIsHeld) {
   for (const double way : {1.0, -1.0}) {
     FlightBench bench(3);
@@ -135,7 +137,7 @@ TEST(Runaway, FasterThanItsLimitIsHeld) {
   }
 }
 
-// Carried up during a landing: the set-point follows at no more than the climb speed.
+// The vehicle is carried up during a landing. The set-point follows at the climb speed at most.
 TEST(Runaway, UpwardsInALandingKeepsSpeedLimits) {
   FlightBench bench(3);
   bench.fly_up(3.0);

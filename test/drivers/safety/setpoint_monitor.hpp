@@ -9,17 +9,18 @@
 
 namespace vantage::test {
 
-/// Checks at every tick that the commands of flight safety form one path that can be flown.
+/// Checks at every tick that the commands of flight safety form one feasible path.
 ///
 /// **States** only become more severe: a vehicle that lands, has landed or is killed does not fly
-/// again, and a killed vehicle stays killed (nothing re-arms it here).
+/// again, and a killed vehicle stays killed (the bench does not re-arm it).
 ///
-/// **Set-points**, in the horizontal plane, move per tick at most as far as the greatest speed
+/// **Set-points**, in the horizontal plane, move per tick at most as far as the maximum speed
 /// allows, plus:
-/// - v half_window / 2, since the course averages the plan over a window: at the start of another
-///   plan, or when the assumed straight continuation ends because no successor arrived;
-/// - plan_start_tolerance_m when a plan is accepted, since it may begin that far from the course;
-///   while plans arrive in time, this gap is smoothed by a sixteenth per tick;
+/// - v half_window / 2, because the course averages the plan over a window: when another plan
+/// begins,
+///   or when the predicted straight continuation ends because no next plan arrived;
+/// - plan_start_tolerance_m when a plan is accepted, because it may begin that far from the course;
+///   while plans arrive in time, a sixteenth of this distance per tick;
 /// - any distance when a hold or landing begins within kAtBodyM of the estimated body position
 ///   (0.1 s of prediction and 0.1 s of lead at twice the speed, and the braking distance).
 class SetpointMonitor {
@@ -28,7 +29,7 @@ class SetpointMonitor {
 
   explicit SetpointMonitor(FlightBench& bench);
   void update(FlightBench& bench);
-  /// Returns the first violation of each kind for each vehicle, in words.
+  /// Returns descriptions of the first violation of each kind for each vehicle.
   [[nodiscard]] const std::vector<std::string>& path_violations() const { return path_violations_; }
 
  private:

@@ -1,5 +1,5 @@
-// Status and guard output of a whole flight, compared with each other and with the truth of the
-// bench.
+// Compares the status and output of the guard during a complete flight with each other and with the
+// true state of the bench.
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +21,8 @@ using models::OperatorAction;
 
 constexpr double kSpeedMaxMps = 1.0;
 
-/// Expects that the set-point extrapolated back by the lead time agrees with the current one, to
-/// within a t² / 2 with at most 4 m/s².
+/// Expects that the set-point `soon`, extrapolated back by the lead time t, agrees with the current
+/// one in the status. The tolerance is a t² / 2 with an acceleration a of 4 m/s².
 void expect_asked_now(const models::VehicleStatus& status, const FlightSetpoint& soon,
                       const drivers::SafetyLimits& limits) {
   const double lead_s = limits.setpoint_lead_s;
@@ -33,7 +33,7 @@ void expect_asked_now(const models::VehicleStatus& status, const FlightSetpoint&
               slack_m);
   const double height_m = soon.position_world_m.z() - lead_s * soon.velocity_world_mps.z();
   EXPECT_NEAR(status.setpoint_height_m, std::max(0.0, height_m), 1e-9);
-  // At most 12 rad/s² of yaw, smoothed over half a second.
+  // The yaw acceleration is at most 12 rad/s², because yaw is smoothed over half a second.
   EXPECT_NEAR(wrap_to_pi(soon.yaw_rad - lead_s * soon.yaw_rate_radps - status.setpoint.yaw_rad),
               0.0, 0.5 * 12.0 * lead_s * lead_s + 1e-6);
 }
@@ -58,7 +58,7 @@ TEST(VehicleStatus, ReportsSetpointAndPlan) {
     EXPECT_EQ(status.battery_share, q1.guard->inputs().battery_share);
     const bool is_airborne = drivers::is_airborne(q1.out.state);
     EXPECT_EQ(soon.kind, is_airborne ? FlightSetpoint::Kind::kTrack : FlightSetpoint::Kind::kNone);
-    // The height set-point moves at most at the stated speed.
+    // The height set-point moves at most at the configured vertical speed.
     if (is_airborne && drivers::is_airborne(before.state)) {
       const double step_m = status.setpoint_height_m - height_before_m;
       const bool lands = q1.out.state == FlightState::kLand;
@@ -72,7 +72,7 @@ TEST(VehicleStatus, ReportsSetpointAndPlan) {
       EXPECT_EQ(status.setpoint.position_m(), q1.guard->world_from_body().translation_m.head<2>());
     }
     fastest_mps = std::max(fastest_mps, soon.velocity_world_mps.head<2>().norm());
-    // A plan that begins later is reported as soon as it is accepted.
+    // A plan that begins later is reported from its acceptance on.
     const bool flies_plan = q1.out.state == FlightState::kFollow && q1.guard->inputs().has_plan;
     if (flies_plan) {
       EXPECT_EQ(status.plan_round, q1.sent.back().round);
@@ -91,7 +91,8 @@ TEST(VehicleStatus, ReportsSetpointAndPlan) {
       EXPECT_EQ(q1.out.climb_to_m, 1.0);
     }
     EXPECT_TRUE(q1.out.state == FlightState::kLand || !q1.out.is_sinking);
-    // In the air no order is pending; near the ground the guard stops requesting the motors.
+    // In the air there is no pending order. Near the ground the guard stops requesting that the
+    // motors run.
     const bool is_other = q1.out.state != before.state || q1.out.reasons != before.reasons;
     if (is_airborne && drivers::is_airborne(before.state)) {
       EXPECT_EQ(q1.out.changed, is_other || q1.out.wants_armed != before.wants_armed);
@@ -116,7 +117,7 @@ TEST(VehicleStatus, ReportsSetpointAndPlan) {
   EXPECT_FALSE(q1.out.wants_armed);
 }
 
-// A revoked order reports all conditions against it, in the order of the table.
+// When an order is revoked, the status reports all conditions against it in the order of the table.
 TEST(VehicleStatus, ReportsAllReasonsOfARefusal) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
@@ -153,7 +154,7 @@ TEST(VehicleStatus, ReportsAllReasonsOfARefusal) {
   EXPECT_FALSE(FlightBench::has_reason(q1, "arm pending", bench.now()));
 }
 
-// Plans are accepted only after the climb has come within 15 cm of its height.
+// Plans are accepted only after the climb has come within 15 cm of its final height.
 TEST(TakeOff, AcceptsPlansAfterTheClimb) {
   for (const double told_s : {-14.2, -13.9, -13.6}) {
     FlightBench bench(3);
@@ -179,7 +180,7 @@ TEST(TakeOff, AcceptsPlansAfterTheClimb) {
   }
 }
 
-// Without mocap and telemetry, the estimated height sinks at 0.4 of the commanded speed.
+// Without mocap and telemetry, the estimated height decreases at 0.4 of the commanded speed.
 TEST(BlindDescent, EstimatesTwoFifthsOfTheCommandedSpeed) {
   FlightBench bench(3);
   bench.fly_up(3.0);

@@ -10,7 +10,7 @@ namespace vantage::test {
 
 inline drivers::SafetyLimits limits() { return drivers::limits_for(FlightBench::scenario(), "Q1"); }
 
-/// Ladder stepped tick by tick; its inputs keep their values until changed.
+/// Safety ladder stepped tick by tick; its inputs keep their values until the test changes them.
 class SteppedLadder {
  public:
   SteppedLadder() { in.autopilot_armed = true; }

@@ -13,7 +13,8 @@
 #include "test/support/bisect.hpp"
 #include "test/support/random.hpp"
 
-// Both sides of the limits of each distance of Surroundings, in rooms with known answers.
+// Tests both sides of the limit of each distance of Surroundings, in rooms for which the result is
+// known.
 
 namespace vantage::drivers {
 namespace {
@@ -34,7 +35,8 @@ BrakingPath stop_from(const Eigen::Vector3d& p_m, const Eigen::Vector3d& v_mps,
   return BrakingPath::straight(p_m, v_mps, 0.0, limits.vehicle.brake_mps2, limits.reaction_s);
 }
 
-// Two vehicles with equal speed pass each other head-on. The relative motion is a straight line.
+// Two vehicles with equal speed pass each other in opposite directions. The relative motion is a
+// straight line.
 TEST(LookAround, FindsTheSeparationOfAHeadOnPass) {
   const SafetyLimits limits = bench_limits();
   test::Random random(51);
@@ -53,7 +55,7 @@ TEST(LookAround, FindsTheSeparationOfAHeadOnPass) {
     const double closed_m = std::min(between_m, 2.0 * stopping_distance_m(limits, v_mps.norm()));
     const double tube_m = std::clamp(0.5 * (body.age_s - 0.1), 0.0, 0.5);
     const double least_m = std::hypot(between_m - closed_m, beside_m) - tube_m;
-    // A planned velocity can only reduce the predicted separation.
+    // A planned velocity of the other vehicle can only reduce the predicted separation.
     const std::vector<std::pair<double, double>> ways = {
         {-1.0, -1.0}, {-1.0, 0.0}, {-1.0, 1.0}, {0.0, -1.0}, {1.0, -1.0}};
     for (const auto& [does, plans] : ways) {
@@ -66,8 +68,8 @@ TEST(LookAround, FindsTheSeparationOfAHeadOnPass) {
   }
 }
 
-// The path relative to a braking vehicle is curved. Its chords, each 1/16 of the time and under
-// 45 ms, deviate from it by at most half a millimetre.
+// The path relative to a braking vehicle is curved. It is divided into 16 chords of less than 45
+// ms, which deviate from it by at most half a millimetre.
 TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
   const SafetyLimits limits = bench_limits();
   const auto speed_mps = [](test::Random& random) -> Eigen::Vector3d {
@@ -98,8 +100,8 @@ TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
   }
 }
 
-// On a straight path in a convex room the least distance to walls and ceiling is at one end of the
-// path. The same holds for a wall across the room.
+// On a straight path in a convex room, the least distance to walls and ceiling is at one end of the
+// path. The same holds with an additional wall across the room.
 TEST(LookAround, FindsTheLeastDistanceToWallsAtAnEnd) {
   SafetyLimits limits = limits_in({{-8.0, 3.0}, {4.5, 9.0}});
   limits.fence.ceiling_m = 2.6;
@@ -127,7 +129,7 @@ TEST(LookAround, FindsTheLeastDistanceToWallsAtAnEnd) {
   }
 }
 
-// A post as thick as 1/16 of the path is found at every position along the path.
+// A post as thick as 1/16 of the path length is found at every position along the path.
 TEST(LookAround, FindsAPostNextToThePath) {
   SafetyLimits limits = limits_in({{-8.0, -8.0}, {8.0, 8.0}});
   const Eigen::Vector3d here_m(1.0, -2.0, 1.0);
@@ -143,7 +145,8 @@ TEST(LookAround, FindsAPostNextToThePath) {
   }
 }
 
-// Bodies pass at different times; the nearest counts in any order of the list.
+// Several bodies pass at different times. The nearest one determines the result, in any order of
+// the list.
 TEST(NearSoon, ReturnsTheNearestBody) {
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   std::vector<OtherBody> others(3);
@@ -151,7 +154,7 @@ TEST(NearSoon, ReturnsTheNearestBody) {
   others[1].position_world_m = {4.0, -1.0, 0.0};
   others[1].velocity_world_mps = {-1.0, 0.0, 0.0};
   others[2].position_world_m = {-3.0, -0.6, 0.0};
-  others[2].velocity_world_mps = {8.0, 0.0, 0.0};  // passes us and moves away
+  others[2].velocity_world_mps = {8.0, 0.0, 0.0};  // passes the vehicle and moves away
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(predicted_distance_m(here_m, others, 0.0), 3.0, 1e-12);
     EXPECT_NEAR(predicted_distance_m(here_m, others, 1.0), 0.4, 1e-12);
@@ -182,18 +185,18 @@ TEST(LandingSpot, IsMovedInsideTheFence) {
   }
 }
 
-/// A body lies below the hover in a corridor so narrow that only two landing spots exist: 1 m ahead
-/// and 1 m behind.
+/// A corridor with a body below the hover. It is so narrow that only two landing spots exist: 1 m
+/// ahead and 1 m behind.
 class Corridor {
  public:
-  /// @param is_turned  the corridor runs along y
+  /// @param is_turned  true: the corridor runs along y
   explicit Corridor(bool is_turned = false) : is_turned_(is_turned) {
     limits_ = limits_in(between(-7.0, 7.0, 0.38));
     others_.resize(1);
     others_[0].position_world_m = {hover_m_.x(), hover_m_.y(), 0.0};
   }
 
-  /// Adds a wall across the corridor, from `from_m` to `to_m` ahead.
+  /// Adds a wall across the corridor, from `from_m` to `to_m` ahead of the hover.
   void build(double from_m, double to_m) {
     limits_.fence.obstacles.push_back(
         {between(std::min(from_m, to_m), std::max(from_m, to_m), 1.0), 2.5});
@@ -243,7 +246,7 @@ TEST(LandingSpot, IsOnTheSideWithAFreePath) {
   }
 }
 
-// The edge of the vehicle stays at least 0.05 m from an obstacle.
+// The edge of the vehicle at its landing spot is at least 0.05 m from an obstacle.
 TEST(LandingSpot, KeepsTheStatedDistanceFromObstacles) {
   for (const double side : {1.0, -1.0}) {
     const double end_m = test::last_accepted(3.0, 0.5, 1e-9, [&](double wall_m) {
@@ -280,8 +283,8 @@ TEST(LandingSpot, IsFoundFromNextToAnObstacle) {
   }
 }
 
-// The path keeps landing_clearance_m + 0.1 m horizontally from robots and separation_hold_m from
-// other bodies.
+// The path to the landing spot keeps a horizontal distance of landing_clearance_m + 0.1 m from
+// robots and of separation_hold_m from other bodies.
 TEST(LandingSpot, PathKeepsTheStatedDistanceFromBodies) {
   const auto passes_m = [](int robot, double above_m) {
     return test::last_accepted(3.0, 0.1, 1e-9, [&](double beside_m) {
@@ -303,8 +306,8 @@ TEST(LandingSpot, PathKeepsTheStatedDistanceFromBodies) {
   }
 }
 
-// The spot keeps the landing clearance and 0.1 m from a body below, so a spot 1 m away allows a
-// clearance of at most 0.9 m.
+// The landing spot keeps the landing clearance plus 0.1 m from a body below. A spot 1 m away
+// therefore allows a clearance of at most 0.9 m.
 TEST(LandingSpot, KeepsTheStatedDistanceFromBodiesBelow) {
   Corridor corridor;
   const double asked_m = test::last_accepted(0.8, 1.1, 1e-9, [&](double clearance_m) {
@@ -314,8 +317,9 @@ TEST(LandingSpot, KeepsTheStatedDistanceFromBodiesBelow) {
   EXPECT_NEAR(asked_m, 0.9, 1e-8);
 }
 
-// In every direction, exactly separation_hold_m is enough. A body abeam at the start only gets
-// farther away. Rounding must not change either result.
+// A body exactly separation_hold_m from the path does not block it, in any direction. Neither does
+// a closer body at the side of the start, because its distance only increases. Rounding must not
+// change either result.
 TEST(IsWayTaken, IgnoresBodiesFarEnoughOrBehind) {
   const SafetyLimits limits = bench_limits();
   test::Random random(54);
@@ -334,8 +338,8 @@ TEST(IsWayTaken, IgnoresBodiesFarEnoughOrBehind) {
   }
 }
 
-// All robots, including index 0, count at any height. Other bodies count if they reach the height
-// of the path or more.
+// All robots, including the one with index 0, count at any height. Other bodies count if they reach
+// the height of the path or more.
 TEST(IsWayTaken, CountsRobotsAtAnyHeightAndOthersUnlessBelow) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(1.0, -1.0, 1.0);
@@ -354,7 +358,7 @@ TEST(IsWayTaken, CountsRobotsAtAnyHeightAndOthersUnlessBelow) {
   EXPECT_TRUE(is_taken(-1, -0.29));
 }
 
-// Robots at constant velocity count if they come close within two seconds.
+// Robots at constant velocity block a climb if they come close within two seconds.
 TEST(IsClimbTaken, CountsRobotsWithinTwoSeconds) {
   const SafetyLimits limits = bench_limits();
   for (const double speed_mps : {0.0, 0.4, 1.0}) {
@@ -370,7 +374,7 @@ TEST(IsClimbTaken, CountsRobotsWithinTwoSeconds) {
 }
 
 /// Returns the distance, m, by which clear_spot() moves a hover with its edge `edge_m` from the
-/// wall at y = −2. 0: none found.
+/// wall at y = −2; 0 if it finds no spot.
 double moves_m(double edge_m, std::span<const OtherBody> others) {
   const SafetyLimits limits = limits_in({{-8.0, -2.0}, {12.0, 12.0}});
   const Eigen::Vector3d hover_m(3.0, -2.0 + limits.vehicle.radius_m + edge_m, 1.0);
@@ -378,7 +382,8 @@ double moves_m(double edge_m, std::span<const OtherBody> others) {
   return spot_m ? (*spot_m - hover_m).norm() : 0.0;
 }
 
-// The hover moves straight away in steps of 5 cm until its edge is 0.15 m away, by at most 0.6 m.
+// The hover moves straight away from the wall in steps of 5 cm, by at most 0.6 m, until its edge is
+// 0.15 m away.
 TEST(ClearSpot, IsTheNearestClearPosition) {
   ASSERT_EQ(bench_limits().hover_clearance_m, 0.1);
   EXPECT_EQ(moves_m(0.1001, {}), 0.0);
@@ -388,10 +393,11 @@ TEST(ClearSpot, IsTheNearestClearPosition) {
   }
 }
 
-// The spot may approach another body down to separation_hold_m + 0.05 m. From a closer body it
-// moves away.
+// The spot keeps separation_hold_m + 0.05 m from another body ahead. A body from which the hover
+// moves away has no effect.
 TEST(ClearSpot, KeepsTheStatedDistanceFromBodies) {
-  constexpr double kEdgeM = 0.0501;  // m; the only clear spot this near is 0.1 m straight away
+  constexpr double kEdgeM =
+      0.0501;  // m; the only clear spot within reach is 0.1 m straight away from the wall
   const SafetyLimits limits = bench_limits();
   OtherBody body;
   const auto with_body_m = [&](double x_m, double y_m) {

@@ -34,7 +34,7 @@ TEST(ClearSpot, IsClearAndNearAndEmptyWhenAlreadyClear) {
     const auto spot_m = clear_spot(hover_m, {}, limits);
     if (before_m >= limits.hover_clearance_m) {
       EXPECT_FALSE(spot_m.has_value());
-    } else if (before_m > -0.25) {  // at most 0.4 m to go; 0.6 m are searched
+    } else if (before_m > -0.25) {  // m; at most 0.4 m to move, of the 0.6 m that are searched
       ASSERT_TRUE(spot_m.has_value()) << hover_m.transpose();
       EXPECT_GE(clearance_m(*spot_m, limits), limits.hover_clearance_m + 0.05);
       EXPECT_LE((*spot_m - hover_m).norm(), 0.6 + 1e-9);
@@ -65,8 +65,8 @@ TEST(ClearSpot, KeepsItsDistanceFromBodies) {
   }
 }
 
-// Commanded to hold at the edge of an obstacle, it moves away a little, and flies on when
-// commanded. The parameter is the age of mocap frames at a tick, ms.
+// A vehicle that is commanded to hold at the edge of an obstacle moves away a little. It continues
+// when commanded to follow. The parameter is the age of mocap frames at a tick, ms.
 class Hovering : public ::testing::TestWithParam<int> {};
 
 TEST_P(Hovering, MovesAwayFromAnObstacle) {
@@ -102,8 +102,8 @@ TEST_P(Hovering, MovesAwayFromAnObstacle) {
 
 INSTANTIATE_TEST_SUITE_P(FlightGuard, Hovering, ::testing::Values(0, 8));
 
-// A pose jump within the gate must not count as a velocity of metres per second and start a
-// braking manoeuvre.
+// A pose jump within the gate must not be interpreted as a velocity of metres per second, because
+// that would start a braking manoeuvre.
 TEST(FlightGuard, ContinuesAfterASmallPoseJump) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -117,7 +117,7 @@ TEST(FlightGuard, ContinuesAfterASmallPoseJump) {
   EXPECT_EQ(vehicle.out.state, models::FlightState::kFollow);
 }
 
-// Regression: a late climber met a vehicle that flew above it.
+// Regression: a vehicle that climbed late collided with one that flew above it.
 TEST(IsClimbTaken, CountsRobotsAboveNowOrSoon) {
   const SafetyLimits limits;
   const Eigen::Vector3d here_m(0.0, 0.0, 0.3);
@@ -153,8 +153,8 @@ OtherBody random_body(test::Random& random) {
   return body;
 }
 
-/// Integrates two vehicles that brake straight after the reaction time, in small steps; returns
-/// their least distance.
+/// Returns the least distance of two vehicles that brake straight after the reaction time, computed
+/// by integration in small steps.
 double stepped_closest_m(Eigen::Vector3d p_m, Eigen::Vector3d v_mps, Eigen::Vector3d q_m,
                          Eigen::Vector3d w_mps, const SafetyLimits& limits) {
   constexpr double kStepS = 2e-4;
@@ -199,8 +199,8 @@ TEST(LookAround, FindsTheLeastSeparationOfBrakingVehicles) {
   }
 }
 
-// A body that was not seen for longer than a hold may be anywhere within a tube that grows to a
-// limit.
+// A body that was unseen for longer than the hold limit may be anywhere within a radius that grows
+// up to a limit.
 TEST(LookAround, AssumesAnUnseenBodyCloser) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
@@ -270,8 +270,8 @@ TEST(LookAround, FindsTheLeastDistanceToTheRoomWhileBraking) {
   }
 }
 
-/// The room and all bodies in transformed coordinates: `of(x, y)` maps positions and, without its
-/// shift of the origin, velocities.
+/// The room and all bodies in transformed coordinates. `of(x, y)` maps positions; without its shift
+/// of the origin it also maps velocities.
 template <class Place>
 struct TransformedRoom {
   Place of;
@@ -341,7 +341,7 @@ void expect_the_same(const Place& of, test::Random& random) {
             is_path_blocked(seen.place(here_m), seen.place(there_m), others, other_limits));
   EXPECT_EQ(is_climb_blocked(here_m, 1.5, bodies, limits),
             is_climb_blocked(seen.place(here_m), 1.5, others, other_limits));
-  // Of several equally near spots any may be chosen; the distance is unique.
+  // Of several equally near spots any may be returned, but their distance is unique.
   EXPECT_NEAR((landing_spot(here_m, bodies, limits) - here_m).norm(),
               (landing_spot(seen.place(here_m), others, other_limits) - seen.place(here_m)).norm(),
               1e-9);
@@ -363,8 +363,8 @@ TEST(Surroundings, AreInvariantUnderSymmetries) {
   }
 }
 
-// A body that is not a robot keeps its last speed for one second after it was lost. Its excess
-// radius reduces the distance.
+// A body that is not a robot is assumed to keep its last speed for one second after it was lost. A
+// larger radius reduces the distance.
 TEST(Surroundings, GrowForMovingAndLargeBodies) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
@@ -437,7 +437,8 @@ TEST(Surroundings, HaveTheStatedMargins) {
       });
       EXPECT_NEAR(above_m, limits.separation_hold_m + 0.25 + tube_m, 1e-8) << age_s;
     }
-    // A robot at our height with priority counts as below; robots above do not block a landing.
+    // A robot at the vehicle's height counts as below if it has priority. Robots above do not block
+    // a landing.
     const auto occupies = [&](double z_m, bool has_priority, int robot = 2) {
       OtherBody body = at(0.2, z_m);
       body.has_priority = has_priority;
@@ -451,8 +452,8 @@ TEST(Surroundings, HaveTheStatedMargins) {
     for (const double z_m : {-0.9, -0.2, 0.2, 0.75, 2.0}) {
       EXPECT_TRUE(occupies(z_m, true, -1)) << "a person, from the helmet down to the ground";
     }
-    // A path is blocked by a body closer to it than separation_hold_m and than the current
-    // distance.
+    // A path is blocked if a body comes closer to it than separation_hold_m and than the body's
+    // current distance.
     const Eigen::Vector3d to_m = here_m + Eigen::Vector3d(2.0, 0.0, 0.0);
     const double beside_m = test::last_accepted(2.0, 0.0, 1e-9, [&](double y_m) {
       OtherBody body;
@@ -460,7 +461,7 @@ TEST(Surroundings, HaveTheStatedMargins) {
       return !is_path_blocked(here_m, to_m, {&body, 1}, limits);
     });
     EXPECT_NEAR(beside_m, limits.separation_hold_m, 1e-7);
-    // A passing body counts; a standing robot that waits for its turn does not.
+    // A passing body counts. A stationary robot that waits for its turn does not.
     OtherBody walker = at(1.5, 0.4);
     walker.velocity_world_mps = {-side, 0.0, 0.3};
     EXPECT_NEAR(predicted_distance_m(here_m, {&walker, 1}, 1.0), 0.5, 1e-9);
@@ -479,7 +480,8 @@ TEST(Surroundings, HaveTheStatedMargins) {
   }
 }
 
-// Only robots within a range of heights block a climb; finds both limits by bisection.
+// Only robots within a range of heights block a climb. Both ends of the range are found by
+// bisection.
 TEST(IsClimbTaken, HasTheStatedHeightLimits) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(0.0, -1.0, 0.3);

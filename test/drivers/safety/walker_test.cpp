@@ -10,8 +10,8 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/random.hpp"
 
-// Persons at flight height walk towards a vehicle that follows its plan. A person does not brake.
-// Until the vehicle has stopped, the person comes no closer than HOLD allows.
+// Persons at flight height walk towards a vehicle that follows its plan, and do not brake. Until
+// the vehicle has stopped, the distance must not be less than the HOLD limits allow.
 
 namespace vantage::drivers {
 namespace {
@@ -27,17 +27,17 @@ constexpr double kMeetS = 3.0;    // s; from the start of a case until both woul
 enum class Person {
   kWalksOn,
   kStops,      ///< 1.2 m in front of the vehicle
-  kTurnsToUs,  ///< would pass at 1.3 m, but turns towards the vehicle from 1.8 m on
+  kTurnsToUs,  ///< would pass at 1.3 m, but turns towards the vehicle at a distance of 1.8 m
 };
 
 struct Case {
   const char* name;
   Person person;
   double speed_mps;
-  bool is_stranger = false;  ///< has a name that is not in the scenario
+  bool is_stranger = false;  ///< the body has a name that is not in the scenario
 };
 
-/// Only Q2 flies along its lane, which is in the middle of the room.
+/// A flight in which only Q2 moves along its lane, in the middle of the room.
 class Flight {
  public:
   explicit Flight(std::uint64_t seed) : bench_(seed) {
@@ -54,7 +54,7 @@ class Flight {
 
   test::Vehicle& vehicle() { return bench_.vehicle("Q2"); }
 
-  /// Runs until it has set off from an end of its lane.
+  /// Runs until Q2 has left an end of its lane.
   void begin_lane() {
     const double until_s = bench_.time_s() + 20.0;
     const auto sets_off = [this] {
@@ -67,7 +67,7 @@ class Flight {
     ASSERT_TRUE(sets_off());
   }
 
-  /// Returns the least centre distance while the vehicle moves, m.
+  /// Returns the least distance of the centres while the vehicle moves, m.
   double least_m(const Case& with, double heading_rad) {
     const Eigen::Vector3d ahead(std::cos(heading_rad), std::sin(heading_rad), 0.0);
     const Eigen::Vector3d aside(-ahead.y(), ahead.x(), 0.0);
@@ -75,7 +75,8 @@ class Flight {
     Eigen::Vector3d velocity_mps = with.speed_mps * ahead;
     Eigen::Vector3d person_m = meet_m - kMeetS * velocity_mps;
     person_m += (with.person == Person::kTurnsToUs ? 1.3 : 0.0) * aside;
-    // A person that would start next to the vehicle starts farther back and follows it.
+    // A start position too close to the vehicle is moved back, so that the person follows the
+    // vehicle.
     while ((person_m - vehicle().position_m).norm() < kBeginsM) {
       person_m -= 0.5 * ahead;
     }
@@ -105,7 +106,7 @@ class Flight {
   }
 
  private:
-  // Turns by other_turn_mps2 at constant speed.
+  // Turns the velocity towards the vehicle with the acceleration other_turn_mps2 at constant speed.
   void turn(Eigen::Vector3d& velocity_mps, const Eigen::Vector3d& to_us_m) const {
     const double wanted_rad = std::atan2(to_us_m.y(), to_us_m.x());
     const double is_rad = std::atan2(velocity_mps.y(), velocity_mps.x());
@@ -187,7 +188,7 @@ class Rovers {
   std::vector<Eigen::Vector3d> places_m_, velocities_mps_;
 };
 
-// Tracked targets drive below the team, 0.8 m lower and more. They must not stop a vehicle or cause
+// Tracked targets drive below the team, at least 0.8 m lower. They must not stop a vehicle or cause
 // a refused plan.
 TEST(FlightGuard, FollowsAboveRovers) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -208,7 +209,7 @@ TEST(FlightGuard, FollowsAboveRovers) {
   }
 }
 
-// It lands between them within the 20 s in which it avoids bodies, and touches none.
+// The vehicle lands between the rovers within the 20 s in which it avoids bodies, and touches none.
 TEST(FlightGuard, LandsAmongRoversOnStraightPaths) {
   double slowest_s = 0.0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
