@@ -22,8 +22,7 @@ using models::FlightState;
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr Duration kFrame{20'000};
 
-/// Returns the lab with real vehicles: 4 × 8 m, ceiling 3 m, vehicles of 0.25 m radius, 0.6 m
-/// separation.
+/// Returns a lab with real vehicles: 4 × 8 m, ceiling 3 m, vehicle radius 0.25 m, separation 0.6 m.
 scenario::Scenario real_lab() {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.mocap.device = scenario::DeviceSource::kReal;
@@ -117,7 +116,8 @@ TEST(ContactJudge, FindsContactsBetweenFrames) {
   Judged lab;
   lab.fly("Q1");
   lab.see({{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {2.0, 4.0, 1.0}}});
-  // They pass each other within 20 ms, so they touch at neither instant.
+  // The vehicles pass each other between two frames 20 ms apart, so they do not touch in either
+  // frame.
   const auto begun = lab.see({{"Q1", {2.0, 4.0, 1.0}}, {"Q2", {1.0, 4.0, 1.0}}});
   ASSERT_FALSE(begun.empty());
   EXPECT_EQ(begun[0].kind, CollisionKind::kCollision);
@@ -145,7 +145,7 @@ TEST(ContactJudge, IgnoresContactsOfIdleVehicles) {
   lab.fly("Q1");
   lab.see(apart);
   EXPECT_EQ(lab.see(together).size(), 2U);
-  // A killed vehicle counts while it falls, and not after that.
+  // A killed vehicle counts while it falls, but not afterwards.
   lab.judge.on_status(status_of("Q1", FlightState::kKilled, lab.now));
   lab.see(apart);
   EXPECT_EQ(lab.see(together).size(), 2U);
@@ -168,7 +168,7 @@ TEST(ContactJudge, IgnoresContactsThatTheSimulatorJudges) {
   EXPECT_TRUE(lab.see({{"Q2", {1.0, 4.0, 1.0}}, {"Q3", {1.1, 4.0, 1.0}}}).empty());
   EXPECT_TRUE(lab.see({{"Q2", {1.0, 4.0, 0.2}}, {"ROVER1", {1.1, 4.0, 0.1}}}).empty());
   EXPECT_TRUE(lab.see({{"Q2", {0.1, 4.0, 1.0}}}).empty());
-  // Contacts of a real with a simulated vehicle are judged only here.
+  // Only this judge reports contacts between a real and a simulated vehicle.
   EXPECT_EQ(lab.see({{"Q1", {3.0, 7.0, 1.0}}, {"Q3", {3.1, 7.0, 1.0}}}).size(), 2U);
 }
 
@@ -183,7 +183,7 @@ TEST(ContactJudge, CountsOldFramesAndExcessBodies) {
   }
   lab.see(crowd);
   EXPECT_EQ(lab.count("contacts.bodies_left_out"), 5);
-  // A new run with an older clock: the cameras were restarted.
+  // A new run with an older clock means that the mocap computer was restarted.
   lab.judge.on_frame(frame_of(kStart, {}, 2), kStart + Duration{5'000});
   EXPECT_EQ(lab.count("contacts.gaps"), 1);
 }

@@ -1,4 +1,4 @@
-// Messages of the driver on the wire, compared with the protocol.
+// MAVLink messages of the driver, compared with the protocol.
 
 #include "drivers/quadrotor/autopilot_link.hpp"
 
@@ -21,7 +21,7 @@ using models::AutopilotDialect;
 
 constexpr Time kNow = from_utime(1'700'000'000'123'456);
 
-/// A link and its unpacked output.
+/// An autopilot link and the messages that it sent, decoded.
 struct Bench {
   explicit Bench(AutopilotDialect dialect, const std::optional<wire::mavlink::SigningKey>& key = {},
                  scenario::ParameterPolicy parameters = scenario::ParameterPolicy::kIgnore)
@@ -111,7 +111,8 @@ TEST(AutopilotLink, SendsPosesInTheEstimatorsFormat) {
       EXPECT_GT(odometry.pose_covariance[diagonal], 0.0F);
       EXPECT_GT(odometry.velocity_covariance[diagonal], 0.0F);
     }
-    // By rotation matrices: half a turn about x transforms both the world and the body frame.
+    // The reference uses rotation matrices: half a turn about x transforms both the world and the
+    // body frame.
     const Eigen::DiagonalMatrix<double, 3> turn(1.0, -1.0, -1.0);
     const Eigen::Matrix3d world_from_body = state.world_from_body.rotation.toRotationMatrix();
     const Eigen::Matrix3d local_from_body = turn * world_from_body * turn;
@@ -146,7 +147,8 @@ TEST(AutopilotLink, SendsPositionVelocityAndAccelerationInEachSetPoint) {
     EXPECT_EQ((std::vector{t.x, t.y, t.z, t.yaw}), (std::vector{1.0F, -2.0F, -3.0F, -0.5F}));
     EXPECT_EQ((std::vector{t.vx, t.vy, t.vz, t.yaw_rate}), (std::vector{0.1F, -0.2F, -0.3F, 0.4F}));
     EXPECT_EQ((std::vector{t.afx, t.afy, t.afz}), (std::vector{-0.5F, -0.25F, -0.125F}));
-    // Set-points have a single kind; a change of the kind can upset an autopilot.
+    // All set-points must be of the same kind, because a change of the kind can disturb an
+    // autopilot.
     EXPECT_EQ(targets[0].type_mask, 0);
     EXPECT_EQ(targets[1].type_mask, 0);
   }
@@ -167,13 +169,13 @@ TEST(AutopilotLink, SynchronisesWithTheVehicleClock) {
   sent = bench.sent_of<wire::mavlink::Timesync>();
   ASSERT_EQ(sent.size(), 1U);
   EXPECT_EQ(sent[0].tc1, 0);
-  // The clock of the vehicle started 100 s ago; 2 ms for each direction.
+  // The vehicle's clock started 100 s ago; the latency is 2 ms in each direction.
   wire::mavlink::Timesync reply;
   reply.tc1 = 100'002'000'000;
   reply.ts1 = sent[0].ts1;
   bench.receive_message(reply, kNow + Duration{4'000});
   EXPECT_EQ(bench.link.telemetry().clock_offset_ns(), 100'000'000'000 - to_utime(kNow) * 1000);
-  // A reply to an unknown request is ignored.
+  // A reply that matches no request is ignored.
   reply.tc1 = 5;
   reply.ts1 = 1;
   bench.receive_message(reply, kNow + Duration{4'000});
@@ -217,7 +219,7 @@ TEST(AutopilotLink, SendsArdupilotAnOriginUntilConfirmed) {
     };
     const std::size_t wanted = dialect == AutopilotDialect::kPx4 ? 0U : 5U;
     EXPECT_EQ(origins_in(0, 5), wanted);
-    // ArduCopter reports a position without an origin, but does not arm.
+    // ArduCopter without an origin reports a position but does not arm.
     bench.receive_message(wire::mavlink::LocalPositionNed{}, kNow + std::chrono::seconds(5));
     EXPECT_EQ(origins_in(5, 10), wanted);
     bench.receive_message(wire::mavlink::GpsGlobalOrigin{}, kNow + std::chrono::seconds(10));
@@ -232,7 +234,7 @@ TEST(AutopilotLink, AcceptsOnlyItsVehicle) {
   EXPECT_STREQ(bench.fault(kNow).c_str(),
                "messages received, but none from an autopilot with this system id");
   bench.receive_message(wire::mavlink::Heartbeat{0, 6, 8, 128, 4, 3}, kNow, 1,
-                        190);  // ground station
+                        190);  // 190: component id of a ground station
   EXPECT_FALSE(bench.link.telemetry().heartbeat_time().has_value());
   bench.receive_heartbeat(kNow);
   EXPECT_FALSE(bench.link.fault(kNow).has_value());
@@ -255,8 +257,8 @@ TEST(AutopilotLink, AcceptsTheFirstAutopilotByDefault) {
   EXPECT_FALSE(link.telemetry().is_armed()) << "it listened to the second one";
 }
 
-// Companions and ground stations may send as component 0 or 1 of the system of the vehicle;
-// pymavlink does so by default.
+// Companion computers and ground stations may send as component 0 or 1 with the system id of the
+// vehicle; pymavlink does so by default.
 TEST(AutopilotLink, IgnoresOtherComponentsOnceTheAutopilotIsKnown) {
   using wire::mavlink::Heartbeat;
   struct Row {
@@ -392,7 +394,8 @@ TEST(AutopilotLink, SurvivesRandomBytes) {
   }
 }
 
-// docs/guide/quadrotors.md: all other modes may run without a pilot, whatever the sub-mode of PX4.
+// According to docs/guide/quadrotors.md, all other modes may run without a pilot, whatever the
+// sub-mode of PX4.
 TEST(Dialect, ListsTheModesFlownByHand) {
   const std::set<std::uint32_t> px4{1, 2, 3, 5, 7, 8, 11};
   const std::set<std::uint32_t> ardupilot{0, 1, 2, 5, 11, 13, 16, 22};
@@ -407,7 +410,7 @@ TEST(Dialect, ListsTheModesFlownByHand) {
   }
 }
 
-// docs/guide/quadrotors.md: set-points lead by the response time of each autopilot.
+// According to docs/guide/quadrotors.md, set-points lead by the response time of each autopilot.
 TEST(DialectTraits, HaveTheDocumentedLead) {
   const DialectTraits& px4 = traits_of(models::AutopilotDialect::kPx4);
   EXPECT_EQ(px4.lead_s, 0.05);

@@ -82,14 +82,14 @@ TEST(BodyTracker, RefusesAJumpInTheAir) {
             BodyVerdict::kJumped);
 }
 
-// Regression, flown: after a restart of the mocap driver no pose reached the autopilot, because the
-// vehicle had moved on. Five seconds later the autopilot had no position.
+// Regression, seen in a flight: after a restart of the mocap driver all poses were refused, because
+// the vehicle had moved meanwhile. Five seconds later the autopilot had no position estimate.
 TEST(BodyTracker, ContinuesAfterAMocapRestartInFlight) {
   for (const Duration other_clock : {Duration{}, Duration{std::chrono::hours(-3)}}) {
     BodyTracker tracker("Q1", 1.0);
     Time now = kStart;
     const auto see = [&](std::int64_t run, Duration clock) {
-      const double x_m = to_seconds(now - kStart);  // at 1 m/s
+      const double x_m = to_seconds(now - kStart);  // m; position after motion at 1 m/s
       return tracker.update(frame_at(now + clock, at(x_m, 0.0), run), now + clock, now, false);
     };
     for (int i = 0; i < 50; ++i, now += kFrame) {
@@ -100,7 +100,7 @@ TEST(BodyTracker, ContinuesAfterAMocapRestartInFlight) {
       ASSERT_EQ(see(2, other_clock), BodyVerdict::kTaken) << i;
     }
     EXPECT_EQ(tracker.state()->resets, 0) << "it flew there";
-    // A sudden other position is a jump.
+    // A sudden change of the position counts as a jump.
     EXPECT_EQ(tracker.update(frame_at(now, at(-2.0, 0.0), 3), now, now, false),
               BodyVerdict::kJumped);
   }

@@ -1,5 +1,5 @@
-// Every row of the condition table of the quadrotor can be reached by external inputs: MAVLink
-// bytes, mocap frames, plans, commands, and the state of the process.
+// Each row of the quadrotor's condition table can be triggered by external inputs: MAVLink bytes,
+// mocap frames, plans, commands, and the state of the process.
 
 #include <algorithm>
 #include <functional>
@@ -29,7 +29,7 @@ struct Row {
   std::function<void(ReasonBench&)> reach;
 };
 
-/// Returns a reach function: hovers, calls `begin` and runs for `seconds`.
+/// Returns a function that triggers a condition: it hovers, calls `begin`, then runs for `seconds`.
 std::function<void(ReasonBench&)> hovering(double seconds,
                                            const std::function<void(ReasonBench&)>& begin) {
   return [seconds, begin](ReasonBench& up) {
@@ -184,7 +184,7 @@ std::vector<Row> rows() {
       {"pose stale", hovering(0.3, [](ReasonBench& up) { up.has_mocap = false; })},
       {"pose late", hovering(3.0,
                              [](ReasonBench& up) {
-                               up.has_mocap = false;  // frames take another path and are late
+                               up.has_mocap = false;  // instead, frames arrive 0.2 s late
                                up.alter_frame = [&up](models::MocapFrame frame) {
                                  frame.arrival = frame.stamp.time;
                                  frame.stamp.time -= std::chrono::milliseconds(200);

@@ -14,8 +14,8 @@
 
 namespace vantage::test {
 
-/// A driver, an emulated autopilot, mocap at 100 Hz, an operator and a planner, in virtual time. Q1
-/// starts on the floor at (2, 2) with its heading along y.
+/// A closed loop in virtual time: driver, emulated autopilot, mocap at 100 Hz, operator and
+/// planner. Q1 starts on the floor at (2, 2) with its heading along y.
 class FlightBench : public SteppedBench {
  public:
   static constexpr Duration kTick{5'000};
@@ -51,7 +51,7 @@ class FlightBench : public SteppedBench {
 
   void command(models::OperatorAction action) { driver->on_command(order(action), now); }
   models::OperatorCommand order(models::OperatorAction action) { return next_command(action); }
-  /// Returns a repetition of the same command: same time, new message.
+  /// Returns a new message that repeats `earlier`, with the same time.
   models::OperatorCommand repeated(const models::OperatorCommand& earlier) {
     models::OperatorCommand out = next_command(earlier.action);
     out.stamp.time = earlier.stamp.time;
@@ -74,13 +74,13 @@ class FlightBench : public SteppedBench {
     if (!run_until([this] { return vehicle.controller().is_armed(); }, 60.0)) {
       return false;
     }
-    // The heartbeat of the vehicle reports it up to a second later.
+    // The vehicle's heartbeat reports the armed state up to a second later.
     run(1.5);
     command(models::OperatorAction::kTakeOff);
     return run_until([this] { return height_error_m() < 0.1; }, 15.0);
   }
 
-  /// Follows a straight plan from the hover until the vehicle has flown at that speed for a while;
+  /// Follows a straight plan from the hover until the vehicle has flown at `speed_mps` for 0.4 s;
   /// returns false if that fails.
   bool follow_straight(double speed_mps) {
     command(models::OperatorAction::kFollow);
@@ -126,16 +126,17 @@ class FlightBench : public SteppedBench {
   bool has_mocap = true;
   bool has_operator = true;
   bool is_wire_cut = false;
-  bool driver_receives_nothing = false;  ///< the driver receives nothing; the vehicle still does
+  bool driver_receives_nothing = false;  ///< the driver receives nothing from the vehicle; the
+                                         ///< vehicle still receives the driver
   using Loses = std::function<bool(const std::vector<std::uint8_t>& datagram)>;
-  Loses loses_received;                                  ///< selects lost datagrams of the vehicle
-  Loses loses_sent;                                      ///< selects lost datagrams of the driver
+  Loses loses_received;  ///< selects datagrams of the vehicle that are lost
+  Loses loses_sent;      ///< selects datagrams of the driver that are lost
   std::function<void(models::MocapFrame&)> alter_frame;  ///< changes mocap frames
   /// Receives each captured frame instead of the driver; empty: the bench delivers it.
   std::function<void(const models::MocapFrame&)> on_capture;
-  std::optional<Eigen::Vector3d> walker_m;  ///< m; shown position of the first target
+  std::optional<Eigen::Vector3d> walker_m;  ///< m; position of the first target as shown by mocap
   std::function<void(Time)> on_step;
-  std::vector<std::vector<std::uint8_t>> sent;  ///< by the driver in the last step
+  std::vector<std::vector<std::uint8_t>> sent;  ///< datagrams sent by the driver in the last step
 
  private:
   void step() final {
@@ -173,7 +174,7 @@ class FlightBench : public SteppedBench {
     models::MocapBody body;
     body.name = "Q1";
     body.world_from_body = vehicle.world_from_body();
-    // Noise of 0.1 mm makes consecutive poses different.
+    // Noise of 0.1 mm ensures that consecutive poses differ.
     body.world_from_body.translation_m.x() += 1e-4 * std::sin(static_cast<double>(ticks_));
     frame.bodies.push_back(body);
     if (walker_m) {
@@ -194,7 +195,7 @@ class FlightBench : public SteppedBench {
   /// Delivers the frames captured one frame time ago.
   void deliver_mocap() {
     for (models::MocapFrame& frame : waiting_) {
-      frame.arrival = frame.stamp.time + kLatency;  // by the clock of the stamp
+      frame.arrival = frame.stamp.time + kLatency;  // in the clock of the stamp
       if (has_mocap) {
         driver->on_mocap(frame, now);
       }

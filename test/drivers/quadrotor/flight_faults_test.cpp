@@ -1,5 +1,5 @@
-// Faults between a driver and a vehicle in the air: poses of another body, a one-way link, a
-// restarted driver, pilots, and delayed commands.
+// Faults between a driver and a flying vehicle: poses of another body, a one-way link, a restarted
+// driver, pilots, and delayed commands.
 
 #include <algorithm>
 #include <functional>
@@ -52,8 +52,8 @@ INSTANTIATE_TEST_SUITE_P(Dialects, FlightFaults,
                          ::testing::Values(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot),
                          [](const auto& chosen) { return std::string(name_of(chosen.param)); });
 
-// After an occlusion the body of another vehicle appears under its name. Flight safety rejects the
-// pose, so it must not affect control.
+// After an occlusion, mocap shows the body of another vehicle under this vehicle's name. Flight
+// safety rejects the pose, so the pose must not affect control.
 TEST_P(FlightFaults, IgnoresARejectedPose) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(2.0);
@@ -64,9 +64,10 @@ TEST_P(FlightFaults, IgnoresARejectedPose) {
   bench.alter_frame = [](models::MocapFrame& frame) {
     frame.bodies.front().world_from_body.translation_m.x() += 1.0;
   };
-  bench.run(0.02);  // until earlier captures have arrived
+  bench.run(0.02);  // until frames captured earlier have arrived
   int poses = 0;
-  double sent_offset_m = 0.0;  // m; greatest distance of a sent position from the hover
+  double sent_offset_m =
+      0.0;  // m; greatest distance of a pose sent to the autopilot from the hover position
   bench.on_step = [&](Time) {
     for (const auto& datagram : bench.sent) {
       has(datagram, [&](const wire::mavlink::Frame& frame) {
@@ -93,8 +94,8 @@ TEST_P(FlightFaults, IgnoresARejectedPose) {
   EXPECT_LT(sent_offset_m, 0.3);
 }
 
-// A radio that fails in one direction: the vehicle still receives the driver and must not hover
-// permanently.
+// The radio fails in one direction: the vehicle still receives the driver, but the driver receives
+// nothing. The vehicle must not hover permanently.
 TEST_P(FlightFaults, LandsAVehicleThatIsNoLongerReceived) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.driver_receives_nothing = true;
@@ -102,8 +103,8 @@ TEST_P(FlightFaults, LandsAVehicleThatIsNoLongerReceived) {
   EXPECT_NEAR(height_m(), 0.0, 1e-6);
 }
 
-// A driver restarted in the air lands by set-points. It must not hand over to the landing mode of
-// the autopilot, which does not stop for a body below.
+// A driver that is restarted in flight lands the vehicle by set-points. It must not use the landing
+// mode of the autopilot, which does not stop for a body below.
 TEST_P(FlightFaults, RestartedDriverLandsBySetPoints) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(2.0);
@@ -122,7 +123,7 @@ TEST_P(FlightFaults, RestartedDriverLandsBySetPoints) {
   EXPECT_LT(handed_over_m, 0.4);
 }
 
-// The arm command is lost and then withdrawn; it must not be sent again.
+// An arm command is lost and then withdrawn by the operator; the driver must not send it again.
 TEST_P(FlightFaults, DoesNotRepeatAWithdrawnArm) {
   ASSERT_TRUE(bench.run_until(
       [this] {
@@ -151,7 +152,7 @@ TEST_P(FlightFaults, DoesNotRepeatAWithdrawnArm) {
   EXPECT_FALSE(has_armed);
 }
 
-// The console repeats `hold` for most of a second. A pilot who takes over meanwhile must keep
+// The console repeats `hold` for almost a second. A pilot who takes over during this time must keep
 // control.
 TEST_P(FlightFaults, RepeatedCommandKeepsThePilotInControl) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
@@ -169,10 +170,10 @@ TEST_P(FlightFaults, RepeatedCommandKeepsThePilotInControl) {
   EXPECT_NE(bench.vehicle.controller().mode(), theirs) << "said anew it takes the vehicle back";
 }
 
-// A pilot flies it by hand, perhaps because mocap is bad. When it is no longer seen, its state
-// becomes LAND, but the mode stays with the pilot, whether the link works or not. In a hold mode of
-// the autopilot there may be no pilot, so it is landed. An operator command takes over, also from a
-// second pilot.
+// A pilot flies manually, perhaps because mocap is bad. When mocap loses the vehicle, the state
+// becomes LAND, but the driver sends no landing command, whether the link works or not. In a hold
+// mode of the autopilot there may be no pilot, so the driver lands the vehicle. An operator command
+// takes control from a pilot, also from a second one.
 TEST_P(FlightFaults, KeepsTheModeOfAPilot) {
   for (const bool is_by_hand : {true, false}) {
     for (const bool driver_receives_nothing : {true, false}) {
@@ -222,8 +223,8 @@ TEST_P(FlightFaults, KeepsTheModeOfAPilot) {
   }
 }
 
-// Poses return during a blind landing while a body moves in below: the controlled landing resumes
-// and stops above the body. Near the ground the blind landing continues.
+// Poses return during a blind landing while a body moves in below. The controlled landing resumes
+// and stops above the body. If the vehicle is near the ground, the blind landing continues.
 TEST_P(FlightFaults, ResumesTheLandingWhenPosesReturn) {
   struct Row {
     double begins_m;  ///< m; height of the vehicle when poses return
@@ -248,7 +249,7 @@ TEST_P(FlightFaults, ResumesTheLandingWhenPosesReturn) {
     up.has_mocap = true;
     const Eigen::Vector2d here_m = up.place_m();
     up.walker_m = {here_m.x(), here_m.y(), FlightBench::kFloorM + 0.05};
-    double lowest_m = above_floor_m();  // m; least height above the body
+    double lowest_m = above_floor_m();  // m; least height of the vehicle above the body
     up.on_step = [&](Time) {
       const bool is_above = (up.place_m() - here_m).norm() < 0.4;
       lowest_m = is_above ? std::min(lowest_m, above_floor_m()) : lowest_m;
@@ -292,7 +293,8 @@ TEST_P(FlightFaults, KeepsSetPointsDespiteComponent0) {
   EXPECT_FALSE(bench.has_reason("mode")) << bench.reasons();
 }
 
-// Faults that would stop the motors of a vehicle under our control do not stop them under a pilot.
+// Faults that would stop the motors of a vehicle under the driver's control do not stop them under
+// a pilot's control.
 TEST_P(FlightFaults, StopsAPilotedVehicleOnlyOnCommand) {
   using Breaks = std::function<void(FlightBench&)>;
   const Breaks shows_it_outside = [](FlightBench& up) {
@@ -315,7 +317,7 @@ TEST_P(FlightFaults, StopsAPilotedVehicleOnlyOnCommand) {
     ASSERT_TRUE(up.take_off()) << up.reasons();
     up.vehicle.controller().set_mode(is_px4() ? 3U << 16U : 5U, up.now);
     up.run(2.0);
-    // After a loss it is seen at another position, and that pose is accepted.
+    // After a gap, mocap shows the vehicle at another position, and that pose is accepted.
     up.has_mocap = false;
     up.run(0.4);
     up.has_mocap = true;
@@ -328,7 +330,7 @@ TEST_P(FlightFaults, StopsAPilotedVehicleOnlyOnCommand) {
   }
 }
 
-// Without attitude reports it lands.
+// The vehicle lands when the autopilot sends no attitude.
 TEST_P(FlightFaults, LandsWithoutAnAttitude) {
   for (const bool is_told_as_nan : {false, true}) {
     FlightBench up(GetParam());

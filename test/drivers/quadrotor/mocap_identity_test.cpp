@@ -1,5 +1,5 @@
-// Effects of poses of another body, and of poses with another clock, on a vehicle in flight and its
-// autopilot.
+// Poses of another body, and poses with another clock: their effects on a vehicle in flight and on
+// its autopilot.
 
 #include <algorithm>
 #include <array>
@@ -21,8 +21,7 @@ using test::FlightBench;
 
 constexpr std::array kDialects{AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
 
-/// A stationary body with the name of the vehicle appears `off_m` away after the vehicle was not
-/// seen for `gap_s`.
+/// After the vehicle was unseen for `gap_s`, a stationary body with its name appears `off_m` away.
 struct ForeignRow {
   double gap_s;
   double off_m;
@@ -59,14 +58,14 @@ TEST(MocapIdentity, LandsNearbyWhenAStationaryBodyHasItsName) {
   }
 }
 
-// Two bodies exchange their names, as can happen when mocap loses both.
+// Mocap swaps the names of two bodies, which can happen when it loses both.
 struct SwapRow {
   double apart_m;
   double gap_s;
 };
 constexpr std::array kSwapRows{SwapRow{0.6, 0.3}, SwapRow{1.0, 0.1}, SwapRow{2.0, 0.2}};
-constexpr double kFarM = 2.2;         // m; between the bodies at take-off
-constexpr double kApproachMps = 0.3;  // m/s; of the other body, in the air
+constexpr double kFarM = 2.2;         // m; distance of the bodies at take-off
+constexpr double kApproachMps = 0.3;  // m/s; approach speed of the other body in the air
 
 TEST(MocapIdentity, HidesSwappedNamesFromTheVehicle) {
   for (const SwapRow& row : kSwapRows) {

@@ -1,5 +1,5 @@
-// A slow or queued line between mocap server and driver: from the bytes of the server to the reason
-// that the driver of the vehicle reports.
+// Tests a slow connection, or one with a queue, from mocap server to driver: from the server's
+// bytes to the reason in the status of the vehicle.
 
 #include <algorithm>
 #include <cmath>
@@ -26,10 +26,10 @@ using test::FlightBench;
 
 constexpr Duration kFrame{10'000};
 constexpr double kFrameS = 0.01;
-constexpr double kServerS = 0.004;  // s; from capture to the socket of the server
+constexpr double kServerS = 0.004;  // s; time from capture until the server sends the frame
 
-/// Carries the frames of a bench through an emulated server, a line and the mocap driver. The line
-/// keeps the order, so echoes of pings arrive after earlier frames.
+/// Transmits the frames of a bench through an emulated server, a connection and the mocap driver.
+/// The connection preserves the order, so ping replies arrive after earlier frames.
 class Line {
  public:
   Line(FlightBench& bench, MocapProtocol protocol)
@@ -41,7 +41,7 @@ class Line {
     bench_.on_step = [this](Time) { step(); };
   }
 
-  /// Greatest difference of reported and true latency of published frames, s.
+  /// s; greatest difference of reported and true latency over all published frames.
   double worst_error_s = 0.0;
   double slow_share = 0.0;  ///< relative excess of the transmission time over the frame period
   Duration queue{};         ///< delay of each frame on this connection
@@ -127,7 +127,8 @@ class Line {
   }
 
   void publish(models::MocapFrame frame) {
-    // An object stream states no rate, so the rate must be estimated on a new connection.
+    // After a reconnect, the driver must first estimate the rate of an object stream, which does
+    // not contain it. Errors of that time are ignored.
     if (!driver_.is_datagram() || driver_.link_counts().backlogs == 0) {
       worst_error_s = std::max(worst_error_s, std::abs(to_seconds(frame.stamp.time - captured_)));
     }
@@ -157,8 +158,8 @@ struct LineRow {
 
 class MocapLine : public ::testing::TestWithParam<LineRow> {};
 
-// An object stream states no rate: a line that is slow from the first frame is not detected, but
-// one that becomes slow is.
+// An object stream does not contain its rate. A connection that is slow from the first frame is
+// therefore not detected; one that becomes slow is.
 const LineRow kLineRows[] = {
     {"DataStreamSlowBy2", MocapProtocol::kDataStream, 0.02, 0.0},
     {"DataStreamSlowBy5", MocapProtocol::kDataStream, 0.05, 0.0},
@@ -187,7 +188,8 @@ TEST_P(MocapLine, ReportsItsLatencyAndHoldsTheVehicleUntilTheQueueIsEmptied) {
   EXPECT_LT(line.worst_error_s, 0.02);
   line.slow_share = row.slow_share;
   line.queue = from_seconds(row.queue_s);
-  // 0.1 s of latency and 0.05 s of error; a queue delivers nothing for its own length first.
+  // The latency limit of 0.1 s plus 0.05 s of error must be reached. Frames that enter a queue
+  // arrive only after the queue's delay.
   const double promised_s = row.slow_share > 0.0 ? 0.15 / row.slow_share + 0.1 : row.queue_s + 0.15;
   EXPECT_TRUE(bench.run_until([&] { return bench.has_reason("pose late"); }, promised_s))
       << bench.reasons();

@@ -13,7 +13,7 @@ using models::AutopilotDialect;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// A check of three parameters, and an autopilot that replies with its known values.
+/// A check of three parameters, and an autopilot that replies with the values that it knows.
 struct Bench {
   ParameterCheck check{AutopilotDialect::kArdupilot,
                        wire::parse_parameter_rules("GUID_TIMEOUT 0.3 # at most 0.5: it flies on\n"
@@ -101,7 +101,7 @@ TEST(ParameterCheck, ReportsRequiredDifferences) {
   EXPECT_EQ(bench.check.reasons(),
             std::vector<std::string>{"GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on"});
   bench.known["GUID_TIMEOUT"] = 0.5;
-  bench.answer("GUID_TIMEOUT");  // changed by another client and broadcast
+  bench.answer("GUID_TIMEOUT");  // changed by another client and broadcast by the autopilot
   EXPECT_TRUE(bench.check.is_kept());
 }
 
@@ -109,7 +109,7 @@ TEST(ParameterCheck, RefreshesValues) {
   Bench bench;
   bench.run(2.0);
   ASSERT_TRUE(bench.check.is_kept());
-  bench.known["FS_GCS_ENABLE"] = 0.0;  // without a broadcast
+  bench.known["FS_GCS_ENABLE"] = 0.0;  // changed without a broadcast
   bench.run(to_seconds(ParameterCheck::kRefresh) + 1.0);
   EXPECT_FALSE(bench.check.is_kept());
   bench.known.clear();

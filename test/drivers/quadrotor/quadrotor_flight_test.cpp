@@ -1,4 +1,4 @@
-// The driver flies emulated autopilots of both dialects in virtual time.
+// Flights of the driver with emulated autopilots of both dialects in virtual time.
 
 #include <algorithm>
 #include <cstdint>
@@ -64,7 +64,7 @@ TEST_P(Flight, LandsFromTheMiddleOfItsTakeOff) {
   }
 }
 
-// A person walks in during the descent and stays: it stops, moves aside and lands.
+// A person walks in during the descent and stays below. The vehicle stops, moves aside and lands.
 TEST_P(Flight, LandsNextToAPerson) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.walker_m = Eigen::Vector3d(3.0, 2.0, 0.0);
@@ -84,7 +84,7 @@ TEST_P(Flight, LandsNextToAPerson) {
   EXPECT_GT(closest_m, 0.45);
 }
 
-/// Returns a plan at 0.6 m/s: straight, left, right, and a stop.
+/// Returns a plan at 0.6 m/s: straight, left turn, right turn, and a stop.
 models::RobotPlan curve(FlightBench& bench) {
   const Pose2 start = flatten(bench.vehicle.world_from_body());
   std::vector<models::PlanSegment> segments{{{0.6, 0.0}, 2.0, 0.0},
@@ -123,7 +123,7 @@ TEST_P(Flight, FollowsAPlanToItsHover) {
   RecordProperty("worst_mm", static_cast<int>(1000.0 * worst_m));
 }
 
-/// Returns the type masks of the set-points among `sent`.
+/// Returns the type masks of the set-points in the datagrams `sent`.
 std::set<std::uint16_t> sent_type_masks(const std::vector<std::vector<std::uint8_t>>& sent) {
   std::set<std::uint16_t> out;
   wire::mavlink::Parser parser;
@@ -138,11 +138,11 @@ std::set<std::uint16_t> sent_type_masks(const std::vector<std::vector<std::uint8
   return out;
 }
 
-// Regression: a HOLD in motion threw a real ArduCopter by one metre. The driver sent one kind of
-// set-point in motion and another at rest. At each change of kind the autopilot attributes its
-// current braking to wind (RecordedMotion.OvershootsAsRecordedWhenTheTargetKindChanges verifies
-// this for the emulator). The driver now sends one kind for the whole flight, stops within the
-// budgeted distance and stays there, also when repeated.
+// Regression: at a HOLD in motion a real ArduCopter overshot by one metre. The driver sent one kind
+// of set-point in motion and another at rest. At each change of the kind the autopilot attributes
+// its current braking to wind (RecordedMotion.OvershootsAsRecordedWhenTheTargetKindChanges verifies
+// this for the emulator). The driver now sends one kind for the whole flight. The vehicle must stop
+// within the budgeted distance and stay there, also when repeated.
 TEST_P(Flight, StopsWithinTheBudgetedDistance) {
   constexpr double kRecordedM = 0.12;  // m; accuracy of the emulated autopilots
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
@@ -205,8 +205,9 @@ TEST_P(Flight, StopsTheMotorsAtOnceOnAnEmergencyStop) {
   EXPECT_FALSE(bench.is_armed());
 }
 
-// From the ground to the end of the climb, and right after arming, before a heartbeat reports it.
-// The motors stop at once, it falls, and only `arm` lets them run again.
+// The emergency stop comes at all times from the ground to the end of the climb, also directly
+// after arming, before a heartbeat reports the armed state. The motors stop immediately and run
+// again only after `arm`.
 TEST_P(Flight, StopsTheMotorsAtOnceDuringTakeOff) {
   for (const double above_m : {-1.0, 0.02, 0.1, 0.3, 0.8}) {
     SCOPED_TRACE(above_m);
@@ -220,7 +221,7 @@ TEST_P(Flight, StopsTheMotorsAtOnceDuringTakeOff) {
     up.command(OperatorAction::kArm);
     ASSERT_TRUE(up.run_until([&up] { return up.is_armed(); }, 60.0)) << up.reasons();
     if (above_m > 0.0) {
-      up.run(1.5);  // its heartbeat reports it up to a second later
+      up.run(1.5);  // the heartbeat reports the armed state up to a second later
       up.command(OperatorAction::kTakeOff);
       ASSERT_TRUE(up.run_until([&] { return height_m() > above_m; }, 15.0)) << up.reasons();
     }
@@ -263,11 +264,11 @@ TEST_P(Flight, IsLandedByItsAutopilotWhenTheWireIsCut) {
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 40.0));
 }
 
-// Regression: a driver restarted in the air reported `idle` and landed the vehicle against the wish
-// of the operator.
+// Regression: a driver restarted in flight reported `idle` and landed the vehicle although the
+// operator had not commanded it.
 TEST_P(Flight, HoldsAVehicleOfAnEarlierRun) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
-  bench.run(2.0);  // until it hovers: the autopilot completes its climb first
+  bench.run(2.0);  // until it hovers, because the autopilot completes its climb first
   const Eigen::Vector3d place_m = bench.vehicle.world_from_body().translation_m;
   bench.restart_driver();
   ASSERT_TRUE(bench.run_until([&] { return bench.state() == FlightState::kHold; }, 2.0))
@@ -280,7 +281,7 @@ TEST_P(Flight, HoldsAVehicleOfAnEarlierRun) {
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 40.0)) << bench.reasons();
 }
 
-// Without mocap it is landed.
+// Without mocap, the restarted driver lands the vehicle.
 TEST_P(Flight, LandsAnUnseenVehicleOfAnEarlierRun) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.restart_driver();
@@ -312,8 +313,9 @@ TEST_P(Flight, ShowsWhyTheAutopilotRefuses) {
   EXPECT_FALSE(bench.is_armed());
 }
 
-// Seen with ArduCopter: it was commanded to take off again during its lift and refused. Every
-// vehicle then reported "take-off failed" for 5 s while it followed its first plan.
+// Regression, seen with ArduCopter: the driver repeated the take-off command during the lift and
+// the autopilot refused it. Every vehicle then reported "take-off failed" for 5 s while it followed
+// its first plan.
 TEST_P(Flight, HidesARefusedTakeOffOnceAirborne) {
   bool has_said = false;
   bench.on_step = [&](Time now) {

@@ -50,7 +50,7 @@ void fly(NodeBench& bench) {
 TEST(QuadrotorNode, FliesAVehicleThatSendsFirst) {
   NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port_of_this_test(0));
   fly(bench);
-  // At least ten statuses per second.
+  // The node publishes at least ten statuses per second (1 % tolerance).
   EXPECT_GT(static_cast<double>(bench.statuses.size()),
             9.9 * to_seconds(bench.clock.now() - FlightBench::kStart));
 }
@@ -60,7 +60,8 @@ TEST(QuadrotorNode, FliesAVehicleThatWaitsForItsDriver) {
   fly(bench);
 }
 
-// A stranger sends one byte every half second to the vehicle's port, starting before the vehicle.
+// Before the vehicle starts, another sender begins to send one byte every half second to the
+// vehicle's port.
 TEST(QuadrotorNode, FliesAVehicleWhosePortAStrangerSendsTo) {
   const std::string port = port_of_this_test(0);
   const auto stranger = open_port("udpout://127.0.0.1:" + port);
@@ -75,7 +76,7 @@ TEST(QuadrotorNode, FliesAVehicleWhosePortAStrangerSendsTo) {
   fly(bench);
 }
 
-// As run_node() reports it; the status shows it to the operator.
+// Failure text as reported by run_node(); the status shows it to the operator.
 TEST(QuadrotorNode, ReportsThatItsProcessWaitsForAProcessor) {
   NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port_of_this_test(3));
   const auto says_busy = [&] {
@@ -135,7 +136,7 @@ TEST(QuadrotorNode, HandsOverAtTheSecondEndRequest) {
     EXPECT_TRUE(bench.run_to_the_end(2.5));
     EXPECT_EQ(bench.node.end_fault(), "");
     EXPECT_TRUE(bench.is_armed()) << "it is never dropped";
-    // The driver has ended, and the autopilot lands the vehicle.
+    // The driver has ended, so the autopilot lands the vehicle by itself.
     EXPECT_TRUE(bench.vehicle.emulator().controller().is_armed());
     for (int i = 0; i < 6'000 && bench.is_armed(); ++i) {
       bench.clock.set(bench.clock.now() + Duration{5'000});
@@ -152,7 +153,8 @@ TEST(QuadrotorNode, DisarmsAndEndsAtOnceOnTheGround) {
   EXPECT_EQ(bench.node.in_flight(bench.clock.now()), InFlight::kNo);
   bench.send_command(OperatorAction::kArm);
   ASSERT_TRUE(bench.run_until([&] { return bench.is_armed(); }, 40.0));
-  bench.node.on_stop_request(1, bench.clock.now());  // before a heartbeat reports it as armed
+  bench.node.on_stop_request(1,
+                             bench.clock.now());  // before a heartbeat reports the vehicle as armed
   EXPECT_FALSE(bench.node.may_end(bench.clock.now()));
   EXPECT_TRUE(bench.run_to_the_end(5.0));
   EXPECT_FALSE(bench.is_armed());

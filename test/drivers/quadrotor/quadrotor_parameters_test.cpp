@@ -1,4 +1,5 @@
-// The driver and the parameters and battery of the autopilot that it arms.
+// Reaction of the driver to the parameters and the battery of its autopilot before arming and in
+// flight.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ using test::FlightBench;
 class Parameters : public ::testing::TestWithParam<AutopilotDialect> {
  protected:
   FlightBench bench{GetParam()};
-  /// Returns the name of the parameter for the time without set-points.
+  /// Returns the name of the parameter that limits the time without set-points.
   std::string loss_name() const {
     return GetParam() == AutopilotDialect::kPx4 ? "COM_OF_LOSS_T" : "GUID_TIMEOUT";
   }
@@ -43,7 +44,8 @@ TEST_P(Parameters, ForbidArmingWhenDifferent) {
   EXPECT_NEAR(bench.driver->parameters().value(loss_name()).value_or(0.0), 3.0, 1e-6);
 }
 
-// Regression: the rules allowed 0.5 s, but the stop was budgeted with 0.3 s.
+// Regression: the rules allowed a time-out of 0.5 s, but the stopping distance was budgeted with
+// 0.3 s.
 TEST_P(Parameters, ForbidArmingWithATimeOutBeyondTheBudget) {
   bench.vehicle.set_parameter(loss_name(), 0.5);
   bench.run(30.0);
@@ -51,8 +53,7 @@ TEST_P(Parameters, ForbidArmingWithATimeOutBeyondTheBudget) {
   EXPECT_FALSE(arms_within(10.0));
 }
 
-// With the longest permitted time-out, measures the distance from motion to the stop without
-// set-points.
+// Sets the longest permitted time-out and measures the stopping distance after the last set-point.
 TEST_P(Parameters, StopWithinTheBudgetWhenTheDriverDies) {
   bench.vehicle.set_parameter(loss_name(), 0.3);
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
@@ -84,7 +85,7 @@ TEST_P(Parameters, AllowArmingOnceCorrected) {
   bench.run(30.0);
   ASSERT_TRUE(bench.has_reason(loss_name()));
   bench.vehicle.set_parameter(loss_name(), 0.3);
-  bench.run(35.0);  // includes the next parameter request
+  bench.run(35.0);  // includes the next request of the parameters
   EXPECT_FALSE(bench.has_reason(loss_name())) << bench.reasons();
   EXPECT_TRUE(arms_within(60.0)) << bench.reasons();
 }
@@ -132,7 +133,7 @@ TEST_P(Parameters, AreNotRequestedInFlight) {
   EXPECT_EQ(asked, 0);
 }
 
-/// Vehicles whose autopilot does not report its charge.
+/// Tests with autopilots that do not report their charge correctly.
 class Battery : public ::testing::TestWithParam<AutopilotDialect> {
  protected:
   static std::unique_ptr<FlightBench> bench_with(sim::BatteryReport report, double share) {
@@ -141,7 +142,7 @@ class Battery : public ::testing::TestWithParam<AutopilotDialect> {
     vehicle.airframe.battery_start_share = share;
     return std::make_unique<FlightBench>(GetParam(), vehicle);
   }
-  /// Returns a bench whose scenario states the voltages of the battery.
+  /// Returns a bench whose scenario contains the voltages of the battery.
   static std::unique_ptr<FlightBench> known_bench(sim::BatteryReport report, double share) {
     auto bench = bench_with(report, share);
     bench->scenario.robots[0].autopilot->battery = scenario::BatterySpec{3, 3.4, 4.1};
@@ -181,8 +182,8 @@ TEST_P(Battery, LandsTheVehicleByItsVoltage) {
 }
 
 TEST_P(Battery, IgnoresAWrongFullReport) {
-  // ArduCopter 4.6.2 reported 100 % for a three-cell battery at 10.6 V, because it counts down from
-  // full.
+  // ArduCopter 4.6.2 reported 100 % for a three-cell battery at 10.6 V, because it assumes a full
+  // battery at power-up.
   const auto bench = known_bench(sim::BatteryReport::kFromFull, 0.05);
   bench->run(30.0);
   EXPECT_LT(bench->driver->telemetry().battery_share().value_or(1.0), 0.45);

@@ -19,7 +19,7 @@ namespace vantage::test {
 /// Argument of set_velocity(): leaves this axis free.
 inline constexpr double kFreeAxis = std::numeric_limits<double>::quiet_NaN();
 
-/// Flight bench that collects the reasons that the driver reports.
+/// Flight bench that collects the reasons in the status of the driver.
 struct ReasonBench : FlightBench {
   explicit ReasonBench(models::AutopilotDialect dialect) : FlightBench(dialect) {
     on_step = [this](Time at) {
@@ -41,7 +41,7 @@ struct ReasonBench : FlightBench {
   [[nodiscard]] double height_m() const {
     return vehicle.world_from_body().translation_m.z() - kFloorM;
   }
-  /// Drops messages of the emulated autopilot with one of these ids.
+  /// Drops all messages of the emulated autopilot with one of these ids.
   void drop_messages(const std::set<std::uint32_t>& ids) {
     loses_received = [ids](const std::vector<std::uint8_t>& datagram) {
       bool found = false;
@@ -52,7 +52,7 @@ struct ReasonBench : FlightBench {
       return found;
     };
   }
-  /// Delivers `message` to the driver as bytes of the autopilot.
+  /// Delivers `message` to the driver, encoded as by the autopilot.
   template <class Message>
   void deliver(const Message& message) {
     std::vector<std::uint8_t> bytes;
@@ -60,7 +60,8 @@ struct ReasonBench : FlightBench {
         wire::mavlink::pack(message, {1, wire::mavlink::kComponentAutopilot, 0}), bytes);
     driver->receive(bytes, true, now);
   }
-  /// Replaces the reported attitude; `yaw_off_rad` is relative to the yaw at the start.
+  /// Replaces the attitude in the autopilot's messages; `yaw_off_rad` is relative to the yaw at the
+  /// start.
   void report_attitude(double roll_rad, double yaw_off_rad, double yaw_rate_radps) {
     drop_messages({wire::mavlink::Attitude::kMessage.id});
     each_step = [=, this](Time) {
@@ -71,7 +72,8 @@ struct ReasonBench : FlightBench {
       deliver(out);
     };
   }
-  /// Replaces the reported position and velocity by the true ones plus these offsets along x.
+  /// Replaces the position and velocity in the autopilot's messages by the true values plus these
+  /// offsets along x.
   void report_motion(double off_m, double off_mps) {
     drop_messages({wire::mavlink::LocalPositionNed::kMessage.id});
     each_step = [=, this](Time) {
@@ -92,7 +94,7 @@ struct ReasonBench : FlightBench {
         {wire::mavlink::BatteryStatus::kMessage.id, wire::mavlink::SysStatus::kMessage.id});
   }
   void charge(double share) { vehicle.controller().airframe().set_battery_share(share); }
-  /// Sets its velocity in the world frame; NaN leaves that axis free.
+  /// Sets the vehicle's velocity in the world frame at each step; NaN leaves an axis free.
   void set_velocity(double x_mps, double y_mps, double z_mps) {
     each_step = [=, this](Time) {
       const Eigen::Vector3d now_mps = vehicle.velocity_world_mps();
@@ -104,7 +106,7 @@ struct ReasonBench : FlightBench {
     };
   }
   void stay_down() { set_velocity(0.0, 0.0, -0.1); }
-  /// Adds two more robots, whose bodies stand away from this one.
+  /// Adds two more robots, whose bodies are stationary and far from Q1.
   void add_robots() {
     scenario = lab_scenario();
     scenario.world.obstacles.clear();

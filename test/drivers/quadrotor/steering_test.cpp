@@ -38,7 +38,8 @@ TEST(Steering, PassesSetPointsWithinTheLimits) {
   EXPECT_EQ(told.yaw_rate_radps, -3.0);
 }
 
-// Speed limits hold in every direction, and the position stays within kReachM of the vehicle.
+// The speed limits apply in every direction. The position set-point stays within kReachM of the
+// vehicle.
 TEST(Steering, LimitsSpeedsAndDistance) {
   std::mt19937_64 rng(3);
   std::uniform_real_distribution<double> any(-3.0, 3.0);
@@ -53,7 +54,7 @@ TEST(Steering, LimitsSpeedsAndDistance) {
     const Eigen::Vector3d away_m = told.position_world_m - here_m;
     EXPECT_LE(away_m.head<2>().norm(), kReachM + 1e-9);
     EXPECT_LE(std::abs(away_m.z()), kReachM + 1e-9);
-    // The direction is towards the set-point.
+    // The position set-point must lie in the direction of the original set-point.
     const Eigen::Vector3d wanted_m = asked.position_world_m - here_m;
     EXPECT_NEAR(away_m.x() * wanted_m.y(), away_m.y() * wanted_m.x(), 1e-9);
     EXPECT_GE(away_m.head<2>().dot(wanted_m.head<2>()), 0.0);

@@ -110,17 +110,17 @@ TEST(Telemetry, DetectsMotorFaultsPerDialect) {
   }
 }
 
-// The lowest battery decides, whatever the ids are.
+// The lowest of all battery reports applies, in any order of ids.
 TEST(Telemetry, ReportsTheLowestBattery) {
   struct Report {
-    int id;  ///< negative: SYS_STATUS
+    int id;  ///< battery id; negative: reported in SYS_STATUS
     std::int8_t percent;
     int at_s;
   };
   struct Row {
     const char* what;
     std::vector<Report> reports;
-    double share;  ///< negative: unknown
+    double share;  ///< reported share; negative: unknown
   };
   const Row rows[] = {
       {"two packs", {{0, 90, 0}, {1, 5, 0}}, 0.05},

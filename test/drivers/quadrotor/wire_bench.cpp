@@ -22,11 +22,12 @@ using models::AutopilotDialect;
 using models::FlightState;
 using models::OperatorAction;
 
-constexpr Duration kStep{5'000};  // step of the emulated autopilots and the nodes
+constexpr Duration kStep{5'000};  // time step of the emulated autopilots and the nodes
 constexpr double kFloorM = 0.05;  // m; height of the markers on the floor
-constexpr double kLineS = 0.001;  // s; latency that the server does not report
+constexpr double kLineS = 0.001;  // s; part of the latency that the server does not report
 constexpr double kRunawayLagS = 0.15;
-constexpr double kTiltFaultRad = 0.5;  // rad; smaller faults are within normal motion
+constexpr double kTiltFaultRad =
+    0.5;  // rad; tilt fault large enough to exceed the tilt of normal motion
 constexpr std::uint8_t kArmedFlag = 0x80;
 constexpr std::int8_t kFrozenPercent = 85;
 constexpr std::uint32_t kPx4Position = 3U << 16U;
@@ -37,7 +38,7 @@ bool is_battery(std::uint32_t message_id) {
          message_id == mavlink::SysStatus::kMessage.id;
 }
 
-/// Changes the payload of `frame` by `change` if it is a `Message`.
+/// Changes the payload of `frame` by `change` if the frame contains a `Message`.
 template <class Message, class Change>
 void alter(mavlink::Frame& frame, const Change& change) {
   if (auto message = mavlink::unpack<Message>(frame)) {
@@ -46,8 +47,8 @@ void alter(mavlink::Frame& frame, const Change& change) {
   }
 }
 
-/// Returns the acceleration that pushes the vehicle, m/s²; a runaway accelerates it until it has
-/// that speed.
+/// Returns the disturbance acceleration of the vehicle, m/s². The runaway fault accelerates the
+/// vehicle up to its runaway speed.
 Eigen::Vector3d push_mps2(const Vehicle& vehicle) {
   const Eigen::Vector3d& runaway_mps = vehicle.knobs.runaway_mps;
   const double speed_mps = runaway_mps.norm();
@@ -59,7 +60,7 @@ Eigen::Vector3d push_mps2(const Vehicle& vehicle) {
   return vehicle.knobs.push_mps2 + along * missing_mps / kRunawayLagS;
 }
 
-/// Returns the message of ArduCopter about a motor without thrust.
+/// Returns the message by which ArduCopter reports a motor without thrust.
 mavlink::Statustext thrust_loss() {
   constexpr std::string_view kText = "Potential Thrust Loss (1)";
   mavlink::Statustext out;
@@ -227,8 +228,9 @@ std::int64_t WireBench::count_of(const Vehicle& vehicle, const std::string& coun
   return -1;
 }
 
-// Vehicles lift one after the other, and a waiting order is dropped after 10 s. Motors stopped
-// meanwhile need a new order, so all orders are repeated until all vehicles have flown.
+// Vehicles lift one after the other. A waiting order is dropped after 10 s, and motors that were
+// stopped meanwhile need a new order. All orders are therefore repeated until all vehicles have
+// flown.
 void WireBench::fly_up(double until_s) {
   constexpr std::int64_t kCycleTicks = 2'000;
   while (time_s() < until_s) {

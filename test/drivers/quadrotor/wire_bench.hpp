@@ -17,14 +17,14 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/drivers/vicon/vicon_bench.hpp"
 
-// Flight bench from device bytes to device bytes, in virtual time. Bytes of a DataStream server
+// Flight bench in virtual time in which all data pass as device bytes. Bytes of a DataStream server
 // pass through the mocap driver and its filter onto a bus. Three quadrotor nodes read them there
 // and exchange MAVLink with emulated autopilots. Plans and commands are encoded messages on the
 // same bus. The knobs of FlightBench change these bytes or the behaviour of a device.
 
 namespace vantage::test {
 
-/// Both ends of the wire of a vehicle; knobs decide which messages pass.
+/// Connection of a node to its emulated vehicle; knobs decide which messages pass.
 class WirePort : public drivers::Port {
  public:
   [[nodiscard]] bool is_datagram() const override { return true; }
@@ -38,7 +38,7 @@ class WirePort : public drivers::Port {
 
 class WireBench : public FlightBench {
  public:
-  /// Time before 0 for boot, parameters, arming and take-off, s.
+  /// s; time before t = 0 for boot, parameters, arming and take-off.
   static constexpr double kWireLeadS = 70.0;
 
   /// Constructs a bench in which Q1 and Q3 have autopilots of `dialect` and Q2 has the other
@@ -48,7 +48,7 @@ class WireBench : public FlightBench {
   void fly_up(double until_s) override;
   [[nodiscard]] std::int64_t count_of(const Vehicle& vehicle,
                                       const std::string& counter) const override;
-  /// Returns the counters of the node of the vehicle, of its bus and of the mocap driver.
+  /// Returns the counters of the vehicle's node, of the node's bus and of the mocap driver.
   [[nodiscard]] std::vector<models::NamedCount> counts_of(const Vehicle& vehicle) const;
   /// Returns the reasons in the newest status of the vehicle.
   [[nodiscard]] const std::vector<std::string>& reasons_of(const std::string& robot);
@@ -67,13 +67,14 @@ class WireBench : public FlightBench {
 
     std::unique_ptr<bus::Transport> side;
     bus::Bus bus;
-    WirePort* port;  ///< owned by the node
+    WirePort* port;  ///< owned by the node of the vehicle
     drivers::QuadrotorNode node;
     sim::AutopilotEmulator emulator;
     std::vector<std::string> reasons;
     bool was_mode_left = false;
     bool was_end_requested = false;
-    std::optional<double> charge_share;  ///< battery share without a battery fault
+    std::optional<double>
+        charge_share;  ///< reported battery share in the absence of a battery fault
   };
   static scenario::Scenario wire_scenario(models::AutopilotDialect dialect);
   [[nodiscard]] bool is_px4(const std::string& robot) const;

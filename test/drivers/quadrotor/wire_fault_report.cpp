@@ -14,7 +14,7 @@ using models::FlightState;
 
 constexpr AutopilotDialect kDialects[] = {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
 
-/// Difference between the catalogue and the wire for one fault.
+/// Difference between the catalogue and the reaction on the wire for one fault.
 struct Difference {
   const char* fault;
   const char* why;
@@ -70,9 +70,9 @@ const Difference* difference_of(const Fault& fault) {
   return found == std::end(kDifferences) ? nullptr : found;
 }
 
-// True if device bytes can carry the fault. Two faults need a plan check without teammates, which
-// no device can cause. Two need rotations that the matrices of DataStream cannot express
-// (quaternions of VRPN can: vicon_test).
+// True if device bytes can express the fault. Two faults need a plan check without teammates, which
+// no device can cause. Two need rotations that the matrices of DataStream cannot express; the
+// quaternions of VRPN can (vicon_test).
 bool is_wire_fault(const Fault& fault) {
   const std::string name = fault.name;
   return !fault.trusts_plans && name != "no rotation" && name != "no unit rotation";

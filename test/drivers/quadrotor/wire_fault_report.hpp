@@ -15,7 +15,8 @@ namespace vantage::test {
 /// older than a tick. For messages at 1 Hz they are 1.1 s longer.
 const std::vector<Fault>& wire_faults(models::AutopilotDialect dialect);
 
-/// Returns how a row of wire_faults() differs from the catalogue; empty if it does not.
+/// Returns a text that explains how a row of wire_faults() differs from the catalogue; empty if it
+/// does not.
 std::string difference_reason(const Fault& fault);
 
 /// Observation time of each fault, s.
@@ -23,12 +24,12 @@ inline constexpr double kWireLastsS = 24.0;
 /// Flies up on a WireBench, starts the fault at kBeginS and continues for kWireLastsS.
 FaultRun fly_wire_fault(const Fault& fault, models::AutopilotDialect dialect, std::uint64_t seed);
 
-/// Returns the rows of faults whose name contains `part_of_name`, with the reasons reported and the
-/// counters of Q1 that grew.
+/// Returns the rows of the faults whose name contains `part_of_name`, with the reported reasons and
+/// the counters of Q1 that increased.
 std::string wire_fault_rows(const std::string& part_of_name);
 
-/// Returns the page docs/results/faults47.md up to the list of tests: every such fault flown with
-/// seed 1 and both dialects.
+/// Returns the page docs/results/faults47.md up to the list of tests. It contains every fault of
+/// wire_faults(), flown with seed 1 and both dialects.
 std::string wire_fault_report();
 
 }  // namespace vantage::test

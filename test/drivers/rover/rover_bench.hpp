@@ -16,8 +16,8 @@
 
 namespace vantage::test {
 
-/// A driver, an emulated rover with tyre slip, mocap at 100 Hz with noise and 5 ms of latency, an
-/// operator and a planner, in virtual time. R1 starts at (1, 1) with its heading along y.
+/// A closed loop in virtual time: driver, emulated rover with tyre slip, mocap at 100 Hz with noise
+/// and 5 ms of latency, operator and planner. R1 starts at (1, 1) with its heading along y.
 class RoverBench : public SteppedBench {
  public:
   static constexpr Duration kStep{5'000};
@@ -51,7 +51,7 @@ class RoverBench : public SteppedBench {
   void step() final {
     if (steps % 2 == 0 && mocap_on) {
       if (captured.stamp.time > Time{}) {
-        driver.on_mocap(captured, now);  // 5 ms old
+        driver.on_mocap(captured, now);  // the frame is 5 ms old
       }
     }
     captured = capture();
@@ -75,7 +75,7 @@ class RoverBench : public SteppedBench {
   drivers::CommandVerdict command(models::OperatorAction action) {
     return driver.on_command(next_command(action), now);
   }
-  /// Sends a plan that begins after `delay_s`, at the current pose unless `start` is given.
+  /// Sends a plan that begins after `delay_s` at `start`, by default at the current pose.
   drivers::PlanVerdict plan(const std::vector<models::PlanSegment>& segments, double delay_s = 0.3,
                             std::optional<Pose2> start = std::nullopt) {
     return driver.on_plan(
@@ -83,7 +83,8 @@ class RoverBench : public SteppedBench {
                   kMarkersM, segments),
         now);
   }
-  /// Arms, commands `follow` and runs 1.5 s in total; returns whether both were obeyed.
+  /// Arms, commands `follow` and runs 1.5 s in total; returns whether the rover obeyed both
+  /// commands.
   bool make_ready() {
     run(1.0);
     const bool armed = command(models::OperatorAction::kArm) == drivers::CommandVerdict::kObeyed;
@@ -116,7 +117,7 @@ class RoverBench : public SteppedBench {
   bool commands_on = true;
   bool operator_on = true;
   bool driver_on = true;
-  std::optional<Pose3> shown_pose;  ///< pose in mocap frames instead of the truth
+  std::optional<Pose3> shown_pose;  ///< if set, pose in mocap frames instead of the true pose
   std::optional<Eigen::Vector2d> target_m;
   std::function<drivers::RoverMessage(const drivers::RoverMessage&)> change;
 

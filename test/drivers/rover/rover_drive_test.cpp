@@ -1,4 +1,4 @@
-// The driver with an emulated rover in virtual time, without faults.
+// Tests the driver with an emulated rover in virtual time, without faults.
 
 #include <algorithm>
 #include <cmath>
@@ -17,14 +17,14 @@ using models::FlightState;
 using models::OperatorAction;
 using test::RoverBench;
 
-// Stated tracking errors with 3 % of slip and 30 ms of delay. Plans change their speed abruptly,
-// and from rest the wheels need half a second to reach it.
+// m; documented limits of the tracking error with 3 % slip and 30 ms delay. A plan begins at full
+// speed, which the wheels reach only after half a second.
 constexpr double kSetOffErrorM = 0.15;
 constexpr double kPlanErrorM = 0.05;
 constexpr double kSetOffS = 1.5;
 
-/// Returns a curved path of about 6 s with speeds and rates of the lab's primitives, from (1, 1)
-/// along y.
+/// Returns a curved path of about 6 s from (1, 1) along y. Its speeds and turn rates are those of
+/// the lab's motion primitives.
 std::vector<models::PlanSegment> curves() {
   return {{{0.5, 0.0}, 1.5, 0.0},
           {{0.5, -0.5}, 2.0, 0.0},
@@ -191,11 +191,11 @@ TEST(RoverDriver, StopsBeforeACrossingPersonIsClose) {
       const double hold_m = limits_for(bench.scenario, "R1").separation_hold_m;
       const Eigen::Vector2d step_m =
           0.005 * speed_mps * Eigen::Vector2d(std::cos(heading_rad), std::sin(heading_rad));
-      // They would meet 0.75 m ahead after 1.5 s.
+      // Rover and person would meet 0.75 m ahead of the rover after 1.5 s.
       Eigen::Vector2d person_m = bench.place_m() + Eigen::Vector2d(0.0, 0.75) - 300.0 * step_m;
       const double begins_m = (person_m - bench.place_m()).norm();
       if (begins_m < 1.2) {
-        person_m -= 240.0 * step_m;  // starts far enough away
+        person_m -= 240.0 * step_m;  // moves the start farther away
       }
       double least_m = 1e9;
       for (int i = 0; i < 600 && !(i > 0 && bench.is_stationary()); ++i) {

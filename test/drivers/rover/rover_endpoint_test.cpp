@@ -1,4 +1,4 @@
-// Driver and emulated rover at the two ends of a real loopback socket, in virtual time.
+// Driver and emulated rover, connected by a real loopback socket, in virtual time.
 
 #include "sim/rover/rover_endpoint.hpp"
 
@@ -18,7 +18,7 @@ using test::port_of_this_test;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// Sends commands at 50 Hz for one second; expects that the rover drives and reports it.
+/// Sends commands at 50 Hz for one second; expects that the rover drives and reports its motion.
 void drive(const std::string& url) {
   const std::unique_ptr<Port> port = open_port(url);
   sim::RoverEmulatorSpec spec;

@@ -1,5 +1,5 @@
-// Faults of a rover that follows a plan at 0.5 m/s, in virtual time: time until it stops, state,
-// and how the fault ends. The times are those of docs/guide/rovers.md.
+// Faults of a rover that follows a plan at 0.5 m/s, in virtual time: time until the rover stops,
+// its state, and the end of the fault. The expected times are those of docs/guide/rovers.md.
 
 #include <algorithm>
 #include <functional>
@@ -17,15 +17,15 @@ using models::FlightState;
 using models::OperatorAction;
 using test::RoverBench;
 
-// Time from the decision of the driver to stationary wheels: a tick, the delay of the rover, twice
-// 0.5 m/s at 2 m/s² (ramp of the driver and of the wheels), two bench steps.
+// s; time from the driver's decision to stationary wheels: one tick, the delay of the rover, two
+// ramps from 0.5 m/s at 2 m/s² (of the driver and of the wheels), and two bench steps.
 constexpr double kBrakeS = 0.02 + 0.03 + 0.25 + 0.05 + 0.01;
 constexpr double kWatchdogS = wire::rover::kWatchdogS;
 
 struct Fault {
   const char* name;
   std::function<void(RoverBench&)> begin;
-  double seen_after_s;  ///< s; upper limit, from the start of the fault
+  double seen_after_s;  ///< s; maximum time from the start of the fault until the driver detects it
   FlightState end;
   const char* reason;
 };
@@ -174,7 +174,7 @@ TEST_F(RoverUnderWay, WaitsForFollowAfterOperatorSilence) {
   EXPECT_EQ(bench.plan(RoverBench::straight(0.5, 1.0)), PlanVerdict::kAccepted);
 }
 
-// The steering jams in a curve that ends before the wall; the rover must not reach the wall.
+// The steering jams in a curve that would end before the wall; the rover must not cross the fence.
 TEST(RoverFence, IsNotCrossedWhenSteeringJams) {
   scenario::Scenario scenario = RoverBench::scenario_for();
   scenario.world.bounds = {{0.0, 0.0}, {4.0, 3.0}};

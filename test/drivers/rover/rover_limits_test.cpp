@@ -1,5 +1,5 @@
-// Every limit of docs/guide/rovers.md that stops a rover, on both sides, and the parameters of its
-// steering.
+// Compares every limit that stops a rover with docs/guide/rovers.md, on both sides of the limit,
+// and also the parameters of its steering.
 
 #include <algorithm>
 #include <string>
@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kToleranceM = 0.15;
 
-/// One line of the table in the document. `set` sets an input; `last` is its last permitted value,
-/// and `last` + `step` is not permitted.
+/// One row of the table in the document. `set` sets an input. `last` is the last permitted value of
+/// the input; `last` + `step` is not permitted.
 struct Stated {
   const char* name;
   Severity severity;
@@ -32,7 +32,7 @@ constexpr auto kHold = Severity::kHold;
 constexpr auto kSelf = Clearing::kSelf;
 constexpr auto kOperator = Clearing::kOperator;
 
-// Lower limits are stated with the opposite sign.
+// Lower limits are listed with inverted sign.
 const Stated kStated[] = {
     {"fence far", kKill, Clearing::kRearm, 0.0,
      [](SafetyInputs& in, double v) { in.fence_centre_m = -v; }, 1.0},
@@ -49,7 +49,8 @@ const Stated kStated[] = {
     {"obstacle ahead", kHold, kSelf, 0.0,
      [](SafetyInputs& in, double v) { in.obstacle_stop_m = -v; }, 0.0},
     {"separation breach", kHold, kOperator, 0.0,
-     [](SafetyInputs& in, double v) { in.separation_now_m = -v; }, -0.4},  // two radii
+     [](SafetyInputs& in, double v) { in.separation_now_m = -v; },
+     -0.4},  // m; the sum of two radii
     {"tracking lost", kHold, kOperator, 0.1,
      [](SafetyInputs& in, double v) { in.tracking_error_m = v; }, 5.0 * kToleranceM},
     {"tracking", kHold, kSelf, 0.1, [](SafetyInputs& in, double v) { in.tracking_error_m = v; },

@@ -67,8 +67,8 @@ TEST(RoverNode, DrivesAPlanFromTheBusAndStopsOnCommand) {
   }
 }
 
-// It holds while its process waits for a processor; after more than 3 s the operator must command
-// `follow`.
+// The rover holds while its process waits for a processor. After more than 3 s, the operator must
+// command `follow` again.
 TEST(RoverNode, HoldsWhileItsProcessWaitsForAProcessor) {
   NodeBench bench;
   ASSERT_TRUE(bench.start_plan());
@@ -99,7 +99,7 @@ TEST(RoverNode, StopsBeforeItEnds) {
   EXPECT_EQ(bench.node.end_fault(), "");
 }
 
-// An old log is replayed during the drive, with its mocap and its stop.
+// During the drive an old log is replayed, which contains mocap frames and a stop.
 TEST(RoverNode, IgnoresAnOldLogAndASecondMocap) {
   NodeBench bench;
   ASSERT_TRUE(bench.start_plan());

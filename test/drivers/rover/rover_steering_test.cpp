@@ -53,7 +53,7 @@ TEST(Steer, RespectsLimitsAndNeverReverses) {
   }
 }
 
-// The control law is exponentially stable along a moving reference: errors vanish after a few
+// The control law is exponentially stable along a moving reference: errors vanish within a few
 // metres.
 TEST(Steer, BringsAnExactUnicycleBackToACircle) {
   std::mt19937_64 random(4);

@@ -411,9 +411,7 @@ TEST(CheckWay, ChecksEveryPathToItsEnd) {
 TEST(CheckWay, IgnoresTheFlownPartOfTeammatePlans) {
   SafetyLimits lim = open_limits();
   lim.plan_separation_m = 0.5;
-  const HeldPlan passes = drive(
-      0.0,
-      0.3);  // the other plan passes at a distance of 0.3 m when x = 1 m and of 0.5 m at x = 1.4 m
+  const HeldPlan passes = drive(0.0, 0.3);  // 0.3 m away at x = 1 m, 0.5 m away at 1.4 m
   const OtherCourse others[] = {{&passes, {}}};
   const double since_s = test::last_accepted(3.0, 0.0, 1e-7, [&](double t_s) {
     const HeldPlan stands = hover(t_s - 0.1, 1.0, 0.0);

@@ -24,7 +24,7 @@ models::MocapBody body(const std::string& name, const Pose2& pose, double height
   return out;
 }
 
-/// Returns a frame with Q1 at (2, 4), heading along +x at 1 m, and one rover.
+/// Returns a frame with Q1 at (2, 4), 1 m high, heading along +x, and one rover.
 models::MocapFrame frame_with(const Pose2& rover, Time time = kStart) {
   models::MocapFrame frame;
   frame.stamp.time = time;
@@ -38,8 +38,9 @@ scenario::Scenario scenario_with(models::SensorKind kind) {
   return scenario;
 }
 
-// The measurement error, whitened by its covariance, is standard normal. Its squared norm is χ²
-// with one degree of freedom per row, and the mean of n of them has σ = √(2 d / n).
+// Tests the noise statistically. The measurement error, whitened by its covariance, is standard
+// normal. Its squared norm is χ² with one degree of freedom per row. The mean of n such values has
+// σ = √(2 d / n).
 class EverySensor : public ::testing::TestWithParam<models::SensorKind> {};
 
 TEST_P(EverySensor, HasItsStatedNoise) {
@@ -145,15 +146,16 @@ struct Reports {
   }
 };
 
-// Bernoulli distribution: mean p, variance p (1 − p).
+// Detections follow a Bernoulli distribution: mean p, variance p (1 − p).
 TEST(PoseSensor, MissesAtTheScenariosRate) {
   const Reports reports({0.7, 0.0, true});
   EXPECT_NEAR(reports.mean, 0.7, 5.0 * std::sqrt(0.21 / Reports::kLooks));
   EXPECT_NEAR(reports.variance, 0.21, 0.01);
 }
 
-// Mean and variance of a Poisson number are λ, and the variance has σ² = (λ + 2 λ²) / n. The target
-// adds p and p (1 − p).
+// The number of false alarms follows a Poisson distribution: its mean and variance are λ. The
+// estimate of the variance has σ² = (λ + 2 λ²) / n. The target adds p to the mean and p (1 − p) to
+// the variance.
 TEST(PoseSensor, ReportsPoissonFalseAlarms) {
   const double lambda = 2.0;
   const Reports reports({0.9, lambda, false});
@@ -176,7 +178,7 @@ TEST(PoseSensor, HidesWhichDetectionIsATarget) {
     EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end(), [](const auto& a, const auto& b) {
       return a.measurement.z(0) < b.measurement.z(0);
     }));
-    // One of them is the measurement of the target, equal to that with known ids.
+    // One of the detections is that of the target. It equals the detection with known ids.
     const auto own = naming.measure(frame, false)->detections.at(0).measurement.z;
     const auto at = std::find_if(seen.begin(), seen.end(),
                                  [&](const auto& each) { return each.measurement.z == own; });

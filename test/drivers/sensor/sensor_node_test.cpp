@@ -14,7 +14,7 @@
 namespace vantage::drivers {
 namespace {
 
-// A multiple of τ = 0.5 s.
+// Start time; a multiple of the step τ = 0.5 s.
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 struct Bench {
@@ -113,7 +113,7 @@ TEST(SensorNode, PublishesDetectionsWithoutIdsWhenConfigured) {
       EXPECT_EQ(each.target_id, models::kNoTargetId);
     }
   }
-  EXPECT_GT(detections, 21u + 20u);  // mean of 42 false alarms, σ 6.5
+  EXPECT_GT(detections, 21u + 20u);  // the mean is 42 false alarms, σ 6.5
 }
 
 TEST(SensorNode, InterpolatesToTheExactStepBetweenFrames) {
@@ -184,8 +184,8 @@ TEST(SensorNode, MeasuresNothingWhileItIsJammed) {
   EXPECT_FALSE(bench.measured[2].jammed);
 }
 
-// Attack notices are repeated every second. Without the time limit, a sender that ends in the
-// middle would leave its robots jammed for the rest of the flight.
+// Attack notices are repeated every second. Without a time limit, robots would stay jammed for the
+// rest of the flight if the sender ended during an attack.
 TEST(SensorNode, ForgetsAnAttackNoticeAfterThreeSeconds) {
   Bench bench;
   const auto measure_at = [&](Duration after_start) {
@@ -197,7 +197,7 @@ TEST(SensorNode, ForgetsAnAttackNoticeAfterThreeSeconds) {
   bench.send_attack({"Q1"});
   EXPECT_TRUE(measure_at(Duration{500'000}));
   EXPECT_TRUE(measure_at(Duration{3'000'000}));
-  bench.send_attack({"Q1"});  // same stamp; the time of reception counts
+  bench.send_attack({"Q1"});  // same stamp as before; the time limit counts from the reception
   EXPECT_TRUE(measure_at(Duration{3'500'000}));
   EXPECT_TRUE(measure_at(Duration{6'000'000}));
   EXPECT_FALSE(measure_at(Duration{6'500'000}));
@@ -225,13 +225,15 @@ TEST(SensorNode, ScansInMappingUnlessJammed) {
   EXPECT_EQ(scan.robot, "Q1");
   EXPECT_EQ(scan.viewpoint.world_from_body.x_m, 1.0);
   EXPECT_FALSE(scan.jammed);
-  ASSERT_EQ(scan.ranges_m.size(), 4u);  // room of 4 × 8 m, seen from (1, 4); a wall 1 m behind
+  ASSERT_EQ(scan.ranges_m.size(), 4u);  // room of 4 × 8 m, seen from (1, 4) with a wall 1 m behind
   EXPECT_EQ(scan.range_max_m, 2.5);
   const models::BeamSensor scanner = mapping_scenario().mapping.scanner;
   for (int beam = 0; beam < 4; ++beam) {
     const bool is_behind = std::abs(std::abs(scanner.bearing_rad(beam)) - kPi) < 1e-9;
     const bool is_right = std::abs(scanner.bearing_rad(beam) + kPi / 2) < 1e-9;
-    const double wanted_m = is_behind ? 1.0 : is_right ? 1.0 : 2.5;  // obstacle from y = 2.5 to 3
+    const double wanted_m = is_behind  ? 1.0
+                            : is_right ? 1.0
+                                       : 2.5;  // the obstacle extends from y = 2.5 to 3
     EXPECT_NEAR(scan.ranges_m[static_cast<std::size_t>(beam)], wanted_m, 0.01) << beam;
   }
   ASSERT_EQ(scan.inputs.size(), 1u);

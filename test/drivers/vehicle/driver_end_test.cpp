@@ -12,7 +12,7 @@ using std::chrono::seconds;
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr Duration kLanding = seconds(45);
 
-/// The end logic of a driver, one hour after its start.
+/// End logic of a driver that was started one hour ago.
 struct Driver {
   DriverEnd end{kStart - std::chrono::hours(1), kLanding};
   bool may_end(const EndFacts& facts, Duration since) {
@@ -71,7 +71,8 @@ TEST(DriverEnd, EndsWhileAPilotFlies) {
   EXPECT_NE(driver.end.fault().find("a pilot flies"), std::string::npos);
 }
 
-// A driver that restarts in flight and is requested to end at once has not received anything yet.
+// A driver restarts in flight and receives an end request before it has received anything from the
+// vehicle.
 TEST(DriverEnd, WaitsForItsVehicleBeforeItEnds) {
   DriverEnd end(kStart, kLanding);
   end.request(1, kStart);

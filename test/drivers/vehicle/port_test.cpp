@@ -78,18 +78,18 @@ TEST(UdpPort, RepliesToTheAcceptedSender) {
   const int number = test::free_port();
   const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
   EXPECT_TRUE(port->is_datagram());
-  port->write(Bytes{1}, kNow);  // no recipient yet
+  port->write(Bytes{1}, kNow);  // lost, because there is no recipient yet
   const Socket vehicle;
   vehicle.send({1, 2, 3}, number);
   EXPECT_EQ(read_all(*port, kNow), (Bytes{1, 2, 3}));
-  port->write(Bytes{6}, kNow);  // not accepted yet: no answer
+  port->write(Bytes{6}, kNow);  // no reply, because no sender is accepted yet
   port->accept(kNow);
   EXPECT_TRUE(read_all(*port, kNow).empty());
   port->write(Bytes{7, 8}, kNow);
   EXPECT_EQ(vehicle.receive(), (Bytes{7, 8}));
 }
 
-// A stranger that sends first, and continues, must not keep the vehicle out.
+// Another sender that sends first and continues must not prevent the connection to the vehicle.
 TEST(UdpPort, ReceivesFromAllSendersUntilOneIsAccepted) {
   const int number = test::free_port();
   const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
@@ -113,7 +113,7 @@ TEST(UdpPort, ReceivesOnlyFromTheAcceptedSender) {
   const Socket other;
   vehicle.send({1}, number);
   EXPECT_EQ(read_all(*port, kNow), Bytes{1});
-  other.send({2}, number);  // waits in the socket when the vehicle is accepted
+  other.send({2}, number);  // is queued in the socket when the vehicle is accepted
   port->accept(kNow);
   EXPECT_TRUE(read_all(*port, kNow + std::chrono::seconds(1)).empty());
   ASSERT_EQ(port->counters().size(), 1U);
@@ -135,7 +135,7 @@ TEST(UdpPort, SendsFirstWhenConfigured) {
   EXPECT_EQ(vehicle.receive(), (Bytes{4, 5}));
 }
 
-/// The far end of a serial line: a pseudo terminal.
+/// The other end of a serial line, emulated by a pseudo terminal.
 class Line {
  public:
   Line() : fd_(posix_openpt(O_RDWR | O_NOCTTY)) {
@@ -217,7 +217,7 @@ TEST(SerialPort, DropsQueuedMessagesWhenTheLineIsCut) {
   EXPECT_EQ(counters.back().name, "port.losses");
 }
 
-// While a line is stuck, only whole messages are dropped, the oldest first.
+// While a line is blocked, only complete messages are dropped, the oldest first.
 TEST(SerialPort, DropsTheOldestWholeMessages) {
   constexpr std::size_t kBytes = 90;
   constexpr int kMessages = 400;
@@ -237,7 +237,7 @@ TEST(SerialPort, DropsTheOldestWholeMessages) {
   for (int i = 0; i < 100 && heard.size() < sent * kBytes; ++i) {
     const Bytes some = line.receive(std::min<std::size_t>(2000, sent * kBytes - heard.size()));
     heard.insert(heard.end(), some.begin(), some.end());
-    port->write({}, kNow);  // continues with the queued messages
+    port->write({}, kNow);  // continues to send the queued messages
   }
   ASSERT_EQ(heard.size(), sent * kBytes);
   std::vector<int> numbers;

@@ -10,7 +10,8 @@
 
 namespace vantage::test {
 
-/// Base of benches with a driver and its vehicle: virtual time, commands and plans.
+/// Base class of benches that connect a driver and its vehicle, with virtual time, commands and
+/// plans.
 class SteppedBench {
  public:
   static constexpr Time kStart = from_utime(1'700'000'000'000'000);
@@ -21,7 +22,7 @@ class SteppedBench {
       step();
     }
   }
-  /// Runs until `done` is true, at most `seconds`; returns whether it is.
+  /// Runs until `done` is true or `seconds` have passed; returns whether it became true.
   bool run_until(const std::function<bool()>& done, double seconds) {
     const Time end = now + from_seconds(seconds);
     while (now < end && !done()) {
@@ -41,14 +42,14 @@ class SteppedBench {
   SteppedBench(SteppedBench&&) = default;
   SteppedBench& operator=(SteppedBench&&) = default;
 
-  /// Returns the next command of the operator.
+  /// Returns the operator's next command.
   models::OperatorCommand next_command(models::OperatorAction action) {
     models::OperatorCommand out;
     out.stamp = {now, 77, command_sequence_++};
     out.action = action;
     return out;
   }
-  /// Returns the next plan of the planner, beginning at `start`.
+  /// Returns the planner's next plan, which begins at `start`.
   models::RobotPlan next_plan(std::string robot, Time start, const Pose2& from, double height_m,
                               std::vector<models::PlanSegment> segments) {
     models::RobotPlan out;

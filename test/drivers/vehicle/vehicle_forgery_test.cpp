@@ -1,4 +1,5 @@
-// Trust of a flying vehicle in messages forged in the name of its partners.
+// Tests which forged messages a flying vehicle accepts. The forger uses the names of the vehicle's
+// partners.
 
 #include <map>
 
@@ -18,14 +19,14 @@ using test::kOtherRun;
 using test::kSecondSource;
 using test::VehicleTrust;
 
-// Forgeries that cannot be detected without keys: run ids and next sequence numbers of the live
-// stream, with current stamps.
+// Forgeries that cannot be detected without keys: they use the run id and next sequence number of
+// the live stream, and current stamps.
 
 class ForgedInThisSession : public VehicleTrust {
  protected:
   static constexpr std::int64_t kPlannerRun = 77;
 
-  /// Forges poses in the name of the live publisher for three seconds.
+  /// Forges poses in the name of the real publisher for three seconds.
   void forge_poses() {
     const auto listener = listen();
     bench.each_step = [&] {
@@ -48,7 +49,8 @@ class ForgedInThisSession : public VehicleTrust {
     send(bus::kCommand.name, bytes_of(command(action, command_.run_id, command_.sequence + 1, {})));
     bench.run(0.5);
   }
-  /// Sends the payload alone, and with the newest trailer received on the channel.
+  /// Sends the payload without a signature, and again with the newest signature trailer received on
+  /// the channel.
   void send(const std::string& channel, const std::vector<std::uint8_t>& payload) {
     bench.attacker->publish(channel, payload);
     std::vector<std::uint8_t> with_trailer = payload;
@@ -58,7 +60,7 @@ class ForgedInThisSession : public VehicleTrust {
                         whole.end() - static_cast<std::ptrdiff_t>(trailer_bytes), whole.end());
     if (trailer_bytes > 0) {
       bench.attacker->publish(channel, with_trailer);
-      bench.attacker->publish(channel, whole);  // replay of the true message
+      bench.attacker->publish(channel, whole);  // replay of the genuine message
     }
   }
   template <class Message>
@@ -88,7 +90,7 @@ class ForgedInThisSession : public VehicleTrust {
       command_ = {from_utime(order->utime), order->run_id, order->sequence};
     }
   }
-  /// Returns a plan that begins at the hover of the vehicle 0.5 s from now.
+  /// Returns a plan that begins at the vehicle's hover position in 0.5 s.
   models::RobotPlan plan() const {
     models::RobotPlan plan;
     plan.robot = bench.robot();

@@ -18,12 +18,13 @@
 
 namespace vantage::test {
 
-/// Node of a vehicle connected by sockets to the emulated vehicle: virtual time, real datagrams on
-/// the loopback, and an in-process bus with mocap at 100 Hz and an operator.
+/// A vehicle node connected to the emulated vehicle by real loopback datagrams, in virtual time. An
+/// in-process bus carries mocap at 100 Hz and operator commands.
 template <class Node, class Endpoint>
 class VehicleNodeBench {
  public:
-  using Place = std::function<Pose3(const Endpoint&)>;  ///< pose of its markers in the world
+  using Place =
+      std::function<Pose3(const Endpoint&)>;  ///< computes the pose of the markers in the world
 
   template <class Spec>
   VehicleNodeBench(const scenario::Scenario& given, const Spec& spec, const std::string& url,
@@ -38,7 +39,7 @@ class VehicleNodeBench {
         [this](const models::VehicleStatus& heard) { statuses.push_back(heard); });
   }
 
-  /// Makes node and lab sign and verify messages from now on; the attacker has no key.
+  /// From now on, node and lab sign and verify messages; the attacker has no key.
   void secure(const std::shared_ptr<const bus::auth::Keyring>& keys,
               const bus::auth::Authenticator::Rules& rules) {
     node_bus.secure(authenticator(keys, rules), clock);
@@ -52,7 +53,7 @@ class VehicleNodeBench {
     command.action = action;
     lab.publish(bus::kCommand, command);
   }
-  /// Publishes a message of a third party, with the run id and sequence number that it contains.
+  /// Publishes a message of a third party with the run id and sequence number in `message`.
   template <class Message>
   void publish_forged(const bus::Channel<Message>& channel, const Message& message) {
     const auto wire = bus::to_wire(message);
@@ -82,8 +83,8 @@ class VehicleNodeBench {
     }
     return done();
   }
-  /// Runs as a process that was requested to end, until the node may end; returns false if that
-  /// takes longer than `seconds`.
+  /// Continues after an end request until the node may end; returns false if that takes longer than
+  /// `seconds`.
   bool run_to_the_end(double seconds) {
     return run_until([this] { return node.may_end(clock.now()); }, seconds);
   }
@@ -117,9 +118,9 @@ class VehicleNodeBench {
   Place place;
   std::vector<models::VehicleStatus> statuses;
   std::int64_t steps = 0;
-  bus::Bus* mocap = &lab;           ///< publisher of VICON; nullptr: none
-  Duration mocap_clock{};           ///< offset of the mocap clock
-  Duration operator_clock{};        ///< offset of the clock of the operator
+  bus::Bus* mocap = &lab;           ///< bus that publishes VICON; nullptr: none
+  Duration mocap_clock{};           ///< offset of the mocap computer's clock
+  Duration operator_clock{};        ///< offset of the operator's clock
   std::function<void()> each_step;  ///< called at each step
 };
 

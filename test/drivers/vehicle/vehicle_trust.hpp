@@ -15,7 +15,7 @@
 #include "test/drivers/vehicle/vehicle_node_bench.hpp"
 #include "test/support/udp_port.hpp"
 
-// A vehicle in flight with its node and a real bus, for tests of the trusted sources.
+// A flying vehicle with its node and a real bus, for tests that check which sources are trusted.
 
 namespace vantage::test {
 
@@ -24,7 +24,7 @@ using models::AutopilotDialect;
 using models::FlightState;
 using models::OperatorAction;
 
-inline constexpr std::int64_t kLabRun = 22;  // of the bench: mocap and operator
+inline constexpr std::int64_t kLabRun = 22;  // run id of mocap and operator on the bench
 inline constexpr std::int64_t kOtherRun = 5;
 inline constexpr const char* kSecondSource = "messages from a second VICON source are rejected";
 inline constexpr const char* kOtherClock =
@@ -87,7 +87,7 @@ class VehicleTrust : public ::testing::Test {
     out.action = action;
     return out;
   }
-  /// True if the vehicle reported nothing else since take_off().
+  /// True if the vehicle has reported only its normal hover since take_off().
   [[nodiscard]] testing::AssertionResult only_hovered() const {
     for (models::VehicleStatus status : bench.statuses) {
       std::erase(status.reasons, kSecondSource);
@@ -110,7 +110,8 @@ class VehicleTrust : public ::testing::Test {
     return out;
   }
 
-  /// Starts a second mocap that shows the vehicle elsewhere, until each_step is replaced.
+  /// Starts a second mocap source that shows the vehicle at another position, until each_step is
+  /// replaced.
   void begin_second_mocap() {
     second_side_ = bench.hub.connect();
     second_ = std::make_unique<bus::Bus>(*second_side_, kOtherRun);

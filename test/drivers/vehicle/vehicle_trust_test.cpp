@@ -1,5 +1,5 @@
-// Trust of a flying vehicle in messages, through its node and a real bus: forged numbers, old logs,
-// a second mocap, changed clocks.
+// Tests which messages a flying vehicle accepts through its node and a real bus: forged sequence
+// numbers, old logs, a second mocap, changed clocks.
 
 #include "test/drivers/vehicle/vehicle_trust.hpp"
 
@@ -22,7 +22,7 @@ using test::kOtherRun;
 using test::kSecondSource;
 using test::VehicleTrust;
 
-// COMMAND
+// Channel COMMAND
 
 TEST_F(VehicleTrust, AcceptsAStopAfterForgedNumbers) {
   take_off();
@@ -102,7 +102,7 @@ TEST_F(VehicleTrust, KeepsTheOperatorThroughAClockChange) {
   EXPECT_EQ(bench.state(), FlightState::kKilled);
 }
 
-// VICON
+// Channel VICON
 
 TEST_F(VehicleTrust, RefusesASecondMocap) {
   take_off();
@@ -117,8 +117,8 @@ TEST_F(VehicleTrust, RefusesASecondMocap) {
   EXPECT_TRUE(hovers());
 }
 
-// Regression, flown: a second trial with another scenario on the network held three vehicles for
-// ten seconds.
+// Regression, seen in a flight: a second trial with another scenario on the same network held three
+// vehicles for ten seconds.
 TEST_F(VehicleTrust, IgnoresTheMapOfASecondTrial) {
   take_off();
   const auto side = bench.hub.connect();
@@ -130,7 +130,7 @@ TEST_F(VehicleTrust, IgnoresTheMapOfASecondTrial) {
     notice.yaml = bench.scenario.source_text;
     bench.lab.publish(bus::kScenario, notice);
   };
-  bench.node_bus.use_clock(bench.clock);  // as the process of a node does
+  bench.node_bus.use_clock(bench.clock);  // as in the process of a real node
   announce_ours();
   bench.run(0.1);
   bench.each_step = [&] {
@@ -151,7 +151,7 @@ TEST_F(VehicleTrust, IgnoresTheMapOfASecondTrial) {
   EXPECT_TRUE(bench.has_reason("map differs"));
 }
 
-// The second source must not stay in use after a dropout of the first.
+// After a dropout of the first source, the second one must not stay in use.
 TEST_F(VehicleTrust, ReturnsToTheFirstMocapAtOnce) {
   take_off();
   begin_second_mocap();
@@ -229,7 +229,7 @@ TEST_F(VehicleTrust, IgnoresMocapOfAnOldLogOnTheGround) {
   EXPECT_TRUE(bench.statuses.back().reasons.empty());
 }
 
-// PLAN
+// Channel PLAN
 
 TEST_F(VehicleTrust, AcceptsAPlannerDespiteStalePlans) {
   take_off();

@@ -9,7 +9,7 @@ namespace vantage::drivers::vicon {
 inline constexpr Time kEpoch = from_utime(1'700'000'000'000'000);
 inline constexpr Duration kPeriod{10'000};
 
-/// Feeds frames at 100 Hz and keeps the last output.
+/// Passes frames at 100 Hz to a frame filter and keeps its last output.
 struct FilterBench {
   explicit FilterBench(const GateSettings& gate = {})
       : filter(gate, Duration{5'000}, [this](const models::MocapFrame& frame) { out = frame; }) {}
@@ -30,14 +30,14 @@ struct FilterBench {
     body.pose_state = pose_state;
     body.world_from_body = pose;
   }
-  /// Feeds one body in its own frame; returns whether it counts as seen.
+  /// Passes a frame with one body; returns whether the filter publishes the body as seen.
   bool is_accepted(const Pose3& pose) {
     begin();
     add("A", pose);
     filter.accept(seen);
     return !out.bodies.at(0).occluded;
   }
-  /// Returns the pose of a body that moves along x at 1 m/s.
+  /// Returns the current pose of a body that moves along x at 1 m/s.
   Pose3 moving_pose() const {
     return {{to_seconds(elapsed), 0.0, 1.0}, Eigen::Quaterniond::Identity()};
   }

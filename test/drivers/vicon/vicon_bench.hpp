@@ -16,7 +16,7 @@
 
 namespace vantage::test {
 
-/// Returns the spec of a server at 100 Hz.
+/// Returns the specification of a mocap server at 100 Hz.
 inline scenario::MocapSpec spec_of(scenario::MocapProtocol protocol) {
   scenario::MocapSpec spec;
   spec.protocol = protocol;
@@ -25,12 +25,12 @@ inline scenario::MocapSpec spec_of(scenario::MocapProtocol protocol) {
 }
 inline constexpr Duration kPeriod{10'000};
 
-/// A driver and the emulated server, connected by bytes in virtual time, without sockets or clocks.
+/// A driver and the emulated server that exchange bytes in virtual time, without sockets or clocks.
 class ViconBench {
  public:
   using Bytes = wire::vicon::Bytes;
 
-  /// @param chunk_bytes  bytes of a TCP stream that arrive at once; 0: all
+  /// @param chunk_bytes  number of bytes of a TCP stream that arrive together; 0: all
   ViconBench(const scenario::MocapSpec& spec, const sim::vicon::ServerSettings& settings,
              std::size_t chunk_bytes = 0)
       : settings_(settings),
@@ -70,13 +70,13 @@ class ViconBench {
     } while (elapsed < end);
   }
 
-  /// Cuts the connection; the server may stay down.
+  /// Cuts the connection; the server may be stopped too.
   void cut() {
     peer.reset();
     driver.on_closed(now(), "cut");
   }
 
-  /// Publishes a frame; its bytes arrive at this instant.
+  /// Publishes a frame whose bytes arrive immediately.
   void publish(const sim::vicon::EmulatedFrame& frame) {
     if (driver.is_datagram()) {
       for (const auto& datagram : object_stream.encode(frame)) {
@@ -90,7 +90,7 @@ class ViconBench {
     }
   }
 
-  /// Exchanges bytes until both sides have nothing to send.
+  /// Exchanges bytes until neither side has bytes to send.
   void exchange() {
     while (peer && !(peer->outgoing.empty() && driver.outgoing().empty())) {
       const std::vector<std::uint8_t> down = std::exchange(peer->outgoing, {});
@@ -115,7 +115,7 @@ class ViconBench {
 
  public:
   bool is_server_up = true;
-  Time epoch = kEpoch;  ///< time at which elapsed is 0
+  Time epoch = kEpoch;  ///< time at which `elapsed` is 0
   Duration elapsed{};
   std::vector<models::MocapFrame> frames;
   sim::vicon::ObjectStreamServer object_stream;

@@ -41,7 +41,7 @@ TEST(ReadFlight, RequiresEvenTimesAndUnitQuaternions) {
   EXPECT_FALSE(is_taken("1.02,0,0,1,1,0,0"));
 }
 
-/// Protocols and DataStream request modes under test.
+/// A protocol and, for DataStream, a request mode.
 struct StreamCase {
   std::string name;
   MocapProtocol protocol;

@@ -33,13 +33,14 @@ TEST(FrameFilter, RefusesImpossibleLatencies) {
     EXPECT_EQ(bench.out.arrival - bench.out.stamp.time, Duration{5'000}) << latency_s;
   }
   EXPECT_EQ(bench.filter.counts().latencies_refused, 5);
-  bench.begin().latency_s.reset();  // a protocol without latency
+  bench.begin().latency_s.reset();  // as with a protocol that does not report latency
   bench.filter.accept(bench.seen);
   EXPECT_EQ(bench.out.arrival - bench.out.stamp.time, Duration{5'000});
   EXPECT_EQ(bench.filter.counts().latencies_refused, 5);
 }
 
-// A server that cannot keep up reports a long latency; the frame is at least that old.
+// A server that cannot keep up reports a long latency. The capture time must be at least that much
+// earlier than the arrival.
 TEST(FrameFilter, AppliesUnusuallyLongLatencies) {
   for (const double latency_s : {0.2, 0.3, 0.34, 0.4, 1.0, 10.0}) {
     for (const double rise_s : {0.0, 0.4, 20.0}) {
@@ -75,7 +76,8 @@ TEST(FrameFilter, CaptureTimesIncreaseUpToArrival) {
   Time last{};
   for (int k = 0; k < 50; ++k) {
     bench.begin();
-    // Twenty frames queue and arrive at one instant, with a latency that alternates by 30 ms.
+    // Twenty queued frames arrive at the same instant, with a reported latency that alternates by
+    // 30 ms.
     if (k >= 20 && k < 40) {
       bench.seen.arrival.utime = kEpoch + 40 * kPeriod;
     }
@@ -109,7 +111,7 @@ TEST(FrameFilter, CountsGapsRepetitionsAndLateFrames) {
   EXPECT_EQ(bench.filter.counts().frames_lost, 2);
   EXPECT_EQ(bench.filter.counts().frames_repeated, 1);
   EXPECT_EQ(bench.filter.counts().frames_late, 1);
-  send(0);  // far back: the server restarted
+  send(0);  // far lower: the server has restarted
   send(1);
   EXPECT_EQ(bench.filter.counts().frames, 6);
   EXPECT_EQ(bench.filter.counts().server_restarts, 1);

@@ -8,8 +8,8 @@
 #include "test/fuzz/vicon/harness.hpp"
 #include "test/support/random.hpp"
 
-// Seeded mutations of valid conversations. The harness aborts on a violated invariant; under ASan
-// it also finds out-of-bounds accesses.
+// Seeded mutations of valid conversations with a mocap server. The harness aborts on a violated
+// invariant; with AddressSanitizer it also finds out-of-bounds accesses.
 
 namespace vantage::test {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 using scenario::MocapProtocol;
 using Sample = std::vector<std::uint8_t>;
 
-/// Returns the number of inputs; VANTAGE_FUZZ_INPUTS raises it, for example for a run over night.
+/// Returns the number of inputs. VANTAGE_FUZZ_INPUTS increases it, for example for a run overnight.
 int inputs() {
   const char* wanted = std::getenv("VANTAGE_FUZZ_INPUTS");
   return wanted != nullptr ? std::atoi(wanted) : 100'000;

@@ -50,7 +50,7 @@ TEST(FrameFilter, RefusesBothBodiesAfterASwap) {
     ASSERT_EQ(bench.out.bodies[1].occluded, k >= 20) << k;
   }
   EXPECT_EQ(bench.filter.counts().poses_swapped, 2 * 980);
-  bench.begin();  // both have their own names again
+  bench.begin();  // both bodies have the correct names again
   Pose3 b = bench.moving_pose();
   b.translation_m += apart;
   bench.add("A", bench.moving_pose());
@@ -59,9 +59,9 @@ TEST(FrameFilter, RefusesBothBodiesAfterASwap) {
   EXPECT_TRUE(bench.out.bodies[0].occluded) << "it went 10 m unseen: five frames to be sure";
 }
 
-// Regression: one wrong frame followed by a gap. Within the gap a body could have moved from the
-// wrong pose to the right one inside the gate limits. The right pose was therefore refused as a
-// swap, permanently.
+// Regression: one wrong frame was followed by a gap. During a gap a body can move from the wrong
+// pose to the right one within the gate limits. The right pose was therefore refused as a swap,
+// permanently.
 TEST(FrameFilter, AcceptsABodyAfterAWrongFrameAndAGap) {
   const Pose3 of_other{{0.0, 1.0, 0.0}, Eigen::Quaterniond::Identity()};
   const Pose3 of_nobody{{0.0, -1.0, 0.0}, Eigen::Quaterniond::Identity()};
@@ -88,8 +88,8 @@ TEST(FrameFilter, AcceptsABodyAfterAWrongFrameAndAGap) {
   }
 }
 
-// A body that returns to an earlier position may be another body under its name: here it follows up
-// to 0.8 m behind at 1 m/s and is seen only every `period_frames`.
+// A body at an earlier position of the tracked body may be another body under its name. Here the
+// other body follows 0.3 m to 0.8 m behind at 1 m/s and is seen only every `period_frames`.
 TEST(FrameFilter, RefusesAnotherBodyAtAnEarlierPosition) {
   for (const double behind_m : {0.3, 0.5, 0.8}) {
     for (const int period_frames : {1, 3, 10, 20}) {

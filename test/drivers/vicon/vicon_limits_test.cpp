@@ -1,4 +1,4 @@
-// Every limit of docs/guide/vicon.md for poses and frames.
+// Compares every limit for poses and frames with docs/guide/vicon.md.
 
 #include <gtest/gtest.h>
 

@@ -66,7 +66,8 @@ TEST_P(ViconLink, BacksOffAndReconnects) {
   bench.is_server_up = true;
   bench.pass(std::chrono::seconds(2) + Duration{10'000});
   number = 0;  // the server restarted
-  // The bodies moved two metres in two minutes, so they must be confirmed; no frame may be missed.
+  // The bodies moved two metres in two minutes, so their poses must be confirmed; no frame may be
+  // lost.
   EXPECT_EQ(fly(10), 10u);
   EXPECT_FALSE(bench.frames.back().bodies[0].occluded);
   EXPECT_TRUE(bench.driver.has_frames());
@@ -97,7 +98,7 @@ TEST_P(ViconLink, ClosesASilentConnection) {
   ASSERT_EQ(fly(10), 10u);
   const auto connections = bench.driver.link_counts().connections;
   if (bench.peer) {
-    // Neither frames nor replies to pings, as with an unplugged cable.
+    // Neither frames nor ping replies arrive, as with an unplugged cable.
     for (int ms = 0; ms < 5000; ++ms) {
       bench.driver.on_time({bench.now().utime, bench.now().steady + Duration{1'000} * ms});
     }
@@ -170,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(Protocols, ViconLink,
                                          MocapProtocol::kVrpn),
                          [](const auto& protocol) { return std::string(name_of(protocol.param)); });
 
-/// A DataStream server controlled by the test, one packet at a time.
+/// A DataStream server that sends the packets of the test one by one.
 struct HandServer {
   explicit HandServer(scenario::UpAxis up_axis = scenario::UpAxis::kAsTold)
       : session(scenario::StreamMode::kPush, up_axis, [this](const SeenFrame& frame) {
@@ -225,12 +226,13 @@ TEST(DataStreamSession, KeepsStaticContentUntilItIsReplaced) {
   });
   ASSERT_EQ(server.bodies.size(), 1u);
   EXPECT_EQ(server.bodies[0].world_from_body.translation_m, Eigen::Vector3d(1.0, 0.0, 1.0));
-  server.send([](wire::vicon::PacketWriter& packet) {  // static content once, then none
+  server.send([](wire::vicon::PacketWriter& packet) {  // static content is not sent again
     append(packet, wire::vicon::FrameInfo{2});
     append(packet, HandServer::pose(7, 1001.0));
   });
   ASSERT_EQ(server.bodies.size(), 1u);
-  server.send([](wire::vicon::PacketWriter& packet) {  // some new content, the rest unchanged
+  server.send([](wire::vicon::PacketWriter&
+                     packet) {  // static content that is partly new; the rest is declared unchanged
     append(packet, wire::vicon::Contents{{}, {wire::vicon::kSubjectInfo}});
     append(packet, wire::vicon::StreamInfo{1'350'000});
     append(packet, wire::vicon::FrameInfo{3});
@@ -238,7 +240,8 @@ TEST(DataStreamSession, KeepsStaticContentUntilItIsReplaced) {
   });
   ASSERT_EQ(server.bodies.size(), 1u);
   EXPECT_EQ(server.session.rate_hz(), 100.0);
-  server.send([](wire::vicon::PacketWriter& packet) {  // some new content, no other
+  server.send([](wire::vicon::PacketWriter&
+                     packet) {  // static content that is partly new; the rest is not mentioned
     append(packet, wire::vicon::StreamInfo{1'350'000});
     append(packet, wire::vicon::FrameInfo{4});
     append(packet, HandServer::pose(7, 1003.0));
@@ -272,7 +275,7 @@ TEST(DataStreamSession, DropsFramesBeforeItsRequestActs) {
   });
   EXPECT_TRUE(server.numbers.empty());
   EXPECT_EQ(server.session.counts.frames_before_set, 1);
-  server.send([](wire::vicon::PacketWriter& packet) {  // poses are present, all occluded
+  server.send([](wire::vicon::PacketWriter& packet) {  // the poses are present but all occluded
     append(packet, wire::vicon::Contents{{{wire::vicon::kGlobalSegments, 0}}, {}});
     append(packet, wire::vicon::FrameInfo{2});
   });
@@ -326,7 +329,7 @@ TEST(DataStreamSession, SkipsBrokenBlocks) {
     packet.begin_block(wire::vicon::kLatencyInfo);
     packet.body().u32(0xFFFFFFFF);
     packet.end_block();
-    packet.begin_block(4711);  // of a later version
+    packet.begin_block(4711);  // block id of a later protocol version
     packet.body().u32(0);
     packet.end_block();
     append(packet, wire::vicon::FrameInfo{1});

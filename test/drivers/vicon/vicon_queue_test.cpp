@@ -1,4 +1,4 @@
-// Frames that wait in a queue, and servers that pause or change their rate.
+// Tests of frames that arrive through a queue, and of servers that pause or change their rate.
 
 #include <algorithm>
 #include <chrono>
@@ -12,8 +12,8 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-// Regression, seen in flight: a driver that was stalled for 0.6 s read thirty queued frames. All
-// were stamped with the time of reading, and the autopilot received velocities of metres per
+// Regression, seen in a flight: a driver that was stalled for 0.6 s read thirty queued frames. All
+// were stamped with the time of reading, so the autopilot received velocities of several metres per
 // second.
 TEST(FrameFilter, StampsQueuedFramesAtCaptureOrDropsThem) {
   for (const bool is_stamped : {false, true}) {
@@ -58,7 +58,7 @@ TEST(FrameFilter, StampsQueuedFramesAtCaptureOrDropsThem) {
   }
 }
 
-/// Server that pauses and changes its rate.
+/// A server that pauses and changes its rate.
 struct ChangingServer {
   FilterBench bench;
   Duration arrival{};
@@ -81,7 +81,7 @@ struct ChangingServer {
   std::int64_t dropped() const { return bench.filter.counts().frames_queued; }
 };
 
-// After a pause of the frame numbers, the echo of a ping shows that there is no queue.
+// After a gap in the frame numbers, a fast ping reply shows that no frames are queued.
 TEST(FrameFilter, RecoversAfterAPauseWhenAnEchoIsFast) {
   ChangingServer server;
   server.states_rate = server.answers_pings = true;
@@ -97,8 +97,8 @@ TEST(FrameFilter, RecoversAfterAPauseWhenAnEchoIsFast) {
   }
 }
 
-// Without an echo a pause looks like a queue. The latency is reported until a new connection ends
-// it.
+// Without a ping reply, a pause cannot be distinguished from a queue. The latency is reported until
+// the next connection.
 TEST(FrameFilter, StaysLateAfterAPauseUntilAReconnect) {
   for (const double pause_s : {0.15, 0.5, 5.0}) {
     ChangingServer server;
@@ -123,7 +123,8 @@ TEST(FrameFilter, UsesTheServersStatedRate) {
       server.run(600, period);
       EXPECT_LE(server.age_s(), 0.006) << period.count();
     }
-    server.run(300, 5 * kPeriod, 5);  // only one in five frames, and a jump ahead
+    server.run(300, 5 * kPeriod,
+               5);  // only every fifth frame arrives, and the frame numbers jump ahead
     server.bench.next_number += 2000;
     server.run(300, 5 * kPeriod, 5);
     server.run(300, kPeriod);
@@ -132,7 +133,8 @@ TEST(FrameFilter, UsesTheServersStatedRate) {
   }
 }
 
-// If the stated rate differs from that of the frame numbers, echoes reveal it within three seconds.
+// If the stated rate differs from that of the frame numbers, ping replies reveal it within three
+// seconds.
 TEST(FrameFilter, PrefersEchoesToTheStatedRate) {
   for (const double stated_share : {0.5, 0.999, 1.001, 2.0, 10.0}) {
     FilterBench bench;
@@ -151,8 +153,8 @@ TEST(FrameFilter, PrefersEchoesToTheStatedRate) {
   }
 }
 
-// The period of an object stream is estimated from arrivals with jitter, possibly starting with a
-// late frame.
+// The period of an object stream is estimated from arrival times with jitter. The first frame may
+// be late.
 TEST(FrameFilter, ReportsNoQueueForJitter) {
   for (const double jitter_s : {0.001, 0.004, 0.015}) {
     FilterBench bench;
@@ -161,7 +163,7 @@ TEST(FrameFilter, ReportsNoQueueForJitter) {
     for (int k = 0; k < 12'000; ++k) {
       bench.begin();
       draw = draw * 1'664'525U + 1'013'904'223U;
-      // Every hundredth frame, including the first, has the full delay.
+      // Every hundredth frame, including the first, has the maximum delay.
       const double share = k % 100 == 0 ? 1.0 : (draw >> 8U) / 16'777'216.0;
       const Duration late = from_seconds(share * jitter_s);
       bench.seen.arrival = {kEpoch + bench.elapsed + late, bench.elapsed + late};
@@ -174,7 +176,8 @@ TEST(FrameFilter, ReportsNoQueueForJitter) {
   }
 }
 
-// A server without a stated rate becomes slower, which cannot be distinguished from a slow line.
+// The rate of a server that states none decreases. This cannot be distinguished from a slow
+// connection.
 TEST(FrameFilter, LearnsASlowerRateOnANewConnection) {
   ChangingServer server;
   server.run(500, kPeriod);
@@ -188,8 +191,8 @@ TEST(FrameFilter, LearnsASlowerRateOnANewConnection) {
   EXPECT_FALSE(server.bench.filter.is_behind());
 }
 
-// The echo waits behind the frames of the same queue. It shows a queue that grew too slowly for the
-// frame numbers.
+// The queue grows too slowly to be detected from the frame numbers. The ping reply passes through
+// the same queue and reveals it.
 TEST(FrameFilter, ReportsAQueueThatOnlyEchoesShow) {
   FilterBench bench;
   for (int k = 0; k < 500; ++k) {

@@ -22,7 +22,7 @@
 #include "wire/vicon/vrpn.hpp"
 
 // The node and the emulated server on real loopback sockets. The result does not depend on the
-// speed of the machine: each step waits for its condition.
+// speed of the machine, because each step waits for its condition.
 
 namespace vantage::drivers {
 namespace {
@@ -31,7 +31,7 @@ using scenario::MocapProtocol;
 using sim::vicon::EmulatedFrame;
 using sim::vicon::SocketServer;
 
-constexpr std::int64_t kTimeLimit_ns = 60'000'000'000;  // ns; time limit of a wait
+constexpr std::int64_t kTimeLimit_ns = 60'000'000'000;  // time limit of a wait
 
 struct SocketBench {
   explicit SocketBench(MocapProtocol protocol, const std::string& host = "127.0.0.1") {
@@ -52,7 +52,7 @@ struct SocketBench {
     server = std::make_unique<SocketServer>(settings, "127.0.0.1", scenario.mocap.port);
   }
 
-  /// Runs both sides until `is_done`, at most kTimeLimit_ns; returns false on time-out.
+  /// Runs both sides until `is_done` is true, at most for kTimeLimit_ns; returns false on time-out.
   template <class IsDone>
   bool until(const IsDone& is_done) {
     const std::int64_t end_ns = monotonic_ns() + kTimeLimit_ns;
@@ -69,7 +69,7 @@ struct SocketBench {
     return true;
   }
 
-  /// Sends frames until one arrives, so that later ones cannot be missed.
+  /// Sends frames until one arrives, so that no later frame is lost.
   void warm_up() {
     ASSERT_TRUE(until([&] {
       if (frames.empty()) {
@@ -77,7 +77,7 @@ struct SocketBench {
       }
       return !frames.empty();
     })) << node->driver().status();
-    // Receives and discards the frames in transit.
+    // Receives and discards the frames that are still in transit.
     const std::int64_t last = number - 1;
     ASSERT_TRUE(until([&] {
       return scenario.mocap.protocol == MocapProtocol::kVrpn ||
@@ -122,10 +122,10 @@ TEST_P(ViconSocket, CarriesRecordedFlightsWithoutLoss) {
   SocketBench bench(GetParam());
   bench.warm_up();
   double worst_m = 0.0;
-  // Each frame is awaited before the next, so only 15 s of flight are used.
+  // Each frame must arrive before the next is sent, so only 15 s of flight are used.
   for (std::size_t k = 0; k < 1500; ++k) {
     EmulatedFrame frame;
-    // The server clock runs at 100 Hz, independent of the sending speed.
+    // The server clock advances by 10 ms per frame, whatever the real sending rate.
     frame.captured = test::ViconBench::kEpoch + 10'000 * Duration{bench.number};
     frame.number = bench.number++;
     for (const auto& flight : flights) {
@@ -135,7 +135,7 @@ TEST_P(ViconSocket, CarriesRecordedFlightsWithoutLoss) {
     bench.server->publish(frame);
     ASSERT_TRUE(bench.until([&] { return bench.frames.size() > before; })) << k;
     if (k == 0 && bench.frames.back().find("v1_03") == nullptr) {
-      continue;  // new bodies: the first frame may arrive in parts
+      continue;  // a frame with new bodies may arrive in parts
     }
     for (const auto& body : frame.bodies) {
       const models::MocapBody* found = bench.frames.back().find(body.name);
@@ -150,7 +150,7 @@ TEST_P(ViconSocket, CarriesRecordedFlightsWithoutLoss) {
   EXPECT_EQ(bench.listener.messages_lost(), 0);
 }
 
-// Datagrams from another sender than the configured one.
+// Datagrams from a sender other than the configured one are ignored.
 TEST(ViconObjectStream, AcceptsOnlyTheConfiguredSender) {
   const auto counted = [](const SocketBench& bench) {
     const auto counters = bench.node->counters();
@@ -239,7 +239,7 @@ TEST(SocketServer, ConnectsBackToAVrpnClient) {
   std::vector<std::uint8_t> call;
   wire::vicon::append_vrpn_callback(call, {"127.0.0.1", ntohs(own.sin_port)});
   ASSERT_GT(sendto(caller, call.data(), call.size(), 0, reinterpret_cast<sockaddr*>(&to), size), 0);
-  server.wait(std::chrono::seconds(10));  // returns as soon as the call has arrived
+  server.wait(std::chrono::seconds(10));  // returns when the connection request has arrived
   const int line = accept(listener, nullptr, nullptr);
   ASSERT_GE(line, 0);
   server.wait(std::chrono::milliseconds(10));
@@ -292,7 +292,7 @@ TEST(SocketServer, SkipsFramesForAClientThatDoesNotRead) {
   EXPECT_EQ(drivers[0]->frame_counts().frames_lost, 0);
 }
 
-// A client beyond the limit is disconnected at once; a client that leaves makes room.
+// A client beyond the limit is disconnected immediately. When a client leaves, another can connect.
 TEST(SocketServer, LimitsTheNumberOfClients) {
   SocketServer server({}, "127.0.0.1", 0);
   std::vector<int> clients;

@@ -1,4 +1,4 @@
-// Two bodies exchange their names, as can happen when mocap loses both.
+// Mocap swaps the names of two bodies, which can happen when it loses both.
 
 #include <cmath>
 
@@ -9,7 +9,7 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// Two bodies that fly abreast at 0.7 m/s.
+/// Two bodies that fly side by side at 0.7 m/s.
 struct Pair {
   explicit Pair(double separation_m) : apart_m(separation_m), bench(gate()) {}
 
@@ -18,7 +18,7 @@ struct Pair {
     settings.predicted_max_m = 0.27;
     return settings;
   }
-  /// Sends frames of both; returns the number of poses that the filter published for the wrong
+  /// Sends frames of both bodies; returns the number of published poses that belong to the other
   /// body.
   int fly(double seconds, bool is_seen, bool is_swapped) {
     int wrong = 0;
@@ -43,7 +43,7 @@ struct Pair {
 
   double apart_m;
   FilterBench bench;
-  int good = 0;  ///< bodies with a pose in the newest frame
+  int good = 0;  ///< number of bodies with a pose in the newest frame
 };
 
 struct SwapRow {
@@ -62,7 +62,7 @@ TEST(FrameFilter, PublishesNoSwappedPosesAfterAGap) {
     static_cast<void>(pair.fly(row.gap_s, false, false));
     EXPECT_EQ(pair.fly(3.0, true, true), 0);
     EXPECT_GT(pair.bench.filter.counts().poses_swapped, 0);
-    // The names are right again.
+    // The names are correct again.
     EXPECT_EQ(pair.fly(3.0, true, false), 0);
     EXPECT_EQ(pair.good, 2);
   }
@@ -81,7 +81,7 @@ TEST(FrameFilter, AcceptsUnswappedPosesAfterAGap) {
   }
 }
 
-// One body passes the other at 2 m/s and a distance of 0.3 m without a swap of names.
+// One body passes the other at 2 m/s and a distance of 0.3 m; their names are not swapped.
 TEST(FrameFilter, KeepsTheNamesOfPassingBodies) {
   for (const double gap_s : {0.0, 0.1, 0.3}) {
     FilterBench bench(Pair::gate());

@@ -1,4 +1,4 @@
-// A VRPN server whose trackers report at different instants and rates, in virtual time.
+// A VRPN server whose trackers report at different times and rates, in virtual time.
 
 #include <cmath>
 #include <string>
@@ -15,7 +15,7 @@ namespace {
 constexpr Time kEpoch = from_utime(1'700'000'000'000'000);
 constexpr std::int32_t kPoseType = 0;
 
-/// A tracker on a circle of radius 1 m at 1 m/s that turns with it.
+/// A tracker that moves on a circle of radius 1 m at 1 m/s and turns with its heading.
 struct Tracker {
   std::string name;
   Duration period;
@@ -70,7 +70,7 @@ class VrpnTrackersOnTheWire : public ::testing::Test {
 
   [[nodiscard]] Moment now() const { return {kEpoch + elapsed_, elapsed_}; }
 
-  /// Returns the frames that arrived from `from` to `to`.
+  /// Returns the frames that arrived between `from` and `to`.
   [[nodiscard]] std::vector<models::MocapFrame> frames(Duration from, Duration to) const {
     std::vector<models::MocapFrame> out;
     for (const models::MocapFrame& frame : frames_) {
@@ -107,7 +107,8 @@ TEST_F(VrpnTrackersOnTheWire, AppearInEveryFrame) {
       const models::MocapBody* body = frame.find(trackers_[i].name);
       ASSERT_NE(body, nullptr);
       ASSERT_FALSE(body->occluded) << body->name << " at " << to_seconds(at);
-      // At 1 m/s² a body is ½ · 0.02² m off its tangent after 20 ms, and the tangent is delayed.
+      // m; a body with an acceleration of 1 m/s² is ½ · 0.02² from its tangent after 20 ms. The
+      // tangent itself is delayed.
       const double phase = Tracker::phase(at, i);
       const Eigen::Vector3d truth(std::cos(phase), std::sin(phase), 1.0);
       EXPECT_LT((body->world_from_body.translation_m - truth).norm(), 6e-4);

@@ -41,7 +41,7 @@ TEST(VirtualBodies, AreExtrapolatedToTheFrameTime) {
   EXPECT_FALSE(rover->occluded);
   EXPECT_LT((rover->world_from_body.translation_m - Eigen::Vector3d(-0.99, 0.495, 0.0)).norm(),
             1e-12);
-  bodies.on_truth(truth_at(kCapture + Duration{20'000}));  // the simulator is ahead
+  bodies.on_truth(truth_at(kCapture + Duration{20'000}));  // 20 ms newer than the frame
   frame = frame_with("Q2");
   bodies.add_to(frame);
   EXPECT_NEAR(frame.find("R1")->world_from_body.translation_m.x(), -1.01, 1e-12);
