@@ -13,7 +13,7 @@ namespace {
 
 namespace wire = vantage::wire::vicon;
 
-/// Returns the types of the blocks in a frame for a client that has requested `asked`.
+/// Returns the types of the blocks in a frame for a client that has requested the types `asked`.
 std::set<std::uint32_t> heard_of(const std::vector<std::uint32_t>& asked) {
   DataStreamPeer peer{ServerSettings{}};
   peer.outgoing.clear();  // the server's greeting
@@ -40,7 +40,7 @@ std::set<std::uint32_t> heard_of(const std::vector<std::uint32_t>& asked) {
   return out;
 }
 
-// The frame number is always included, because a packet without it is not a frame.
+// The frame number is always included, because it makes a packet a frame.
 TEST(DataStreamPeer, SendsOnlyRequestedBlocks) {
   using Types = std::set<std::uint32_t>;
   const std::uint32_t number = wire::kFrameInfo;

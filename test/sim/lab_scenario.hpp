@@ -8,8 +8,8 @@
 
 namespace vantage::test {
 
-/// Returns the hardware experiment: 4 × 8 m with two boxes, three quadrotors at 1.0, 1.5 and 2.0 m,
-/// and five rovers of radius 0.2 m with random starts.
+/// Returns the scenario of the hardware experiment: 4 × 8 m with two boxes, three quadrotors at
+/// heights of 1.0, 1.5 and 2.0 m, and five rovers of radius 0.2 m with random start positions.
 inline scenario::Scenario lab_scenario() {
   scenario::Scenario scenario;
   scenario.name = "lab";

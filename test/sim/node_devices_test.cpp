@@ -1,4 +1,4 @@
-// vantage-sim on the bus: when it publishes, and which devices it simulates.
+// Tests when vantage-sim publishes on the bus, and which devices it simulates.
 
 #include <algorithm>
 #include <string>
@@ -72,8 +72,8 @@ struct Lab {
   std::vector<std::pair<Duration, std::vector<std::string>>> attacks;
 };
 
-// Started at any time, the node publishes each message at whole multiples of its period, when it is
-// due.
+// Started at any time, the node publishes each message at multiples of its period, when the message
+// is due.
 TEST(SimNode, PublishesAtWholePeriodsForAnyStart) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.mocap.rate_hz = 40.0;
@@ -92,7 +92,8 @@ TEST(SimNode, PublishesAtWholePeriodsForAnyStart) {
   for (std::size_t k = 0; k < lab.frames.size(); ++k) {
     EXPECT_EQ(lab.delivered[k], lab.frames[k] + Duration{12'000});
   }
-  // Each robot at the first instant, because its state is new, and then at 10 Hz.
+  // The status of each robot is published at the first instant, because its state is new, and then
+  // at 10 Hz.
   std::vector<std::pair<std::string, Time>> said;
   for (const models::VehicleStatus& status : lab.statuses) {
     said.emplace_back(status.robot, status.stamp.time);
@@ -135,8 +136,8 @@ TEST(SimNode, PublishesTruthAtMocapRate) {
   EXPECT_EQ(lab.truths.back(), kStart + Duration{100'000});
 }
 
-// Attacks follow the scenario from its start. They are published on each change and once per
-// second.
+// The attack schedule counts from the start of the scenario. Attacks are published on each change
+// and once per second.
 TEST(SimNode, PublishesAttackOnChangeAndEachSecond) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.attacks = {{0.5, 2.0, {"Q3", "Q1"}}, {1.5, 2.6, {"Q1", "Q2"}}};
@@ -157,7 +158,8 @@ TEST(SimNode, PublishesAttackOnChangeAndEachSecond) {
   EXPECT_TRUE(quiet.attacks.empty());
 }
 
-// A tick late by a period and the latency is in time; a microsecond more is not.
+// A tick that is late by one period plus the latency still counts as in time; a microsecond more is
+// late.
 TEST(SimNode, CountsLateTicksAndCatchesUp) {
   Lab lab(test::lab_scenario());
   lab.run_until(kStart + Duration{1'000'000});
@@ -171,7 +173,7 @@ TEST(SimNode, CountsLateTicksAndCatchesUp) {
   EXPECT_EQ(lab.node.deadlines_missed(), 1);
   EXPECT_EQ(lab.count("sim.late_ticks"), 1);
   EXPECT_EQ(lab.count("sim.catch_up_chunks"), 0);
-  // One second has 50 frames, 10 truths and 10 statuses, each at its own instant.
+  // One second has 50 mocap frames, 10 truth messages and 10 statuses, each at its own instant.
   lab.clock.set(lab.clock.now() + Duration{1'000'000});
   lab.frames.clear();
   lab.truths.clear();
@@ -249,7 +251,7 @@ TEST(SimNode, NamesTheDeviceThatRequiresRealTime) {
   EXPECT_EQ(why(scenario), "mocap " + cure);
 }
 
-/// A socket that receives datagrams at its own port.
+/// A socket that receives datagrams on its own port.
 class UdpReceiver {
  public:
   UdpReceiver() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -276,7 +278,7 @@ class UdpReceiver {
   int fd_;
 };
 
-/// A clock that reports real time but only moves when the test sets it.
+/// A clock that reports real time, but advances only when the test sets it.
 class StandingClock : public bus::Clock {
  public:
   [[nodiscard]] Time now() const override { return time; }
@@ -319,7 +321,8 @@ TEST(SimNode, ServesMocapOnTheWire) {
   }
 }
 
-// With vehicles on the wire the world follows the clock, and frames are sent after their latency.
+// With vehicles connected by wire, the simulated world follows the clock, and frames are sent after
+// their latency.
 TEST(SimNode, KeepsUpWithTheClockForWireVehicles) {
   UdpReceiver receiver;
   scenario::Scenario scenario = test::lab_scenario();
@@ -341,7 +344,7 @@ TEST(SimNode, KeepsUpWithTheClockForWireVehicles) {
     ticks.push_back(clock.time);
     node.tick(clock.time);
     net.other.handle(std::chrono::microseconds(0));
-    if (k > 0) {  // the first follows a pause after the start
+    if (k > 0) {  // the first frame follows a pause after the start
       EXPECT_EQ(node.world().time(), clock.time);
     }
   }

@@ -19,7 +19,7 @@ namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// The node, a clock, and a subscriber that keeps all messages.
+/// The node, its clock, and a subscriber that stores all messages.
 struct Lab {
   bus::VirtualClock clock{kStart};
   test::BusPair net{11, 22};
@@ -106,7 +106,7 @@ TEST(SimNode, FliesAPlanFromItsStartAndBrakesAtItsEnd) {
   const auto& q2 = lab.node.world().quadrotors()[1];
   EXPECT_NEAR(q2.position_world_m().y(), 1.5, 0.1);
   lab.run_until(begin + std::chrono::seconds(4));
-  // 1 s at 1 m/s, then a stop of ½ · 1² / 2 m.
+  // The path is 1 m (1 s at 1 m/s) plus ½ · 1² / 2 m for the stop.
   EXPECT_NEAR(q2.position_world_m().y(), 2.25, 0.08);
   EXPECT_NEAR(q2.position_world_m().x(), 2.0, 0.08);
   const bool said = std::any_of(lab.statuses.begin(), lab.statuses.end(), [](const auto& status) {
@@ -207,7 +207,7 @@ TEST(SimNode, DoesNotPublishMocapWithARealOne) {
   EXPECT_FALSE(lab.truths.empty());
 }
 
-// Returns all bytes of a run, in order of arrival.
+// Returns all bytes of a run, in order of publication.
 std::vector<std::uint8_t> bytes_of_run(std::uint64_t seed, Duration tick_every) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.seed = seed;

@@ -1,4 +1,4 @@
-// The wires of vantage-sim: system numbers, rates and latencies.
+// Device connections of vantage-sim: system numbers, rates and latencies.
 
 #include <algorithm>
 #include <array>
@@ -31,10 +31,10 @@ namespace {
 
 using test::port_of_this_test;
 
-// 0.7 s after a whole second.
+// Start time, 0.7 s after a whole second.
 constexpr Time kStart = from_utime(1'700'000'123'700'000);
 
-/// A clock that reports real time but only moves when the test sets it.
+/// A clock that reports real time, but advances only when the test sets it.
 class StandingClock : public bus::Clock {
  public:
   [[nodiscard]] Time now() const override { return time; }
@@ -66,8 +66,8 @@ struct Lab {
   SimNode node;
 };
 
-// An autopilot without an explicit number has the index of its robot among all robots as system id.
-// The boot number of a rover is the second of its start.
+// An autopilot without a configured system id has the index of its robot among all robots as its
+// id. The boot number of a rover is the second of its start.
 TEST(SimNode, DerivesWireIdsFromIndexAndStart) {
   scenario::Scenario scenario = test::lab_scenario();
   for (const std::size_t i : {1U, 2U}) {
@@ -99,7 +99,7 @@ TEST(SimNode, DerivesWireIdsFromIndexAndStart) {
   });
   ASSERT_FALSE(systems.empty());
   EXPECT_EQ(systems.front(), 3);
-  // The node adds up the counters of both.
+  // The node adds the counters of both vehicles.
   EXPECT_TRUE(lab.counts().empty());
   rovers_driver.write(std::vector<std::uint8_t>{1, 2});
   autopilots_driver.write(std::vector<std::uint8_t>{1, 2, 3});
@@ -108,7 +108,7 @@ TEST(SimNode, DerivesWireIdsFromIndexAndStart) {
                                                                {"wire.Q3.bytes_skipped", 3}}));
 }
 
-// Each frame is sent when its latency has passed, between the steps of the world or at one of them.
+// Each frame is sent when its latency has passed, even if that is between two steps of the world.
 TEST(SimNode, PublishesFrameAfterItsLatency) {
   for (const int latency_ms : {2, 5, 7, 12, 26}) {
     scenario::Scenario scenario = test::lab_scenario();
@@ -125,7 +125,7 @@ TEST(SimNode, PublishesFrameAfterItsLatency) {
     while (lab.node.next_tick() <= kStart + Duration{210'000}) {
       lab.run(1);
     }
-    // At 50 Hz from the beginning on.
+    // Frames are published at 50 Hz from the beginning.
     std::vector<Time> expected;
     for (int k = 0; 20 * k + latency_ms <= 210; ++k) {
       expected.push_back(kStart + Duration{20'000 * k});
@@ -135,7 +135,7 @@ TEST(SimNode, PublishesFrameAfterItsLatency) {
   }
 }
 
-/// A client of a mocap server at a port of this test.
+/// A client of a mocap server on a port of this test.
 class Client {
  public:
   explicit Client(const std::string& port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {

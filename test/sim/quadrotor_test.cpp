@@ -51,8 +51,9 @@ struct Errors {
   }
 };
 
-// Flies rounds of six random 0.5 s primitives. Each plan starts where the last one leads at the end
-// of the round and is published 50 ms ahead. The error is measured against the plan at all times.
+// Flies rounds of six random 0.5 s primitives. Each plan starts at the planned end point of the
+// previous round and is published 50 ms ahead. The tracking error is measured against the plan at
+// all times.
 Errors fly_random_rounds(const std::vector<models::UnicycleControl>& primitives,
                          double speed_max_mps, std::uint64_t seed, int rounds) {
   Quadrotor vehicle(robot_spec(speed_max_mps), 0.2, seed, kStart);
@@ -118,8 +119,9 @@ TEST(Quadrotor, HoversAtItsStartWithoutAPlan) {
       << "there should be wind";
 }
 
-// In hover x″ + c x′ + ω² x = w with c = 1/T, ω² = k/T, and w has decay rate β. White noise passes
-// a third-order filter, whose variance has a closed form (James, Nichols, Phillips 1947).
+// In hover x″ + c x′ + ω² x = w, with c = 1/T, ω² = k/T and a wind w with decay rate β. The
+// position is white noise through a third-order filter, so its variance has a closed form (James,
+// Nichols, Phillips 1947).
 TEST(Quadrotor, HoverVarianceMatchesWindModel) {
   const QuadrotorParameters p;
   const double c = 1.0 / p.velocity_lag_s;
@@ -158,8 +160,8 @@ TEST(Quadrotor, TracksTheFieldPlansWithinHalfAMetre) {
             << errors.quantile(errors.yaw_rad, 0.99) << " rad\n";
 }
 
-// A plan with a heading slightly left or right of the vehicle's is reached by the short turn, also
-// across ±π.
+// The plan's heading is slightly left or right of the vehicle's heading. The vehicle makes the
+// short turn, also across ±π.
 TEST(Quadrotor, TurnsTheShortWayAcrossPi) {
   for (const double side : {1.0, -1.0}) {
     for (const double start_rad : {kPi - 0.1, 0.4}) {
@@ -245,7 +247,7 @@ TEST(Quadrotor, SwitchesAtTheStartOfANewPlan) {
   ASSERT_EQ(vehicle.offer(plan_from(plan, 7), kStart), PlanVerdict::kAccepted);
   EXPECT_EQ(vehicle.status(begin - Duration{1}).plan_round, -1);
   EXPECT_EQ(vehicle.status(begin).plan_round, 7);
-  // A later plan must start where the pending one leads, not at the vehicle's position.
+  // A later plan must start at the end of the pending one, not at the vehicle's position.
   models::Trajectory next{begin + Duration{1'000'000}, {1.0, 2.0, 0.5}, 1.5, {}};
   EXPECT_EQ(vehicle.offer(plan_from(next, 8), kStart), PlanVerdict::kDiscontinuous);
   next.start = models::at(plan, next.start_time).world_from_body;
@@ -260,7 +262,7 @@ TEST(Quadrotor, AcceptsALatePlanOnlyNearItsPosition) {
   for (int i = 0; i < 400; ++i, now += kStep) {
     vehicle.step(now, kDtS);
   }
-  // It started 1 s ago, so the plan is now 1 m ahead.
+  // The plan started 1 s ago, so its current point is 1 m ahead.
   models::Trajectory plan{
       now - Duration{1'000'000}, {1.0, 2.0, 0.5}, 1.5, {{{1.0, 0.0}, 2.0, 0.0}}};
   EXPECT_EQ(vehicle.offer(plan_from(plan, 0), now), PlanVerdict::kDiscontinuous);
@@ -289,7 +291,7 @@ TEST(Quadrotor, BrakesToAHoldAndStaysThere) {
   const Eigen::Vector3d at_hold = flight.vehicle.position_world_m();
   flight.vehicle.command(OperatorAction::kHold, flight.now);
   flight.run(3.0);
-  // v²/2b = 0.25 m at 1 m/s and 2 m/s².
+  // The braking distance v²/2b is 0.25 m at 1 m/s and 2 m/s².
   EXPECT_NEAR((flight.vehicle.position_world_m() - at_hold).norm(), 0.25, 0.06);
   EXPECT_LT(flight.vehicle.velocity_world_mps().norm(), 0.1);
   const Eigen::Vector3d at_rest = flight.vehicle.position_world_m();

@@ -55,7 +55,7 @@ TEST(StoppingPath, DistanceEqualsTheDrivenPaths) {
     const RoverState b{{u(rng), u(rng), 3.0 * u(rng)}, 0.7 + 0.7 * u(rng), u(rng)};
     const StoppingPath path_a(a, {a.speed_mps, 0.0}, parameters, 0.05);
     const StoppingPath path_b(b, {b.speed_mps, 0.0}, parameters, 0.05);
-    // The reference: both paths as straight pieces, compared by dense sampling.
+    // The reference treats both paths as straight pieces and compares them by dense sampling.
     double exact_m = 1e9;
     const auto pa = path_a.points_m();
     const auto pb = path_b.points_m();
@@ -136,8 +136,8 @@ TEST(TargetStarts, RefusesAFullLab) {
   EXPECT_THROW(target_starts(scenario, 1), UsageError);
 }
 
-// Twenty seeds of five minutes: five rovers among two boxes never touch anything, keep their
-// limits, and cover ground.
+// For each of twenty seeds, five rovers drive for five minutes among two boxes. They do not touch
+// anything, keep their limits, and cover distance.
 class RoversFor300S : public ::testing::TestWithParam<int> {};
 
 TEST_P(RoversFor300S, NeverTouchAndReachWaypoints) {
@@ -198,7 +198,8 @@ TEST(RoverFleet, RefusesAnUndrivableSpeed) {
   EXPECT_THROW(RoverFleet(scenario.world, truth, {}, 1), UsageError);
 }
 
-// Also after a slow arrival: the reaction to a path without progress does not apply any more.
+// A rover that reached its goal slowly must also stay there: the reaction to a lack of progress
+// must not act after the arrival.
 TEST(RoverFleet, StaysAtItsGoal) {
   models::World world;
   world.bounds = {{-1.0, -1.0}, {1.0, 1.0}};
@@ -219,7 +220,7 @@ TEST(RoverFleet, StaysAtItsGoal) {
   EXPECT_EQ(fleet.way_points_abandoned(), 0);
 }
 
-// A bounce off a wall reverses one velocity component; only in a corner both are reversed.
+// A bounce off a wall reverses one velocity component; a bounce in a corner reverses both.
 TEST(Drifters, KeepTangentialVelocityWhenTheyBounce) {
   models::World world;
   world.bounds = {{-5.0, -5.0}, {5.0, 5.0}};
@@ -271,7 +272,7 @@ TEST(Drifters, StayInsideAndApartForTenMinutes) {
 }
 
 TEST(Drifters, SpreadLikeADoubleIntegrator) {
-  // Far from any wall: var v = q t and var p = q t³/3 on each axis.
+  // Far from any wall, var v = q t and var p = q t³/3 on each axis.
   models::World world;
   world.bounds = {{-1e4, -1e4}, {1e4, 1e4}};
   std::vector<Disc> starts;
@@ -288,7 +289,8 @@ TEST(Drifters, SpreadLikeADoubleIntegrator) {
     v2 += drifters.velocity_mps(i).squaredNorm();
     p2 += (drifters.disc(i).centre_m - starts[i].centre_m).squaredNorm();
   }
-  // 800 samples each: the relative 1σ of a variance is √(2/800) = 5 %; 4σ.
+  // With 800 samples, the relative standard deviation of a variance is √(2/800) = 5 %. The
+  // tolerance is 4σ.
   EXPECT_NEAR(v2 / 800.0 / (0.01 * 4.0), 1.0, 0.2);
   EXPECT_NEAR(p2 / 800.0 / (0.01 * 64.0 / 3.0), 1.0, 0.2);
 }

@@ -19,7 +19,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// A datagram socket of this host with its own port.
+/// A datagram socket on this host with its own port.
 class Port {
  public:
   Port() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -39,7 +39,7 @@ class Port {
     EXPECT_EQ(sendto(fd_, bytes.data(), bytes.size(), 0, as_sockaddr(to), sizeof to),
               static_cast<ssize_t>(bytes.size()));
   }
-  /// Returns the datagram received; empty if there is none.
+  /// Returns the next received datagram; empty if there is none.
   [[nodiscard]] Bytes hear() {
     Bytes out(4096);
     socklen_t size = sizeof from;
@@ -49,7 +49,7 @@ class Port {
     return out;
   }
   int number = 0;
-  sockaddr_in from{};  ///< sender of the newest
+  sockaddr_in from{};  ///< sender of the newest datagram
 
  private:
   int fd_;
@@ -65,7 +65,7 @@ TEST(VehicleSocket, AnswersTheLastSender) {
   for (const char* host : {"127.0.0.1", "0.0.0.0"}) {
     const int port = test::free_port();
     VehicleSocket vehicle("udpout://" + std::string(host) + ":" + std::to_string(port));
-    vehicle.write(Bytes{1});  // without a receiver
+    vehicle.write(Bytes{1});  // lost, because there is no recipient yet
     EXPECT_EQ(vehicle.send_errors(), 0);
     Port first;
     Port second;
@@ -111,7 +111,7 @@ TEST(VehicleSocket, SkipsEmptyDatagramsAndReadsAFloodInParts) {
   EXPECT_EQ(heard.front(), Bytes{64});
 }
 
-// The kernel's time stamp lies between the clock before sending and after reading.
+// The kernel's time stamp lies between the clock readings before sending and after reading.
 TEST(VehicleSocket, ReportsArrivalTime) {
   const auto clock_us = [] {
     timespec now{};
@@ -135,11 +135,11 @@ TEST(VehicleSocket, ReportsArrivalTime) {
 TEST(VehicleSocket, CountsSendErrorsButNotAClosedPort) {
   VehicleSocket vehicle("udp://127.0.0.1:" + std::to_string(test::free_port()));
   for (int k = 0; k < 3; ++k) {
-    vehicle.write(Bytes{1});  // is refused, and the next one reports it
+    vehicle.write(Bytes{1});  // refused; the next call reports the error
   }
   EXPECT_TRUE(read_all(vehicle).empty());
   EXPECT_EQ(vehicle.send_errors(), 0);
-  vehicle.write(Bytes(70'000, 0));  // longer than a datagram may be
+  vehicle.write(Bytes(70'000, 0));  // longer than the maximum of a datagram
   vehicle.write(Bytes(70'000, 0));
   EXPECT_EQ(vehicle.send_errors(), 2);
 }

@@ -8,7 +8,8 @@
 namespace vantage::sim::vicon {
 namespace {
 
-/// Runs the program with a missing recording, which it reports only if the options are accepted.
+/// Runs the program with a missing recording. The program reports it as missing only if the options
+/// are accepted.
 int run_at(std::string port) {
   std::string words[] = {"vantage-vicon-emulator", "--flight", "/nowhere/flight.csv", "--port",
                          std::move(port)};

@@ -1,4 +1,4 @@
-// A vehicle flown by real firmware in its own time: its position as seen by the world.
+// Position, as seen by the simulated world, of a vehicle flown by real firmware in its own time.
 
 #include "sim/app/wire_firmware.hpp"
 
@@ -25,7 +25,7 @@ namespace {
 constexpr Time kStart = from_utime(1'700'000'000'003'000);
 constexpr Duration kMs{1'000};
 
-/// A vehicle in a wind, and a firmware with the same command on all motors.
+/// A vehicle in wind, and a firmware that sends the same command to all motors.
 struct Lab {
   Lab() {
     scenario::RobotSpec robot = test::lab_scenario().robots[1];
@@ -47,8 +47,8 @@ struct Lab {
   Lab(Lab&&) = delete;
   Lab& operator=(Lab&&) = delete;
 
-  /// Sends `steps` motor commands and waits for the sensors that answer each. After the last
-  /// answer, the body waits for the next command or a quarter of a second.
+  /// Sends `steps` motor commands and waits for the sensor message that answers each. After the
+  /// last answer, the body waits for the next command, for a quarter of a second at most.
   void fly(int steps, std::uint16_t pulse_us) const {
     const sockaddr_in to = address_of(INADDR_LOOPBACK, port);
     wire::sitl::ServoOutputs outputs;
@@ -72,8 +72,8 @@ struct Lab {
   std::unique_ptr<WireFirmware> vehicle;
 };
 
-// Positions are on the clock that was set last. A tenth of a second is stored, and up to 20 ms are
-// extrapolated. Without a clock, the current position is returned.
+// Times refer to the clock that was set last. Positions of the last 0.1 s are stored, and up to 20
+// ms are extrapolated. Before a clock is set, the current position is returned.
 TEST(WireFirmware, ReturnsItsPoseAtTheRequestedTime) {
   for (int attempt = 0; attempt < 30; ++attempt) {
     Lab lab;
@@ -95,14 +95,14 @@ TEST(WireFirmware, ReturnsItsPoseAtTheRequestedTime) {
     const Eigen::Vector3d told_anew_m = lab.place_at(kStart + 67 * kMs);
     if (monotonic_ns() - begin_ns > 2'000'000 ||
         (far_m - now_m).norm() < 0.012 * velocity_mps.norm()) {
-      continue;  // the machine was busy
+      continue;  // repeat, because the machine was busy
     }
     ASSERT_GT(velocity_mps.z(), 0.3);
-    // The extrapolation from the newest sample covers no more than the elapsed time.
+    // The extrapolation covers at most the time since the newest sample.
     EXPECT_LT((now_m - untold_m).norm(), 0.003 * velocity_mps.norm());
     EXPECT_LT((far_m - now_m).norm(), 0.0201 * velocity_mps.norm());
     EXPECT_LT((told_anew_m - back_m[0]).norm(), 0.003 * velocity_mps.norm());
-    // Ten milliseconds earlier, the position is back by the distance flown in that time.
+    // Between positions 10 ms apart lies the distance flown in that time.
     EXPECT_EQ(by_step_m, back_m[0]);
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigen::Vector3d mean_mps = 0.5 * (back_mps[k] + back_mps[k + 1]);
@@ -114,7 +114,7 @@ TEST(WireFirmware, ReturnsItsPoseAtTheRequestedTime) {
   FAIL() << "the machine was away each time";
 }
 
-// In a wind without gusts it drifts in that direction, as far as drag takes it.
+// In a wind without gusts the body drifts with the wind, as far as drag accelerates it.
 TEST(WireFirmware, IsMovedByTheScenariosWind) {
   Lab lab;
   lab.fly(150, 1'800);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'003'000);
 
-/// A driver's UDP port on the loopback that is free.
+/// A free UDP port on the loopback, used as a driver's port.
 class DriverPort {
  public:
   DriverPort() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -39,7 +39,7 @@ class DriverPort {
 
   [[nodiscard]] std::string url() const { return "udp://127.0.0.1:" + std::to_string(number_); }
 
-  /// Returns the frames received so far; all that was sent before on the loopback has arrived.
+  /// Returns the frames received so far. All frames sent earlier on the loopback have arrived.
   std::vector<wire::mavlink::Frame> frames() {
     std::vector<wire::mavlink::Frame> out;
     std::array<std::uint8_t, 2048> buffer{};
@@ -100,7 +100,7 @@ TEST(WireQuadrotor, RestsAtItsStartAndSendsToTheDriversPort) {
     EXPECT_EQ(frame.origin.system_id, 7);
     heartbeats += wire::mavlink::unpack<wire::mavlink::Heartbeat>(frame) ? 1 : 0;
   }
-  EXPECT_EQ(heartbeats, 3);  // at 1 Hz, in 2.05 s
+  EXPECT_EQ(heartbeats, 3);  // heartbeats at 1 Hz for 2.05 s
 }
 
 TEST(WireQuadrotor, ReceivesDriverAndMeasuresPoseAge) {
@@ -115,7 +115,7 @@ TEST(WireQuadrotor, ReceivesDriverAndMeasuresPoseAge) {
   command.param1 = 1.0F;
   port.send(command);
   wire::mavlink::Odometry odometry;
-  odometry.time_usec = static_cast<std::uint64_t>(to_utime(kStart));  // years ago
+  odometry.time_usec = static_cast<std::uint64_t>(to_utime(kStart));  // captured years ago
   port.send(odometry);
   vehicle.exchange(kStart + Duration{5'000});
   bool is_refused = false;
@@ -123,7 +123,7 @@ TEST(WireQuadrotor, ReceivesDriverAndMeasuresPoseAge) {
     const auto ack = wire::mavlink::unpack<wire::mavlink::CommandAck>(frame);
     is_refused = is_refused || (ack && ack->result != 0);
   }
-  EXPECT_TRUE(is_refused);  // without a position it does not arm
+  EXPECT_TRUE(is_refused);  // the autopilot does not arm without a position
   std::int64_t age_us = 0;
   for (const models::NamedCount& counter : vehicle.counters()) {
     age_us = counter.name == "wire.Q2.pose_max_us" ? counter.count : age_us;
@@ -133,7 +133,7 @@ TEST(WireQuadrotor, ReceivesDriverAndMeasuresPoseAge) {
 
 TEST(WireQuadrotor, RefusesUnsupportedSpecs) {
   scenario::RobotSpec robot = test::lab_scenario().robots[0];
-  EXPECT_THROW(WireQuadrotor(robot, {}, 1, 1, kStart), StartupError);  // no autopilot
+  EXPECT_THROW(WireQuadrotor(robot, {}, 1, 1, kStart), StartupError);  // the robot has no autopilot
   for (const char* url : {"", "serial:/dev/ttyUSB0:921600", "udp://127.0.0.1", "udp://:0"}) {
     EXPECT_THROW(WireQuadrotor(robot_at(url), {}, 1, 1, kStart), StartupError) << url;
   }
@@ -145,13 +145,13 @@ TEST(WireQuadrotor, RefusesUnsupportedSpecs) {
 TEST(WireQuadrotor, DriftsWithTheScenariosWind) {
   const scenario::WindSpec wind{2.0, 1.0, 0.0};
   Airframe body(airframe_in(wind), 1, {0.0, 0.0, 0.0}, 0.0);
-  const Eigen::Vector3d upward(0.0, 0.0, -0.5);  // z down
+  const Eigen::Vector3d upward(0.0, 0.0, -0.5);  // upward, because z points down
   for (int k = 0; k < 600; ++k) {
     body.step(true, upward, 0.0, 0.005);
   }
   ASSERT_FALSE(body.is_on_ground());
-  // After 3 s, partly on the ground: at most 1 − e^(−0.25 · 3) of the wind. The local y axis is the
-  // negative of the world's.
+  // The vehicle flies for 3 s, at first on the ground, so it reaches at most 1 − e^(−0.25 · 3) of
+  // the wind speed. The local y axis is opposite to the y axis of the world.
   EXPECT_GT(body.velocity_mps().x(), 0.5);
   EXPECT_LT(body.velocity_mps().x(), 0.53 * 2.0);
   EXPECT_NEAR(body.velocity_mps().y(), -0.5 * body.velocity_mps().x(), 1e-6);

@@ -29,7 +29,7 @@ scenario::RobotSpec robot_at(const std::string& url) {
   return robot;
 }
 
-// Performs a step of the world and the exchange of messages at its end.
+// Performs a step of the world and exchanges the messages at its end.
 Time step(WireRover& rover, Time now) {
   rover.step(now, 0.005);
   rover.exchange(now + Duration{5'000});
@@ -51,7 +51,7 @@ TEST(WireRover, RestsAtItsStartAtMarkerHeight) {
 
 TEST(WireRover, FollowsItsWheels) {
   const std::string port = port_of_this_test(1);
-  // Both ends of the wire use the same socket class: if the driver waits, the rover sends first.
+  // Both ends use the same socket class. The driver waits, so the rover sends first.
   WireRover rover(robot_at("udpout://127.0.0.1:" + port), 1, kStart);
   VehicleSocket driver("udp://127.0.0.1:" + port);
   wire::rover::Command command;
@@ -60,7 +60,7 @@ TEST(WireRover, FollowsItsWheels) {
   command.speed_mps = 0.5F;
   command.flags = wire::rover::kDrive;
   Time now = kStart;
-  for (int i = 0; i < 400; ++i) {  // 2 s
+  for (int i = 0; i < 400; ++i) {  // 2 s in total
     if (i % 4 == 0) {
       ++command.sequence;
       driver.write(wire::rover::encode(command));
@@ -68,15 +68,15 @@ TEST(WireRover, FollowsItsWheels) {
     const Pose3 before = rover.world_from_body();
     now = step(rover, now);
     const Eigen::Vector3d moved_m = rover.world_from_body().translation_m - before.translation_m;
-    // Tyres slip a little, so the true speed is below that of the wheels.
+    // Tyres slip, so the true speed is a little below that of the wheels.
     EXPECT_LE((moved_m - 0.005 * rover.velocity_world_mps()).norm(), 0.005 * 0.05);
   }
   EXPECT_NEAR(rover.velocity_world_mps().norm(), 0.5, 1e-6);
   EXPECT_EQ(rover.world_from_body().translation_m.z(), 0.2);
   const Eigen::Vector3d way_m =
       rover.world_from_body().translation_m - Eigen::Vector3d(-1, 0.5, 0.2);
-  EXPECT_NEAR(way_m.norm(), 0.5 * (2.0 - 0.25 - 0.035) * 0.97, 0.03);  // ramp, delay, slip
-  for (int i = 0; i < 200; ++i) {                                      // the driver is gone
+  EXPECT_NEAR(way_m.norm(), 0.5 * (2.0 - 0.25 - 0.035) * 0.97, 0.03);  // ramp, delay and slip
+  for (int i = 0; i < 200; ++i) {                                      // the driver no longer sends
     now = step(rover, now);
   }
   EXPECT_EQ(rover.velocity_world_mps().norm(), 0.0);
@@ -84,7 +84,7 @@ TEST(WireRover, FollowsItsWheels) {
 
 TEST(WireRover, RefusesUnsupportedSpecs) {
   scenario::RobotSpec robot = test::lab_scenario().robots[0];
-  EXPECT_THROW(WireRover(robot, 1, kStart), StartupError);  // no rover
+  EXPECT_THROW(WireRover(robot, 1, kStart), StartupError);  // the robot has no rover
   for (const char* url :
        {"", "serial:/dev/ttyUSB0:921600", "udpout://127.0.0.1", "udpout://:0", "udp://:14550x"}) {
     EXPECT_THROW(WireRover(robot_at(url), 1, kStart), StartupError) << url;

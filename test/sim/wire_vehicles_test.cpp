@@ -1,4 +1,4 @@
-// Robots at the ends of wires: their kinds, their limits and their counters.
+// Robots simulated at the other end of a device connection: their kinds, limits and counters.
 
 #include <algorithm>
 #include <cmath>
@@ -41,7 +41,7 @@ scenario::RobotSpec flier_at(const std::string& port) {
   return robot;
 }
 
-/// A driver that sends MAVLink first.
+/// A driver that sends MAVLink messages first.
 struct Driver {
   explicit Driver(const std::string& port) : socket("udp://127.0.0.1:" + port) {}
   template <class Message>
@@ -84,8 +84,8 @@ TEST(WireQuadrotor, HasTheScenariosSystemIdOrItsIndex) {
   }
 }
 
-// A set-point latency is measured from the capture time of the newest pose. Without a pose nothing
-// is measured.
+// The latency of a set-point is measured from the capture time of the newest pose. Without a pose
+// it is not measured.
 TEST(WireQuadrotor, ReportsAgesFromTheNewestCapture) {
   const std::string port = port_of_this_test(1);
   WireQuadrotor vehicle(flier_at(port), {}, 1, 1, kStart);
@@ -94,7 +94,7 @@ TEST(WireQuadrotor, ReportsAgesFromTheNewestCapture) {
   vehicle.exchange(kStart);
   EXPECT_EQ(counts_of(vehicle).count("wire.Q2.setpoint_max_us"), 0u);
   EXPECT_EQ(counts_of(vehicle).count("wire.Q2.pose_max_us"), 0u);
-  // The pose is 24 h and the odometry 1 h older than the start time, which is in the past.
+  // The pose is 24 h and the odometry 1 h older than kStart, which is itself in the past.
   constexpr std::int64_t kHourUs = 3'600'000'000;
   wire::mavlink::VisionPositionEstimate vision;
   vision.usec = static_cast<std::uint64_t>(to_utime(kStart) - 24 * kHourUs);
@@ -108,7 +108,7 @@ TEST(WireQuadrotor, ReportsAgesFromTheNewestCapture) {
   vehicle.exchange(kStart);
   const auto counts = counts_of(vehicle);
   EXPECT_EQ(counts.at("wire.Q2.pose_max_us"), vision_us) << "the longest of both";
-  // Within the minute that this test may take.
+  // The tolerance is a minute, the maximum duration of this test.
   const std::int64_t between_us = vision_us - counts.at("wire.Q2.setpoint_max_us");
   EXPECT_NEAR(static_cast<double>(between_us), 23.0 * static_cast<double>(kHourUs), 60e6);
   EXPECT_EQ(counts.at("wire.Q2.send_errors"), 0);
@@ -121,7 +121,7 @@ TEST(WireQuadrotor, ReportsAgesFromTheNewestCapture) {
 
 TEST(WireQuadrotor, StartsAtAWholeStepAndNeverGoesBack) {
   const std::string port = port_of_this_test(2);
-  WireQuadrotor vehicle(flier_at(port), {}, 1, 1, kStart);  // 3 ms after a whole step
+  WireQuadrotor vehicle(flier_at(port), {}, 1, 1, kStart);  // kStart is 3 ms after a whole step
   Driver driver(port);
   driver.send(wire::mavlink::Heartbeat{});
   int heartbeats = 0;
@@ -170,7 +170,8 @@ TEST(AirframeIn, RotatesTheWindAndHasDefaultGusts) {
   EXPECT_EQ(airframe_in(std::nullopt).wind_sigma_mps, AirframeParameters{}.wind_sigma_mps);
 }
 
-// Its limits are a tenth above those of the scenario, or those of any rover if these are higher.
+// The limits are a tenth above those of the scenario, or those of a default rover if these are
+// higher.
 TEST(WireRover, LimitsExceedScenarioSlightly) {
   struct Row {
     double speed_mps, brake_mps2, yaw_rate_radps;
@@ -220,7 +221,7 @@ TEST(WireRover, LimitsExceedScenarioSlightly) {
     const auto counts = counts_of(rover);
     EXPECT_EQ(counts.at("wire.Q2.refused"), 2);
     EXPECT_EQ(counts.at("wire.Q2.send_errors"), 0);
-    rover.step(kStart, 0.005);  // long ago
+    rover.step(kStart, 0.005);  // long before the current time
     EXPECT_EQ(rover.emulator().state().speed_mps, 0.0);
   }
 }
@@ -237,7 +238,7 @@ TEST(WireRover, ReportsItsRequirements) {
   }
 }
 
-// The port that is in use shows which firmware is expected.
+// The port in use shows for which firmware the vehicle waits.
 TEST(WireFirmware, WaitsForItsFirmwareAtItsStart) {
   scenario::RobotSpec robot = test::lab_scenario().robots[1];
   robot.autopilot.emplace();

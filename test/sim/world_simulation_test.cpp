@@ -23,7 +23,8 @@ models::RobotPlan circle_from(const scenario::RobotSpec& robot, Time start) {
   return plan;
 }
 
-// Five minutes with the quadrotors circling above: FCL and the closed form both find no contact.
+// Simulates five minutes with the quadrotors circling above the rovers. FCL and the closed form
+// both find no contact.
 class LabFor300S : public ::testing::TestWithParam<int> {};
 
 TEST_P(LabFor300S, HasNoContact) {
@@ -53,7 +54,7 @@ TEST(WorldSimulation, AppliesWindToFlyingVehicles) {
   for (const Quadrotor& quadrotor : world.quadrotors()) {
     const scenario::RobotSpec& robot = *scenario.find_robot(quadrotor.name());
     const Eigen::Vector2d off_m = quadrotor.position_world_m().head<2>() - robot.start.position_m();
-    // A steady wind displaces it by drag · wind · (lag + half a step) / gain.
+    // A steady wind displaces the vehicle by wind · drag · (lag + half a step) / gain.
     const double per_mps_s = 0.25 * (0.15 + 0.0025) / 2.0;
     EXPECT_NEAR(off_m.x(), per_mps_s * 4.0, 1e-4);
     EXPECT_NEAR(off_m.y(), per_mps_s * -2.0, 1e-4);
@@ -167,12 +168,12 @@ TEST(WorldSimulation, IncludesTheCallersVehicles) {
   world.advance_to(kStart + std::chrono::seconds(2));
   const models::TruthFrame truth = world.truth();
   ASSERT_EQ(truth.bodies.size(), 8u);
-  EXPECT_EQ(truth.bodies[1].name, "Q2");  // in the scenario's order
+  EXPECT_EQ(truth.bodies[1].name, "Q2");  // bodies are in the order of the scenario
   EXPECT_NEAR(truth.bodies[1].world_from_body.translation_m.x(), 1.0, 1e-9);
   EXPECT_EQ(truth.bodies[1].velocity_world_mps, puppet.velocity_mps);
   EXPECT_EQ(world.capture().bodies[1].name, "Q2");
   EXPECT_TRUE(world.take_contacts().empty());
-  puppet.velocity_mps = {0.0, 3.0, 0.0};  // through the wall
+  puppet.velocity_mps = {0.0, 3.0, 0.0};  // m/s; moves through the wall
   world.advance_to(kStart + std::chrono::seconds(4));
   const auto contacts = world.take_contacts();
   ASSERT_FALSE(contacts.empty());
@@ -183,7 +184,7 @@ TEST(WorldSimulation, IncludesTheCallersVehicles) {
 TEST(WorldSimulation, KeepsTheGroundFreeOnlyUnderALowVehicle) {
   const scenario::Scenario scenario = test::lab_scenario();
   MovableVehicle puppet("Q2", {2.0, 4.0, 0.0});
-  // The starts are drawn clear of the robots' starts.
+  // Start positions keep a distance from the start positions of the robots.
   scenario::Scenario moved = scenario;
   moved.robots[1].start = {2.0, 4.0, 0.0};
   WorldSimulation world(moved, 3, kStart, {&puppet});
@@ -198,7 +199,8 @@ TEST(WorldSimulation, KeepsTheGroundFreeOnlyUnderALowVehicle) {
     }
     return least_m;
   };
-  EXPECT_GE(nearest_m(120), WorldSimulation::kKeepOutM - 0.03);  // m; tolerance of a prediction
+  EXPECT_GE(nearest_m(120),
+            WorldSimulation::kKeepOutM - 0.03);  // m; 0.03: tolerance of the prediction
   const std::int64_t reached = world.ground().rovers()->way_points_reached();
   EXPECT_GT(reached, 20) << "the rovers stand still";
   puppet.centre_m.z() = WorldSimulation::kLowM + 0.1;
@@ -225,7 +227,8 @@ TEST(MocapCamera, AddsTheStatedNoise) {
     mean += e / kFrames;
     second += e * e.transpose() / kFrames;
   }
-  // 1σ of a mean is 1/√n = 0.007, of a variance √(2/n) = 0.01, of a correlation 0.007; 5σ.
+  // The standard deviation of a mean is 1/√n = 0.007, of a variance √(2/n) = 0.01, of a correlation
+  // 0.007. The tolerance is 5σ.
   EXPECT_LT(mean.cwiseAbs().maxCoeff(), 0.035);
   EXPECT_LT((second - Eigen::Matrix4d::Identity()).cwiseAbs().maxCoeff(), 0.05);
 }

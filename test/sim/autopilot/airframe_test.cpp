@@ -1,4 +1,4 @@
-// The body of an emulated vehicle and the autopilot's estimate of it, compared with closed forms.
+// Airframe and pose estimate of an emulated vehicle, compared with closed forms.
 
 #include "sim/autopilot/airframe.hpp"
 
@@ -30,7 +30,7 @@ AirframeParameters still_air() {
 
 const Eigen::Vector3d kPlace(1.0, 2.0, -0.1);
 
-/// Returns a body that hovers some metres above its start.
+/// Returns an airframe that hovers some metres above its start.
 Airframe in_the_air(const AirframeParameters& p, double yaw_rad = 0.0) {
   Airframe body(p, 1, kPlace, yaw_rad);
   for (int n = 0; n < 400; ++n) {
@@ -47,8 +47,8 @@ void run(Airframe& body, double seconds, const Eigen::Vector3d& wish_mps2,
   }
 }
 
-// In every direction the body reaches the commanded acceleration, less drag, once tilt and thrust
-// have settled.
+// Once tilt and thrust have settled, the airframe reaches the commanded acceleration minus drag in
+// every direction.
 TEST(Airframe, ReachesCommandedAccelerationInEveryDirection) {
   const AirframeParameters p = still_air();
   for (const Eigen::Vector3d& wish :
@@ -61,7 +61,7 @@ TEST(Airframe, ReachesCommandedAccelerationInEveryDirection) {
     const Eigen::Vector3d expected = wish - p.drag_per_s * before_mps;
     EXPECT_LT(((body.velocity_mps() - before_mps) / kDtS - expected).norm(), 1e-3)
         << wish.transpose();
-    // The body's z axis points against its thrust: tilted as commanded, by the same angle.
+    // The body's z axis is opposite to the thrust direction, which is that of the commanded force.
     const Eigen::Vector3d force = wish - Eigen::Vector3d(0.0, 0.0, kGravityMps2);
     const Eigen::Vector3d down = body.local_from_body() * Eigen::Vector3d::UnitZ();
     EXPECT_LT((down + force.normalized()).norm(), 1e-3);
@@ -79,7 +79,7 @@ TEST(Airframe, KeepsItsTiltThrustAndDescentLimits) {
   Airframe pushed = in_the_air(p);
   run(pushed, 0.5, {0.0, 0.0, -50.0});
   EXPECT_NEAR(pushed.thrust_share(), 1.0, 1e-3);
-  // At any commanded sink rate, a fifth of the weight stays on the propellers.
+  // At any commanded sink rate, the thrust is at least a fifth of the weight.
   Airframe sinking = in_the_air(p);
   run(sinking, 0.5, {0.0, 0.0, 40.0});
   EXPECT_NEAR(sinking.thrust_share(), 0.2 * kGravityMps2 / 20.0, 1e-3);
@@ -109,13 +109,13 @@ TEST(Airframe, HasItsTurnAndThrustLags) {
       EXPECT_NEAR(body.thrust_share(), before + gap * (1.0 - std::exp(-n * kDtS / p.thrust_lag_s)),
                   1e-9);
     }
-    // When level, its nose points along its yaw.
+    // When the vehicle is level, its nose points along its yaw.
     const Eigen::Vector3d nose = body.local_from_body() * Eigen::Vector3d::UnitX();
     EXPECT_LT(
         (nose - Eigen::Vector3d(std::cos(body.yaw_rad()), std::sin(body.yaw_rad()), 0.0)).norm(),
         1e-9);
   }
-  // When tilted, its nose keeps its side.
+  // When the vehicle is tilted, its nose stays on the same side.
   Airframe body = in_the_air(p, kPi / 2);
   run(body, 1.0, {0.0, 5.0, 0.0});
   const Eigen::Vector3d nose = body.local_from_body() * Eigen::Vector3d::UnitX();
@@ -149,7 +149,8 @@ TEST(Airframe, StaysOnGroundUntilLiftAndWhereItFalls) {
   EXPECT_LT(falls.position_m().y(), kPlace.y() - 1.0);
 }
 
-// For v̇ = d (w − v) and a wind with decay rate β, the variance of the speed is w² d/(d + β).
+// With v̇ = d (w − v) and a wind with standard deviation w and decay rate β, the variance of the
+// speed is w² d/(d + β).
 TEST(Airframe, IsMovedByGustsOfTheStatedStrength) {
   AirframeParameters p;
   p.wind_sigma_mps = 0.5;
@@ -181,7 +182,7 @@ TEST(Airframe, DischargesItsBatteryByThrust) {
   EXPECT_NEAR(body.battery_v(), 10.5 + 0.5 * 2.1, 1e-12);
   run(body, 1.0, {0.0, 0.0, -kGravityMps2});
   const double before = body.battery_share();
-  run(body, 5.0, {0.0, 0.0, -kGravityMps2});  // twice its weight
+  run(body, 5.0, {0.0, 0.0, -kGravityMps2});  // a thrust of twice the weight
   EXPECT_NEAR(before - body.battery_share(), 0.1, 1e-4);
   EXPECT_NEAR(body.battery_v(), 10.5 + 2.1 * body.battery_share() - 2.0 * 0.8, 1e-4);
   body.set_battery_share(0.001);
@@ -192,13 +193,13 @@ TEST(Airframe, DischargesItsBatteryByThrust) {
   EXPECT_EQ(body.velocity_mps(), before_mps + Eigen::Vector3d(0.1, -0.2, 0.3));
 }
 
-// --- the estimate
+// --- pose estimate
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr Duration kMs{1'000};
 const Eigen::Vector3d kHere(3.0, -2.0, -1.0);
 
-/// An estimator of a vehicle that stands at kHere. The test supplies the poses.
+/// Pose estimator of a vehicle that is stationary at kHere. The test supplies the poses.
 struct Belief {
   explicit Belief(const PoseEstimatorTraits& traits, double loss_s = 1.0) : estimator(traits) {
     estimator.set_loss(loss_s);
@@ -213,7 +214,7 @@ struct Belief {
   void see(const Eigen::Vector3d& off_m = Eigen::Vector3d::Zero(), std::uint8_t resets = 0) {
     estimator.fuse(now, now, kHere + off_m, resets);
   }
-  /// Sends a pose every 10 ms.
+  /// Sends a pose every 10 ms for `ms` milliseconds.
   void watch(int ms, const Eigen::Vector3d& off_m = Eigen::Vector3d::Zero(),
              std::uint8_t resets = 0) {
     for (int k = 0; k < ms; k += 10) {
@@ -272,7 +273,8 @@ TEST(PoseEstimator, IgnoresGapsBelowAFifthOfASecond) {
   EXPECT_TRUE(belief.estimator.is_ready(belief.now));
 }
 
-// After a time t without poses the estimate drifts along x at wander · t², in total by wander t³/3.
+// At a time t without poses the estimate drifts along x with the velocity wander · t²; the position
+// error is then wander · t³/3.
 TEST(PoseEstimator, DriftsQuadraticallyWithoutPoses) {
   Belief belief(traits_of(0.0));
   belief.see();
@@ -285,8 +287,8 @@ TEST(PoseEstimator, DriftsQuadraticallyWithoutPoses) {
   EXPECT_NEAR(off_m.tail<2>().norm(), 0.0, 1e-12);
 }
 
-// Each pose corrects three tenths of the error. The first pose, one after a gap and one with a new
-// reset counter correct all of it.
+// Each pose corrects three tenths of the error. The first pose, a pose after a gap and a pose with
+// a new reset counter correct the complete error.
 TEST(PoseEstimator, CorrectsThirtyPercentPerPoseAndAllAfterReset) {
   PoseEstimatorTraits traits = traits_of(0.0);
   traits.wander_mps3 = 0.0;
@@ -332,7 +334,7 @@ TEST(PoseEstimator, RefusesFarPosesUntilTimeout) {
   belief.watch(10, far_m);
   EXPECT_NEAR(belief.off_m(), 0.81, 1e-9) << "0.3 s after the first";
   EXPECT_TRUE(belief.estimator.is_ready(belief.now));
-  // One good pose in between restarts the timer.
+  // A good pose between the bad ones restarts the timer.
   belief.watch(250, Eigen::Vector3d::Zero());
   belief.watch(10, far_m);
   belief.watch(250, Eigen::Vector3d::Zero());
@@ -346,7 +348,7 @@ TEST(PoseEstimator, HasNoHistoryBeforeFirstMove) {
   EXPECT_FALSE(estimator.is_fed(kStart, 1.0));
 }
 
-// For poses older than a second, the oldest stored position is used.
+// A pose older than a second is compared with the oldest stored position.
 TEST(PoseEstimator, StoresOneSecondOfPositions) {
   PoseEstimatorTraits traits = traits_of(0.0);
   traits.wander_mps3 = 0.0;
@@ -373,7 +375,7 @@ AutopilotSettings settings_with(AutopilotDialect dialect,
   });
 }
 
-// Defaults of the firmwares, as in their parameter documentation.
+// The defaults of the firmwares according to their parameter documentation.
 TEST(AutopilotSettings, UseFirmwareDefaultsWithoutParameters) {
   const AutopilotSettings px4 = settings_with(AutopilotDialect::kPx4, {});
   EXPECT_EQ(px4.setpoint_loss_s, 1.0);
@@ -452,7 +454,7 @@ TEST(AutopilotSettings, ConvertParametersAndUnits) {
   EXPECT_NEAR(ardupilot("LAND_SPEED", 30.0).land_speed_mps, 0.3, 1e-12);
 }
 
-// Autopilots, modes and estimator flags are numbered as in the MAVLink documentation.
+// Autopilots, modes and estimator flags have the numbers of the MAVLink documentation.
 TEST(AutopilotProfile, UsesMavlinkNumbers) {
   const AutopilotProfile& px4 = profile_of(AutopilotDialect::kPx4);
   EXPECT_EQ(px4.autopilot_id, 12);
@@ -466,7 +468,7 @@ TEST(AutopilotProfile, UsesMavlinkNumbers) {
   EXPECT_EQ(ardupilot.land_mode, 9U);
   EXPECT_EQ(ardupilot.start_mode, 0U);  // stabilize
   EXPECT_EQ(ardupilot.refusal, 4);
-  // Without poses, attitude and vertical velocity are valid, but no position is.
+  // Without poses, attitude and vertical velocity are valid, but positions are not.
   constexpr std::uint16_t kPositions = 0x8 | 0x10 | 0x100 | 0x200;
   for (const AutopilotProfile* profile : {&px4, &ardupilot}) {
     EXPECT_EQ(profile->flags_lost & kPositions, 0);

@@ -17,27 +17,28 @@ using wire::mavlink::f32;
 constexpr float kHeightM = 1.2F;
 constexpr double kSpeedMps = 1.0;
 constexpr double kBrakeMps2 = 2.0;
-constexpr double kMoveS = 2.25;                                      // s, acceleration included
-constexpr double kRampS = kSpeedMps / kBrakeMps2;                    // s; of a start or a stop
+constexpr double kMoveS = 2.25;  // s; duration of a motion, acceleration included
+constexpr double kRampS =
+    kSpeedMps / kBrakeMps2;  // s; duration of the acceleration or of the braking
 constexpr double kStopM = 0.5 * kSpeedMps * kSpeedMps / kBrakeMps2;  // m; stopping distance
-constexpr double kMovedM = kStopM + kSpeedMps * (kMoveS - kRampS);   // m; driven in kMoveS
-constexpr double kBrakedS = 0.4;  // s; a stop that another kind of target interrupts
+constexpr double kMovedM = kStopM + kSpeedMps * (kMoveS - kRampS);   // m; path length in kMoveS
+constexpr double kBrakedS = 0.4;  // s; braking time until the kind of set-point changes
 constexpr double kPathPeriodS = 0.1;
 
-/// A point of a reference along x.
+/// A point of a reference trajectory along x.
 struct Line {
   double x_m = 0.0;
   double v_mps = 0.0;
   double a_mps2 = 0.0;
 };
-/// Returns the reference `t_s` after a start from rest.
+/// Returns the reference at `t_s` after a start from rest.
 Line moving(double t_s) {
   if (t_s < kRampS) {
     return {0.5 * kBrakeMps2 * t_s * t_s, kBrakeMps2 * t_s, kBrakeMps2};
   }
   return {kStopM + kSpeedMps * (t_s - kRampS), kSpeedMps, 0.0};
 }
-/// Returns the reference `t_s` after braking starts at kSpeedMps.
+/// Returns the reference at `t_s` after braking starts at kSpeedMps.
 Line braking(double t_s) {
   if (t_s < kRampS) {
     return {kSpeedMps * t_s - 0.5 * kBrakeMps2 * t_s * t_s, kSpeedMps - kBrakeMps2 * t_s,
@@ -108,7 +109,7 @@ class Player {
     run(1.0);
   }
 
-  /// Sends a complete target (all fields), as the driver does.
+  /// Sends a complete set-point (all fields), as the driver does.
   void tell(const Line& line) {
     wire::mavlink::SetPositionTargetLocalNed out =
         ScriptedStation::position(f32(base_m_ + line.x_m), 0.0F, height_m_, yaw_rad_);
@@ -155,10 +156,11 @@ class Player {
     station_.sends_poses = true;
   }
   void stand_still() {
-    height_m_ = drill_.drill == Drill::kArming ? 0.5F : 0.1F;  // below the ground
+    height_m_ = drill_.drill == Drill::kArming ? 0.5F : 0.1F;  // m; starts below the ground
     tell({});
   }
-  /// Requests arming once a second, until it arms. @return true if it armed
+  /// Requests arming once per second until the vehicle arms or `seconds` have passed. @return true
+  /// if it armed
   bool arm(double seconds) {
     const double end_s = station_.time_s() + seconds;
     while (station_.time_s() < end_s && !station_.reports_armed()) {
@@ -203,7 +205,7 @@ class Player {
       mark("idle");
       wait_for_disarming(30.0);
     }
-    // This comes last: in Offboard without set-points, PX4 does not wait for its simulator.
+    // Must be the last part: in Offboard without set-points, PX4 does not wait for its simulator.
     if (is_px4) {
       station_.target.reset();
       run(2.0);
@@ -284,8 +286,8 @@ class Player {
     go_there_and_back("place after velocity",
                       station_.body().world_from_body.translation_m.x() + kStopM);
 
-    // The kind of target changes while it brakes, when its tilt comes from braking and not from
-    // wind.
+    // The kind of set-point changes while the vehicle brakes. Its tilt is then caused by braking,
+    // not by wind.
     mark("move once more");
     follow(moving, kMoveS);
     base_m_ += kMovedM;

@@ -10,36 +10,37 @@
 
 namespace vantage::test {
 
-/// A fixed sequence from power-up to motors off. Each command is marked in the recording.
+/// A fixed sequence of commands from power-up to motors off. Each command is marked in the
+/// recording.
 enum class Drill {
-  /// Arming without poses, then with poses until it arms, then no further commands.
+  /// Requests arming without poses, then with poses until the vehicle arms; then sends no commands.
   kArming,
-  /// Set-points of several kinds in motion, a turn, a landing.
+  /// Sends set-points of several kinds in motion, a turn and a landing.
   kMotion,
-  /// In motion, set-points, heartbeats or all messages stop.
+  /// Stops the set-points, the heartbeats or all messages during motion.
   kSetpointsStop,
   kHeartbeatsStop,
   kEverythingStops,
-  /// In hover, poses stop.
+  /// Stops the poses during hover.
   kPosesStop,
-  /// In hover, poses jump to the side by a short and a long distance and stay there.
+  /// Shifts the poses sideways during hover, by a short and by a long distance, permanently.
   kPosesJump,
 };
 
 /// Recorded drill, with parameters in addition to those of config/autopilot.
 struct DrillCase {
-  std::string name;  ///< name of its recording
+  std::string name;  ///< name of the recording
   models::AutopilotDialect dialect = models::AutopilotDialect::kPx4;
   Drill drill = Drill::kArming;
   std::vector<std::pair<std::string, double>> parameters;
 };
 
 const std::vector<DrillCase>& drill_cases();
-/// Returns the drill of that name. @throws std::runtime_error for an unknown name.
+/// Returns the drill with this name. @throws std::runtime_error for an unknown name.
 const DrillCase& drill_case(const std::string& name);
 
-/// Plays the drill. It ends if the vehicle does not take off; the recording then has no mark
-/// "hover".
+/// Plays the drill and records it. If the vehicle does not take off, the drill ends and the
+/// recording has no mark "hover".
 Recording play(const DrillCase& drill, ScriptedStation& station);
 
 }  // namespace vantage::test

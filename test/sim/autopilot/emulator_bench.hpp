@@ -28,7 +28,7 @@ inline sim::AutopilotEmulatorSpec spec_of(models::AutopilotDialect dialect) {
   return spec;
 }
 
-/// An emulator of system 9 and the frames that it has sent.
+/// An emulated autopilot with system id 9, and the frames that it has sent.
 struct EmulatorBench {
   explicit EmulatorBench(models::AutopilotDialect dialect) : EmulatorBench(spec_of(dialect)) {}
   explicit EmulatorBench(const sim::AutopilotEmulatorSpec& spec) : emulator(spec, kBenchBoot) {}
@@ -76,7 +76,7 @@ struct EmulatorBench {
     }
     return out;
   }
-  /// Requests a message and returns the newest of the next tenth of a second.
+  /// Requests a message and returns the newest one that arrives within 0.1 s.
   template <class Message>
   Message request() {
     EXPECT_EQ(command(mavlink::command::kSetMessageInterval, float(Message::kMessage.id), 5000.0F),
@@ -101,7 +101,7 @@ struct EmulatorBench {
   [[nodiscard]] Eigen::Vector3d place_m() const {
     return turn_axes(emulator.world_from_body().translation_m);
   }
-  /// Sends poses at 50 Hz, together with `target` if there is one.
+  /// Sends poses at 50 Hz for `seconds`, together with the set-point `target` if it is given.
   void send_poses(double seconds, const mavlink::SetPositionTargetLocalNed* target = nullptr) {
     for (double t = 0.0; t < seconds - 1e-9; t += 0.02) {
       send(pose(place_m()));
@@ -135,7 +135,7 @@ inline mavlink::SetPositionTargetLocalNed target_of(std::uint16_t mask) {
   return out;
 }
 
-/// Returns a PX4 that hovers at a position in the air, at 1.5 m.
+/// Returns a bench with a PX4 that hovers at a height of 1.5 m.
 inline EmulatorBench flying() {
   EmulatorBench bench(models::AutopilotDialect::kPx4);
   bench.send_poses(3.0);

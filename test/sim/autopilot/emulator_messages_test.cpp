@@ -1,4 +1,4 @@
-// The messages that an emulated autopilot sends and accepts, one by one.
+// Tests each message that an emulated autopilot sends or accepts.
 
 #include <cmath>
 #include <limits>
@@ -43,7 +43,7 @@ TEST(EmulatorMessages, SendsHeartbeatEachSecond) {
     AutopilotDialect dialect;
     int id;
     std::uint32_t mode;
-    int timesyncs;  ///< in ten seconds and one step
+    int timesyncs;  ///< number of TIMESYNC messages in ten seconds and one step
   };
   for (const Row& row : {Row{AutopilotDialect::kPx4, 12, 0x03040000U, 101},
                          Row{AutopilotDialect::kArdupilot, 3, 0U, 2}}) {
@@ -193,7 +193,8 @@ TEST(EmulatorMessages, ReportsBatteryPerDialect) {
     }
   }
   EmulatorBench bench = flying();
-  // Hovering uses g of the 20 m/s² available, and that share of 25 A.
+  // In hover, the thrust acceleration is g of the 20 m/s² available, so the current is that share
+  // of 25 A.
   EXPECT_NEAR(bench.request<mavlink::BatteryStatus>().current_battery, 2500.0 * 9.81 / 20.0, 60.0);
 }
 
@@ -231,7 +232,7 @@ TEST(EmulatorMessages, ReadsWritesAndResetsParameters) {
   EXPECT_EQ(bench.emulator.parameter("COM_OF_LOSS_T"), 0.75);
   EXPECT_TRUE(set("NO_SUCH_NAME", 0.5F).empty());
   EXPECT_EQ(bench.emulator.parameter("NO_SUCH_NAME"), std::nullopt);
-  // A new parameter with a whole value is an integer, any other is a float.
+  // A new parameter with an integral value becomes an integer, otherwise a float.
   bench.emulator.set_parameter("WHOLE", 7.0);
   bench.emulator.set_parameter("PART", 7.5);
   ASSERT_EQ(ask("WHOLE").size(), 1u);
@@ -245,14 +246,14 @@ TEST(EmulatorMessages, ReadsWritesAndResetsParameters) {
   EXPECT_TRUE(ask("PART").empty());
 }
 
-// PX4 accepts poses in each frame that it knows and counts the others as refused.
+// PX4 accepts poses in each coordinate frame that it knows, and counts the others as refused.
 TEST(EmulatorMessages, Px4ConvertsPoseFrames) {
   struct Row {
     std::uint8_t frame;
     Eigen::Vector3d said_m;
     bool is_taken;
   };
-  const Eigen::Vector3d ned(1.0, -2.0, -0.25);  // relative to its start
+  const Eigen::Vector3d ned(1.0, -2.0, -0.25);  // m; position relative to the start
   for (const Row& row :
        {Row{mavlink::frame::kLocalNed, ned, true}, Row{mavlink::frame::kLocalFrd, ned, true},
         Row{4, {-2.0, 1.0, 0.25}, true},  // east, north, up
@@ -325,7 +326,7 @@ TEST(EmulatorTalk, AcceptsFiniteVisionEstimates) {
   bench.send(vision);
   EXPECT_EQ(bench.poses(), 1);
   EXPECT_EQ(bench.emulator.controller().estimator().position_m(), Eigen::Vector3d(1.0, -2.5, -0.5));
-  // A reset is accepted in full, as for odometry.
+  // A pose with a new reset counter corrects the complete error, as with odometry.
   vision.x = 9.0F;
   vision.reset_counter = 1;
   bench.send(vision);

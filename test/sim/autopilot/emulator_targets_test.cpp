@@ -1,4 +1,4 @@
-// Targets, clocks, origins and long texts of an emulated autopilot.
+// Set-points, clocks, origins and long texts of an emulated autopilot.
 
 #include <algorithm>
 #include <cmath>
@@ -30,14 +30,14 @@ mavlink::SetPositionTargetLocalNed velocity_of(double vx, double vy, double vz) 
   return out;
 }
 
-/// Returns the position and yaw after 1.5 s with that target.
+/// Returns the position and yaw after 1.5 s with the set-point `target`.
 Eigen::Vector4d place_after(EmulatorBench bench, const mavlink::SetPositionTargetLocalNed& target) {
   bench.send_poses(1.5, &target);
   const Eigen::Vector3d place_m = bench.place_m();
   return {place_m.x(), place_m.y(), place_m.z(), bench.emulator.controller().airframe().yaw_rad()};
 }
 
-// Targets in body axes are turned by the yaw: forward, right, down. A position in body axes is
+// Set-points in body axes (forward, right, down) are rotated by the yaw. A position in body axes is
 // refused.
 TEST(EmulatorTargets, InBodyAxesAreRotatedByYaw) {
   const EmulatorBench begin = flying();
@@ -92,7 +92,7 @@ TEST(EmulatorTargets, InUnknownFramesAreIgnoredAndCounted) {
   EXPECT_LT(bench.emulator.velocity_world_mps().norm(), 0.02);
 }
 
-// Each of the five parts is obeyed if and only if it is not masked out.
+// Each of the five parts of a set-point acts if and only if it is not masked out.
 TEST(EmulatorTargets, ApplyAllUnmaskedFields) {
   using Target = mavlink::SetPositionTargetLocalNed;
   struct Part {
@@ -147,13 +147,13 @@ TEST(EmulatorMessages, AnswersAndSendsTimesync) {
   EXPECT_EQ(answers[0].ts1, 123'456'789);
   EXPECT_EQ(answers[0].tc1, (bench.now - kBoot).count() * 1'000);
   bench.frames.clear();
-  asked.tc1 = 5;  // an answer
+  asked.tc1 = 5;  // tc1 ≠ 0: a reply
   bench.send(asked);
   EXPECT_TRUE(bench.all<mavlink::Timesync>().empty()) << "is not answered in turn";
 }
 
-// The host's clock is five hours off. The answer gives the host's time half a round trip after the
-// request. A pose of 0.1 s ago is then compared with the position of 0.1 s ago.
+// The host's clock is offset by five hours. The reply gives the host's time, valid half a round
+// trip after the request. A pose captured 0.1 s ago must be compared with the position 0.1 s ago.
 TEST(EmulatorMessages, ConvertsPoseTimeFromHostClock) {
   constexpr Duration kOff = std::chrono::hours(5);
   for (const bool is_answered : {false, true}) {
@@ -166,7 +166,7 @@ TEST(EmulatorMessages, ConvertsPoseTimeFromHostClock) {
       answer.tc1 = to_utime(bench.now + kOff + Duration{20'000}) * 1'000;
       bench.run(0.04);
       bench.send(answer);
-      answer.ts1 += 1'000'000'000;  // answers a request that was not sent
+      answer.ts1 += 1'000'000'000;  // replies to a request that was not sent
       answer.tc1 += 9'000'000'000;
       bench.send(answer);
     }
@@ -210,7 +210,7 @@ TEST(EmulatorMessages, ConfirmsOrigin) {
 
 // --- long texts
 
-// 50 letters per message. The pieces of one text share an id and are numbered.
+// A text is split into messages of 50 characters, which share an id and are numbered.
 TEST(EmulatorMessages, SplitsLongTexts) {
   EmulatorBench bench(AutopilotDialect::kPx4);
   mavlink::Heartbeat station;
@@ -239,7 +239,7 @@ TEST(EmulatorMessages, SplitsLongTexts) {
     EXPECT_EQ(pieces[0].id != 0, letters > 50) << letters;
     EXPECT_TRUE(letters <= 50 || pieces[0].id != last_id);
     last_id = pieces[0].id;
-    // The reason comes before the refusal.
+    // The text with the reason is sent before the refusal.
     EXPECT_TRUE(mavlink::unpack<mavlink::CommandAck>(bench.frames.back()));
   }
 }
@@ -261,7 +261,7 @@ TEST(EmulatorMessages, SendsTextsFor2_5SecondsAfterHeartbeat) {
   EXPECT_GT(texts_after(AutopilotDialect::kArdupilot, 2.505), 0u) << "to everybody";
 }
 
-// If nothing is fetched, the older half of 1024 messages is dropped.
+// When 1024 messages have not been fetched, the older half is dropped.
 TEST(EmulatorMessages, DropsOlderHalfOfUnfetchedOutput) {
   AutopilotEmulator emulator(spec_of(AutopilotDialect::kPx4), kBoot);
   std::uint8_t sequence = 0;

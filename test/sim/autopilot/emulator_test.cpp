@@ -1,4 +1,4 @@
-// The emulated autopilots compared with measurements of the real ones.
+// Emulated autopilots compared with measurements of real ones.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ Station flying_px4() {
   return station;
 }
 
-// Returns an ArduPilot on the ground that receives poses and has its origin.
+// Returns an ArduPilot on the ground that receives poses and has an origin.
 Station placed_ardupilot() {
   Station station(AutopilotDialect::kArdupilot);
   listen(station);
@@ -56,7 +56,7 @@ Station flying_ardupilot() {
   return station;
 }
 
-// A late pose is compared with the vehicle's position at its capture time.
+// A late pose is compared with the vehicle's position at the capture time of the pose.
 TEST(PoseEstimator, IsExactWithLatePosesInMotion) {
   PoseEstimatorTraits traits;
   traits.converge_s = 0.1;
@@ -77,7 +77,7 @@ TEST(PoseEstimator, IsExactWithLatePosesInMotion) {
   }
 }
 
-// ArduPilot checks for its station three times per second.
+// ArduPilot checks the connection to its ground station three times per second.
 TEST(AutopilotProfile, ChecksStationAtTheRealRate) {
   EXPECT_DOUBLE_EQ(3.0 * profile_of(AutopilotDialect::kArdupilot).station_check_s, 1.0);
 }
@@ -94,7 +94,7 @@ TEST(EmulatedPx4, IsReadySoonAfterTheFirstPose) {
   EXPECT_EQ(station.command(400, 1), 0);
 }
 
-// PX4 1.18 sends STATUSTEXT only where it receives a heartbeat of type GCS.
+// PX4 1.18 sends STATUSTEXT only on links on which it receives a heartbeat of type GCS.
 TEST(EmulatedPx4, SendsReasonsOnlyToGroundStations) {
   Station station(AutopilotDialect::kPx4);
   listen(station);
@@ -133,7 +133,7 @@ TEST(EmulatedPx4, ArmsInOffboardAfterOneSecondOfSetPoints) {
   EXPECT_EQ(station.command(400, 1), 0);
 }
 
-// COM_OF_LOSS_T, with the default and set values.
+// The time until the landing is COM_OF_LOSS_T; tested with the default and with other values.
 TEST(EmulatedPx4, LandsAfterComOfLossT) {
   for (const double timeout_s : {0.3, 1.0, 2.0}) {
     Station station = flying_px4();
@@ -211,7 +211,7 @@ TEST(EmulatedArdupilot, RefusesAnOriginBeforeItsEstimatorRuns) {
   EXPECT_EQ(station.origins, 0);
   station.run(1.0);
   station.send(wire::mavlink::SetGpsGlobalOrigin{});
-  EXPECT_EQ(station.origins, 1);  // it reports its origin once and accepts no other
+  EXPECT_EQ(station.origins, 1);  // the firmware reports its origin once and accepts no other
   station.send(wire::mavlink::SetGpsGlobalOrigin{});
   EXPECT_EQ(station.origins, 1);
 }
@@ -239,7 +239,7 @@ TEST(EmulatedArdupilot, IgnoresPosesInOtherFrames) {
   EXPECT_GT(station.emulator.controller().estimator().poses(), 0);
 }
 
-// GUID_TIMEOUT, with the default and set values.
+// The time until the stop is GUID_TIMEOUT; tested with the default and with other values.
 TEST(EmulatedArdupilot, StopsAfterGuidTimeout) {
   for (const double timeout_s : {0.3, 3.0}) {
     Station station = flying_ardupilot();
@@ -256,7 +256,8 @@ TEST(EmulatedArdupilot, StopsAfterGuidTimeout) {
   }
 }
 
-// FS_GCS_ENABLE, FS_GCS_TIMEOUT, SYSID_MYGCS. A station that never sent anything cannot be lost.
+// Tests FS_GCS_ENABLE, FS_GCS_TIMEOUT and SYSID_MYGCS. A station that never sent anything cannot be
+// lost.
 TEST(EmulatedArdupilot, LandsOnStationLossIfConfigured) {
   const auto mode_after = [](double silence_s, const std::string& name, double value) {
     Station station = flying_ardupilot();
@@ -285,7 +286,7 @@ TEST(EmulatedArdupilot, FollowsTheYawRate) {
   const double before_rad = flatten(station.emulator.world_from_body()).yaw_rad;
   station.run(2.0);
   const double after_rad = flatten(station.emulator.world_from_body()).yaw_rad;
-  // Clockwise for an autopilot is negative here.
+  // The autopilot's yaw is clockwise, so a positive rate is negative in the world frame.
   EXPECT_NEAR(wrap_to_pi(after_rad - before_rad) / 2.0, -0.5, 0.01);
 }
 

@@ -90,7 +90,7 @@ FirmwareStation::FirmwareStation(models::AutopilotDialect spoken, const std::str
     throw StartupError(child.error().message);
   }
   child_.emplace(std::move(child).value());
-  // The drill's clock starts with the first message of the firmware.
+  // The clock of the drill starts with the first message of the firmware.
   while (!has_answered_) {
     if (monotonic_ns() - begun_ns_ > kStartMax.count() * 1'000) {
       throw StartupError("the firmware says nothing");
@@ -107,7 +107,7 @@ ScriptedStation::Body FirmwareStation::body() const {
 }
 
 void FirmwareStation::step() {
-  // PX4 leaves sensors unanswered while it starts, and in Offboard without set-points.
+  // PX4 does not answer sensor messages while it starts, nor in Offboard without set-points.
   const bool is_expected = has_answered_ && unanswered_ == 0;
   const std::optional<sim::MotorCommand> command =
       link_->receive(is_expected ? kPatience : kGlance);
@@ -127,7 +127,7 @@ void FirmwareStation::step() {
 void FirmwareStation::transmit(std::span<const std::uint8_t> bytes) { port_->write(bytes, now); }
 
 void FirmwareStation::pass() {
-  // `now` has advanced; the body follows. The cameras see it one step before the tick.
+  // Advances the body to `now`. The cameras see the body one step before the tick.
   const Duration until = elapsed_at_start_ + (now - kBoot);
   while (elapsed_ < until) {
     step();

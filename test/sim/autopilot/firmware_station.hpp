@@ -14,8 +14,9 @@
 
 namespace vantage::test {
 
-/// A station for real firmware that flies a simulated body in lockstep, in the body's own time. The
-/// speed of the machine does not matter, as long as the firmware does not fall behind.
+/// A station that connects real firmware to a simulated body. Both run in lockstep in the time of
+/// the body, so the speed of the machine does not matter as long as the firmware does not fall
+/// behind.
 class FirmwareStation : public ScriptedStation {
  public:
   /// Starts the firmware as `vantage up` would, in `folder`, with the ports of instance 0.
@@ -24,7 +25,7 @@ class FirmwareStation : public ScriptedStation {
                   const std::string& folder, std::uint64_t seed);
 
   [[nodiscard]] Body body() const override;
-  /// Returns the body as cameras with a latency of some milliseconds see it.
+  /// Returns the body as seen by cameras with a latency of some milliseconds.
   [[nodiscard]] Body seen() const override { return seen_; }
   /// Returns the command line of the firmware.
   [[nodiscard]] const std::string& command_line() const { return command_line_; }
@@ -41,10 +42,10 @@ class FirmwareStation : public ScriptedStation {
   sim::Multirotor body_;
   sim::SensorBoard board_;
   sim::Throttles throttles_{};
-  Duration elapsed_{0};  ///< body time
+  Duration elapsed_{0};  ///< simulated time of the body
   Duration elapsed_at_start_{0};
   bool has_answered_ = false;
-  int unanswered_ = 0;  ///< consecutive samples without an answer
+  int unanswered_ = 0;  ///< number of consecutive sensor samples without an answer
   Body seen_;
   std::int64_t begun_ns_;
   std::string command_line_;

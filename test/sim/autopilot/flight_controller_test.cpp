@@ -1,5 +1,5 @@
-// The emulated flight controllers: arming, flown targets and failsafes. Poses are exact, in still
-// air.
+// Emulated flight controllers: arming, response to set-points, and failsafes. Poses are exact and
+// there is no wind.
 
 #include "sim/autopilot/flight_controller.hpp"
 
@@ -26,7 +26,7 @@ constexpr Time kBoot = test::kPilotBoot;
 
 constexpr AutopilotDialect kBoth[] = {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
 
-// The flight is the same after turning north and mirroring left and right.
+// Rotating the world and mirroring left and right does not change the flight.
 TEST(FlightController, IsInvariantToRotationAndReflection) {
   for (const AutopilotDialect dialect : kBoth) {
     const auto fly = [&](double turn_rad, double side) {
@@ -63,7 +63,7 @@ TEST(FlightController, IsInvariantToRotationAndReflection) {
   }
 }
 
-// Each kind of target is reached, and limits are kept on the way.
+// The vehicle reaches each kind of set-point without exceeding its limits.
 TEST(FlightController, ReachesItsTargetWithinItsLimits) {
   for (const AutopilotDialect dialect : kBoth) {
     Pilot pilot(dialect);
@@ -83,7 +83,7 @@ TEST(FlightController, ReachesItsTargetWithinItsLimits) {
     EXPECT_NEAR(most_mps.x(), 1.5, 0.12) << "as fast as it may";
     EXPECT_NEAR(most_mps.y(), 0.7, 0.1);
     EXPECT_NEAR(turn_radps, 1.0, 0.02);
-    // Then down again, no faster than allowed, and a turn back across ±π.
+    // Then a descent within the limit of the descent rate, and a turn back across ±π.
     pilot.target->position_m->z() = -1.5;
     pilot.target->yaw_rad = -3.0;
     double sink_mps = 0.0;
@@ -109,7 +109,7 @@ TEST(FlightController, ReachesItsTargetWithinItsLimits) {
   }
 }
 
-// A position target with a feed-forward velocity is followed without lag.
+// A position set-point with a feed-forward velocity is followed without lag.
 TEST(FlightController, FollowsAMovingTarget) {
   for (const AutopilotDialect dialect : kBoth) {
     Pilot pilot(dialect);
@@ -147,7 +147,7 @@ TEST(FlightController, LandsAtItsSpeedAndStopsItsMotorsAfterDetection) {
     EXPECT_NEAR(to_seconds(pilot.now - down), pilot.profile.landed_delay_s + 0.5, 0.011);
     EXPECT_EQ(pilot.said.back(), pilot.profile.landed_text);
     EXPECT_EQ(pilot.controller.landed_state(), 1);
-    // It can take off again from there.
+    // After the landing the vehicle can take off again.
     pilot.target.reset();
     pilot.run(1.0);
     pilot.take_off(1.0);
@@ -175,7 +175,7 @@ TEST(FlightController, KeepsMotorsRunningWithoutADisarmDelay) {
   EXPECT_EQ(idle.said.back(), idle.profile.idle_text);
 }
 
-// It needs 10 % to arm and 3 % to continue flying.
+// The battery needs a charge of 10 % to arm and of 3 % to continue flying.
 TEST(FlightController, DoesNotArmOrFlyWithAnEmptyBattery) {
   for (const AutopilotDialect dialect : kBoth) {
     Pilot pilot(dialect);
@@ -217,7 +217,7 @@ TEST(FlightController, ArmsOnlyWithoutFaults) {
   EXPECT_EQ(pilot.said.back(), pilot.profile.arming_text);
 }
 
-// All reasons in order; the set of reasons depends on the time since power-up.
+// Compares all reasons, in order. The set of reasons depends on the time since power-up.
 TEST(FlightController, ArdupilotReportsAllArmingReasons) {
   const std::string none = "Arm: Need Alt Estimate", attitude = "Arm: EKF attitude is bad",
                     odometry = "Arm: VisOdom: not healthy", accels = "Arm: Accels inconsistent",
@@ -247,7 +247,8 @@ TEST(FlightController, ArdupilotReportsAllArmingReasons) {
   EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
 }
 
-// It needs a stream of targets for more than a second, without a gap of more than half a second.
+// Offboard arming needs a stream of set-points for more than a second, without a gap of more than
+// half a second.
 TEST(FlightController, Px4RequiresSetPointsBeforeOffboardArming) {
   const auto is_let_in = [](int targets, int gap_ms) {
     Pilot pilot(AutopilotDialect::kPx4);
@@ -288,7 +289,8 @@ TEST(FlightController, TakesOffOnlyByCommandFromTheGround) {
   EXPECT_EQ(pilot.controller.take_off(-1.0), 4);
   EXPECT_EQ(pilot.controller.landed_state(), 1);
   EXPECT_EQ(pilot.controller.take_off(1.2), 0);
-  // It spools up for a second and climbs at 0.7 m/s at most.
+  // After the take-off command, the motors spool up for a second and the vehicle climbs at 0.7 m/s
+  // at most.
   const Time begin = pilot.now;
   pilot.run_while([&] { return pilot.controller.airframe().is_on_ground(); });
   EXPECT_GT(to_seconds(pilot.now - begin), 0.99);
@@ -307,8 +309,8 @@ TEST(FlightController, TakesOffOnlyByCommandFromTheGround) {
   EXPECT_FALSE(pilot.controller.is_armed());
 }
 
-// The flags differ on the ground, in the air, after more than 0.6 s without poses, and after the
-// loss of position.
+// The flags differ on the ground, in the air, without poses for more than 0.6 s, and after the loss
+// of the position.
 TEST(FlightController, ReportsEstimatorFlags) {
   AutopilotSettings set = settings();
   set.lands_on_pose_loss = false;
@@ -331,8 +333,8 @@ TEST(FlightController, ReportsEstimatorFlags) {
   EXPECT_TRUE(pilot.said.empty() || pilot.said.back() == pilot.profile.arming_text);
 }
 
-// A station that is lost on the ground stops the motors. Once it is received again, it can be lost
-// again.
+// The loss of the station on the ground stops the motors. A station that is received again can be
+// lost again.
 TEST(FlightController, FailsOnlyOnLossOfItsOwnStation) {
   AutopilotSettings set = settings();
   set.heartbeat_loss_s = 1.0;

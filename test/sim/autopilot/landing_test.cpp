@@ -1,4 +1,4 @@
-// The position at which an emulated autopilot lands.
+// Tests of the position at which an emulated autopilot lands.
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ using test::settings;
 
 constexpr AutopilotDialect kBoth[] = {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
 
-/// Takes off to 3 m and then flies at `velocity_mps`.
+/// Takes off to 3 m and then flies with the velocity `velocity_mps`.
 void fly_on(Pilot& pilot, const Eigen::Vector3d& velocity_mps) {
   pilot.take_off(3.0);
   pilot.target = FlightTarget{};
@@ -27,7 +27,8 @@ void fly_on(Pilot& pilot, const Eigen::Vector3d& velocity_mps) {
   EXPECT_LT((pilot.controller.airframe().velocity_mps() - velocity_mps).norm(), 0.09);
 }
 
-// It lands where its velocity would bring it in the time of its profile, in both directions.
+// The vehicle lands at the point that it would reach at its initial velocity within the stopping
+// time of its profile. Tested in both directions.
 TEST(FlightController, LandsAfterTheStatedStoppingTime) {
   for (const AutopilotDialect dialect : kBoth) {
     for (const double side : {1.0, -1.0}) {
@@ -44,7 +45,8 @@ TEST(FlightController, LandsAfterTheStatedStoppingTime) {
   }
 }
 
-// Without a position it only stops. It does not fly back, and it still descends.
+// Without a position estimate the vehicle stops where it can, descends there, and does not fly
+// back.
 TEST(FlightController, LandsBlindAtItsStop) {
   AutopilotSettings set = settings();
   set.lands_on_pose_loss = false;

@@ -33,7 +33,7 @@ inline sim::AutopilotSettings settings() {
   return out;
 }
 
-/// A flight controller with a source of poses and targets at 50 Hz.
+/// A flight controller that receives poses and set-points at 50 Hz.
 struct Pilot {
   explicit Pilot(models::AutopilotDialect dialect, const sim::AutopilotSettings& set = settings(),
                  const Eigen::Vector3d& place_m = {0.0, 0.0, 0.0}, double yaw_rad = 0.0)
@@ -59,7 +59,7 @@ struct Pilot {
       step();
     }
   }
-  /// Steps while the condition holds, at most a minute.
+  /// Steps while the condition holds, for a minute at most.
   template <class Condition>
   void run_while(const Condition& is_so) {
     const Time begin = now;

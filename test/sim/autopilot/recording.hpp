@@ -10,9 +10,9 @@
 
 namespace vantage::test {
 
-/// The behaviour of an autopilot in a fixed sequence: the commands, its messages and the true
-/// position of its body. Times are seconds since power-up; positions are in the autopilot's local
-/// frame, z down.
+/// The behaviour of an autopilot during a drill: the commands, the messages of the autopilot and
+/// the true position of its body. Times are in s since power-up; positions are in the local frame
+/// of the autopilot, z down.
 struct Recording {
   struct Event {
     double time_s = 0.0;
@@ -28,26 +28,27 @@ struct Recording {
 
   std::vector<std::string> provenance;
   std::vector<Event> events;
-  std::vector<Moment> path;  ///< 10 Hz, from the first mark in the air
+  std::vector<Moment> path;  ///< samples at 10 Hz, from the first mark in the air
 
   void note(double time_s, const std::string& kind, const std::string& what);
 
-  // Queries for tests. `after_s` 0: from the beginning.
-  // Returns the time of the mark `what`.
+  // Queries for tests; `after_s` 0: from the beginning. mark() returns the time of the mark `what`,
+  // s.
   [[nodiscard]] double mark(std::string_view what) const;
-  /// Returns the first event of its kind that begins with `what`, not before `after_s`.
+  /// Returns the first event of this kind at or after `after_s` that begins with `what`.
   [[nodiscard]] std::optional<Event> first(std::string_view kind, std::string_view what,
                                            double after_s = 0.0) const;
   /// Returns the events of a kind in [after_s, before_s), in order, without consecutive duplicates.
   [[nodiscard]] std::vector<std::string> order(std::string_view kind, double after_s = 0.0,
                                                double before_s = 1e9) const;
-  /// Returns the moments in [after_s, before_s).
+  /// Returns the samples in [after_s, before_s).
   [[nodiscard]] std::vector<Moment> between(double after_s, double before_s) const;
-  /// Returns the moment at `time_s`, interpolated between two samples, or the nearest one.
+  /// Returns the sample at `time_s`, interpolated between two samples, or the nearest one.
   [[nodiscard]] Moment at(double time_s) const;
 };
 
-/// Writes comma-separated lines. Lines of provenance come first and begin with #.
+/// Writes the recording as comma-separated lines. The first lines, which begin with #, describe its
+/// origin.
 std::ostream& operator<<(std::ostream& out, const Recording& recording);
 /// Reads a recording. @throws std::runtime_error if the text is not a recording.
 Recording read_recording(std::istream& in);

@@ -1,6 +1,6 @@
-// The emulated autopilots compared with recordings of the real ones (test/data/autopilot). The same
-// sequence is played to the emulator. What matters to a driver must agree within the tolerances
-// given here. autopilot_recorder made the recordings.
+// Compares the emulated autopilots with recordings of the real ones (test/data/autopilot), which
+// autopilot_recorder made. The same sequence of commands is sent to the emulator. All behaviour
+// that matters to a driver must agree within the tolerances given here.
 
 #include <algorithm>
 #include <fstream>
@@ -27,7 +27,7 @@ struct Pair {
   Recording emulated;
 };
 
-/// Returns the recordings of a drill; each drill is played once.
+/// Returns the real and the emulated recording of a drill; each drill is played once.
 const Pair& drill(const std::string& name) {
   static std::map<std::string, Pair> pairs;
   const auto [found, is_new] = pairs.try_emplace(name);
@@ -44,7 +44,7 @@ const Pair& drill(const std::string& name) {
   return found->second;
 }
 
-/// Returns the seconds from the mark to the event; −1 if it never came.
+/// Returns the time from the mark to the event, s; −1 if there is no such event.
 double delay(const Recording& recording, const std::string& mark, const std::string& kind,
              const std::string& what) {
   const double told_s = recording.mark(mark);
@@ -52,7 +52,7 @@ double delay(const Recording& recording, const std::string& mark, const std::str
   return event ? event->time_s - told_s : -1.0;
 }
 
-/// Expects the event in both recordings, with the same delay.
+/// Expects the event in both recordings, with the same delay after the mark.
 void expect_delay(const Pair& pair, const std::string& mark, const std::string& kind,
                   const std::string& what, double tolerance_s) {
   const double real_s = delay(pair.real, mark, kind, what);
@@ -60,7 +60,7 @@ void expect_delay(const Pair& pair, const std::string& mark, const std::string& 
   EXPECT_NEAR(delay(pair.emulated, mark, kind, what), real_s, tolerance_s) << mark << ": " << what;
 }
 
-/// Returns the moments from a mark to the next.
+/// Returns the samples from a mark to the next mark.
 std::vector<Recording::Moment> after(const Recording& recording, const std::string& mark) {
   const double begin_s = recording.mark(mark);
   double end_s = 1e9;
@@ -77,7 +77,7 @@ struct MotionSummary {
   double begin_m = 0.0;
   double end_m = 0.0;
   double farthest_m = 0.0;
-  double back_m = 0.0;  ///< greatest return from the farthest point
+  double back_m = 0.0;  ///< m; greatest return from the farthest point
   double fastest_mps = 0.0;
   double fastest_back_mps = 0.0;
 };
@@ -108,7 +108,7 @@ void expect_way(const Pair& pair, const std::string& mark, double place_m, doubl
   EXPECT_NEAR(emulated.fastest_back_mps, real.fastest_back_mps, speed_mps);
 }
 
-/// Returns the greatest horizontal distance from the target position.
+/// Returns the greatest horizontal distance from the set-point after the mark, m.
 double drift_m(const Recording& recording, const std::string& mark) {
   double out = 0.0;
   for (const Recording::Moment& moment : after(recording, mark)) {
@@ -144,7 +144,7 @@ TEST(RecordedArdupilot, RefusesToArmForTheSameReasons) {
   EXPECT_EQ(refusals(emulated, "arm without poses", "poses"),
             refusals(real, "arm without poses", "poses"));
   EXPECT_EQ(refusals(real, "arm without poses", "poses").size(), 5U);
-  // With poses, before it has an origin, and then until its gyroscopes agree.
+  // With poses: the refusals before the vehicle has an origin, and then until its gyroscopes agree.
   EXPECT_EQ(refusals(emulated, "no set-points", "origin"),
             refusals(real, "no set-points", "origin"));
   EXPECT_EQ(refusals(emulated, "origin", "idle"), refusals(real, "origin", "idle"));
@@ -153,7 +153,7 @@ TEST(RecordedArdupilot, RefusesToArmForTheSameReasons) {
 
 TEST(RecordedArdupilot, HasTheRecordedArmingAndDisarmTimes) {
   const Pair& pair = drill("ardupilot_arming");
-  EXPECT_NEAR(pair.emulated.mark("idle"), pair.real.mark("idle"), 1.5);  // since power-up
+  EXPECT_NEAR(pair.emulated.mark("idle"), pair.real.mark("idle"), 1.5);  // s since power-up
   EXPECT_GT(pair.real.mark("idle"), 22.0);
   expect_delay(pair, "idle", "text", "Disarming motors", 0.2);
 }
@@ -165,7 +165,8 @@ TEST(RecordedArdupilot, HasAPositionBeforeAnOrigin) {
     EXPECT_LT(recording->first("flags", "0x033F")->time_s, recording->mark("origin"));
   }
   expect_delay(pair, "origin", "origin", "confirmed", 0.2);
-  expect_delay(pair, "poses", "flags", "0x033F", 1.5);  // since power-up; it aligns its tilt first
+  expect_delay(pair, "poses", "flags", "0x033F",
+               1.5);  // s since power-up; first it aligns its tilt
 }
 
 TEST(RecordedPx4, RefusesToArmForTheSameReasons) {
@@ -178,7 +179,7 @@ TEST(RecordedPx4, RefusesToArmForTheSameReasons) {
   for (const Recording* recording : {&real, &emulated}) {
     EXPECT_FALSE(words(*recording, recording->mark("no set-points"), 1e9, "Arming denied").empty());
   }
-  // It accepts Offboard each time, and arms only with poses and set-points.
+  // PX4 accepts Offboard each time, but arms only with poses and set-points.
   EXPECT_EQ(answers(emulated), answers(real));
   expect_delay(drill("px4_arming"), "arm", "ack", "400 0", 0.2);
 }
@@ -203,7 +204,8 @@ TEST_P(RecordedMotion, FollowsAndStopsAsRecorded) {
   expect_way(pair, "place after velocity", 0.10, 0.10);
 }
 
-// Another kind of target while it brakes: ArduCopter attributes the braking to wind.
+// When the kind of set-point changes while the vehicle brakes, ArduCopter attributes the braking to
+// wind.
 TEST_P(RecordedMotion, OvershootsAsRecordedWhenTheTargetKindChanges) {
   const Pair& pair = drill(GetParam());
   expect_way(pair, "place while braking", 0.08, 0.12);
@@ -248,7 +250,7 @@ class RecordedSilence : public testing::TestWithParam<const char*> {};
 TEST_P(RecordedSilence, SetPointLossStopsArdupilot) {
   const Pair& pair = drill(std::string("ardupilot_setpoints_stop") + GetParam());
   expect_way(pair, "set-points stop", 0.10, 0.10);
-  for (const Recording* recording : {&pair.real, &pair.emulated}) {  // and it stays in its mode
+  for (const Recording* recording : {&pair.real, &pair.emulated}) {  // and the mode stays the same
     const double stop_s = recording->mark("set-points stop");
     EXPECT_TRUE(recording->order("mode", stop_s, recording->mark("land")).empty());
   }
@@ -265,7 +267,7 @@ TEST_P(RecordedSilence, SetPointLossLandsPx4) {
 
 TEST_P(RecordedSilence, HeartbeatLossLandsArdupilotAfterPause) {
   const Pair& pair = drill(std::string("ardupilot_heartbeats_stop") + GetParam());
-  // It checks three times per second; heartbeats come five times per second.
+  // The autopilot checks three times per second, and heartbeats are sent five times per second.
   expect_delay(pair, "heartbeats stop", "text", "GCS Failsafe", 0.5);
   for (const Recording* recording : {&pair.real, &pair.emulated}) {
     const double land_s = recording->first("mode", kArdupilotLand)->time_s;
@@ -276,7 +278,7 @@ TEST_P(RecordedSilence, HeartbeatLossLandsArdupilotAfterPause) {
     const double down_s = recording->first("landed", kOnGround, land_s)->time_s;
     EXPECT_NEAR(down_s - land_s, 7.45, 0.3);
     EXPECT_NEAR(recording->first("text", "Disarming motors", land_s)->time_s - down_s, 0.45, 0.15);
-    // The distance that it continues from its position at that time.
+    // Distance, m, that the vehicle moves on from its position at the failsafe.
     EXPECT_NEAR(recording->path.back().position_m.x() - recording->at(land_s).position_m.x(),
                 std::string(GetParam()).empty() ? 0.5 : 0.0, 0.2);
   }
@@ -335,8 +337,8 @@ TEST(RecordedPx4, LandsWhenItsPositionIsLost) {
   EXPECT_NEAR(drift_m(pair.emulated, "poses stop"), drift_m(pair.real, "poses stop"), 0.1);
 }
 
-// ArduCopter refuses a jump of 0.3 m as long as it lasts. PX4 accepts that; it refuses 1.5 m for a
-// second and then accepts it and flies there.
+// ArduCopter refuses poses with a jump of 0.3 m as long as the jump lasts; PX4 accepts them. PX4
+// refuses a jump of 1.5 m for a second, then accepts it and flies to the new position.
 class RecordedJump : public testing::TestWithParam<const char*> {};
 
 TEST_P(RecordedJump, MovesEmulatorLikeRealAutopilot) {

@@ -17,8 +17,8 @@
 
 namespace vantage::test {
 
-/// A MAVLink partner of an autopilot that sends single messages in virtual time, and only those
-/// that are requested. Derived classes connect it to an emulated or a real autopilot.
+/// A MAVLink partner of an autopilot in virtual time. It sends only the messages that the test
+/// requests. Derived classes connect it to an emulated or a real autopilot.
 class ScriptedStation {
  public:
   static constexpr Time kBoot = from_utime(1'700'000'000'000'000);
@@ -39,7 +39,8 @@ class ScriptedStation {
     transmit(bytes);
   }
 
-  /// Returns the result of the acknowledgement; −1 if none arrives within a second.
+  /// Sends a command and returns the result in its acknowledgement; −1 if none arrives within a
+  /// second.
   int command(std::uint16_t number, float p1, float p2 = 0.0F, float p3 = 0.0F, float p7 = 0.0F);
   void set_parameter(const std::string& name, double value);
 
@@ -47,7 +48,7 @@ class ScriptedStation {
                                                            float yaw_rate);
   static wire::mavlink::SetPositionTargetLocalNed position(float x, float y, float z, float yaw);
 
-  /// The true state of the body; seen() gives the state at the capture time of the cameras.
+  /// True state of the body; seen() returns the state at the capture time of the cameras.
   struct Body {
     Time time{};
     Pose3 world_from_body;
@@ -60,14 +61,15 @@ class ScriptedStation {
   models::AutopilotDialect dialect;
   Time now = kBoot;
   bool sends_poses = false;
-  Eigen::Vector3d pose_offset_m = Eigen::Vector3d::Zero();  ///< m, z down; added to the poses sent
+  Eigen::Vector3d pose_offset_m =
+      Eigen::Vector3d::Zero();  ///< m, z down; offset added to the poses that are sent
   bool sends_heartbeats = false;
   std::uint8_t frame = wire::mavlink::frame::kLocalFrd;
   std::uint8_t estimator_type = wire::mavlink::kEstimatorVision;
   std::optional<wire::mavlink::SetPositionTargetLocalNed> target;
-  Recording* recording = nullptr;  ///< receives all incoming messages
+  Recording* recording = nullptr;  ///< if set, records all incoming messages
 
-  // The last messages received.
+  // Last messages received.
   std::optional<wire::mavlink::CommandAck> last_ack;
   std::optional<wire::mavlink::Heartbeat> last_heartbeat;
   std::optional<wire::mavlink::ParamValue> last_parameter;
@@ -83,7 +85,7 @@ class ScriptedStation {
 
  protected:
   virtual void transmit(std::span<const std::uint8_t> bytes) = 0;
-  /// Advances the other end by one tick, to `now`.
+  /// Advances the autopilot by one tick, to `now`.
   virtual void pass() = 0;
   void receive(std::span<const std::uint8_t> bytes);
 
@@ -93,12 +95,12 @@ class ScriptedStation {
   void note(const std::string& kind, const std::string& what);
 
   wire::mavlink::Parser parser_;
-  std::optional<wire::mavlink::Timesync> owed_;  ///< pending answer
+  std::optional<wire::mavlink::Timesync> owed_;  ///< reply to be sent
   std::uint8_t sequence_ = 0;
   std::int64_t ticks_ = 0;
 };
 
-/// A station at an emulated autopilot.
+/// A station connected to an emulated autopilot.
 class EmulatorStation : public ScriptedStation {
  public:
   explicit EmulatorStation(models::AutopilotDialect spoken)

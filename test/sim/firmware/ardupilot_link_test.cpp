@@ -15,7 +15,7 @@ namespace {
 
 constexpr Duration kLong = std::chrono::seconds(5);
 
-/// A link and a firmware that sends to it, at a free port of this machine.
+/// A link on a free port of this machine, and a firmware that sends to it.
 class ArdupilotLinkTest : public testing::Test {
  protected:
   ArdupilotLinkTest() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {

@@ -11,14 +11,14 @@
 namespace vantage::sim {
 namespace {
 
-/// A firmware that answers at once with fixed throttles, until `is_silent` is set.
+/// A firmware that answers immediately with fixed throttles, until `is_silent` is set.
 class ImmediateFirmware : public FirmwareLink {
  public:
   struct Shared {
     std::atomic<bool> is_silent{false};
     std::atomic<double> throttle{0.0};
     std::atomic<std::int64_t> told{0};
-    std::atomic<std::int64_t> disorders{0};  ///< samples sent before the last was answered
+    std::atomic<std::int64_t> disorders{0};  ///< samples sent before the previous answer
   };
   explicit ImmediateFirmware(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
   [[nodiscard]] Duration period() const override { return Duration{2'500}; }
@@ -45,7 +45,7 @@ class ImmediateFirmware : public FirmwareLink {
   Duration last_{-1};
 };
 
-/// The same with a delay: a receive() that does not wait gets nothing.
+/// A firmware that answers with a delay: a receive() that does not wait returns nothing.
 class SlowFirmware : public ImmediateFirmware {
  public:
   using ImmediateFirmware::ImmediateFirmware;
@@ -107,7 +107,7 @@ TEST(FirmwareFlight, InterpolatesBetweenSamples) {
   double last_m = -1.0;
   for (std::int64_t back_ns = 100'000'000; back_ns >= 0; back_ns -= 1'000'000) {
     const double z_m = flight.at(now_ns - back_ns).world_from_body.translation_m.z();
-    EXPECT_GE(z_m, last_m);  // it climbs all the time
+    EXPECT_GE(z_m, last_m);  // m; the body climbs all the time
     last_m = z_m;
   }
 }

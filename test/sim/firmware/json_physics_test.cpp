@@ -8,8 +8,8 @@
 namespace vantage::wire::sitl {
 namespace {
 
-// A packet as ArduCopter 4.6.2 sent it: 1500 µs on the first output, 1000 µs on the others; frame
-// 3.
+// A packet sent by ArduCopter 4.6.2: frame 3, with 1500 µs on the first output and 1000 µs on the
+// others.
 const std::vector<std::uint8_t> kRecorded = [] {
   std::vector<std::uint8_t> out{0x1A, 0x48, 0xB0, 0x04, 3, 0, 0, 0, 0xDC, 0x05};
   while (out.size() < 40) {
@@ -76,8 +76,8 @@ TEST(JsonPhysics, RefusesEveryOtherLengthAndMagic) {
   }
 }
 
-// The firmware's reader searches a key, skips the quote and the colon, and reads with "[%f, %f,
-// %f]". It does not skip a blank before the bracket.
+// The firmware's parser searches a key, skips the quote and the colon, and reads with "[%f, %f,
+// %f]". It does not accept a blank before the bracket.
 TEST(JsonPhysics, IsReadableByTheFirmwaresParser) {
   wire::sitl::JsonSensors sensors;
   sensors.time_s = 12.5;

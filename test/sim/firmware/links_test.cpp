@@ -1,5 +1,5 @@
-// Links between the simulator and firmware: completeness, order, the newest of several partners,
-// and positions between two samples of a flight.
+// Links between the simulator and firmware: all packets arrive, in order; the newest of several
+// connected peers is used; positions are interpolated between two samples of a flight.
 
 #include <algorithm>
 #include <array>
@@ -34,7 +34,7 @@ namespace {
 
 constexpr Duration kLong = std::chrono::seconds(5);
 
-/// A firmware that sends ArduPilot's JSON to a link at a free port.
+/// A firmware that sends ArduPilot's JSON packets to a link on a free port.
 struct Ardupilot {
   Ardupilot() {
     for (instance = 1200 + getpid() % 1000; !link; ++instance) {
@@ -127,7 +127,7 @@ TEST(ArdupilotLink, ReportsUnavailablePort) {
   }
 }
 
-/// PX4 at the other end of a link at a free port.
+/// A PX4 connected to a link on a free port.
 struct Px4 {
   Px4() {
     for (int instance = 1200 + getpid() % 1000; !link; ++instance) {
@@ -190,8 +190,8 @@ struct Px4 {
   wire::mavlink::Parser parser;
 };
 
-// A heartbeat precedes the first and each 250th sample. Frames come from system 200 and are
-// numbered without a gap. Compass and barometer alternate.
+// A heartbeat precedes the first and each 250th sample. Frames are sent by system 200, with
+// consecutive numbers. Compass and barometer alternate.
 TEST(Px4Link, SendsHeartbeatEachSecondAndNumbersFrames) {
   Px4 firmware;
   std::vector<wire::mavlink::Frame> frames;
@@ -226,7 +226,7 @@ TEST(Px4Link, SendsHeartbeatEachSecondAndNumbersFrames) {
 TEST(Px4Link, ReturnsCommandsThatAnswerTheLastSensors) {
   Px4 firmware;
   ASSERT_TRUE(firmware.link->send(Px4::at(4'000)));
-  firmware.send(wire::mavlink::Heartbeat{});  // no motors
+  firmware.send(wire::mavlink::Heartbeat{});  // contains no motor commands
   EXPECT_FALSE(firmware.link->receive(Duration{0}));
   firmware.transmit(4'001, 0.125F);
   const auto motors = firmware.link->receive(kLong);
@@ -240,7 +240,7 @@ TEST(Px4Link, ReturnsCommandsThatAnswerTheLastSensors) {
   EXPECT_EQ(firmware.link->counts().stale, 1);
 }
 
-// A frame that the previous firmware did not complete does not affect the next firmware.
+// An incomplete frame of the previous firmware does not affect the next firmware.
 TEST(Px4Link, DropsPartialFrameOfOldFirmware) {
   Px4 firmware;
   ASSERT_TRUE(firmware.link->send(Px4::at(4'000)));
@@ -274,8 +274,8 @@ TEST(Px4Link, ReportsInvalidBaudRate) {
   EXPECT_EQ(why("/dev/x"), "");
 }
 
-/// A firmware that turns a body and makes it climb. The test can make it pause for any time; its
-/// flight pauses meanwhile.
+/// A firmware that makes a body turn and climb. While the test pauses the firmware, the flight
+/// pauses too.
 class PausableFirmware : public FirmwareLink {
  public:
   struct Shared {
@@ -324,7 +324,7 @@ TEST(FirmwareFlight, InterpolatesAndExtrapolatesBriefly) {
     const FirmwareFlight::Sample far_back = flight.at(newest_ns - 62 * kPeriodNs - kPeriodNs / 2);
     shared->thinks = false;
     if (was_away) {
-      continue;  // the machine was busy: the sample spacing is not one period
+      continue;  // the machine was busy, so the sample spacing is not one period
     }
     const auto place = [](const FirmwareFlight::Sample& sample) {
       return sample.world_from_body.translation_m;
@@ -346,7 +346,7 @@ TEST(FirmwareFlight, InterpolatesAndExtrapolatesBriefly) {
     };
     EXPECT_GT(turned_rad(before, newest), 1e-5);
     EXPECT_NEAR(turned_rad(before, between) / turned_rad(before, newest), 0.75, 0.01);
-    // 64 samples are kept; before them the oldest is used.
+    // 64 samples are stored. For earlier times, the oldest sample is used.
     EXPECT_EQ(oldest.monotonic_ns, newest_ns - 63 * kPeriodNs);
     EXPECT_GT(place(far_back).z(), place(oldest).z());
     EXPECT_LT(place(far_back).z(), place(newest).z());

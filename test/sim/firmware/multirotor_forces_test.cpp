@@ -1,4 +1,4 @@
-// The forces on a simulated quadrotor and its motion, compared with closed forms.
+// Forces and motion of a simulated quadrotor, compared with closed forms.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ double thrust_n(const MultirotorParameters& p, double u) {
 
 Throttles all(double u) { return {u, u, u, u}; }
 
-/// Returns the throttle at which four motors carry the weight.
+/// Returns the throttle at which the thrust of four motors equals the weight.
 double hover(const MultirotorParameters& p) {
   double low = 0.0;
   double high = 1.0;
@@ -35,7 +35,7 @@ double hover(const MultirotorParameters& p) {
   return low;
 }
 
-/// Returns a body high above the ground, level, with its motors at hover for long enough.
+/// Returns a level body high above the ground whose motors have settled at hover.
 Multirotor in_the_air(const MultirotorParameters& p) {
   Multirotor body(p, 1, {});
   body.step(all(1.0), 2.0);
@@ -61,7 +61,7 @@ TEST(MultirotorForces, ThrustFollowsThrottleAndIsMeasured) {
     Throttles one{};
     one[i] = 0.3;
     Multirotor body(p, 1, {});
-    body.step(one, 1.0);  // it stands; the battery shows it
+    body.step(one, 1.0);  // the body stays on the ground; only the battery shows the load
     const double load = thrust_n(p, 0.3) / (p.mass_kg * kGravityMps2);
     EXPECT_NEAR(body.battery_a(), 0.3 + 12.0 * std::pow(load, 1.5), 1e-6) << i;
   }
@@ -82,8 +82,8 @@ TEST(MultirotorForces, MotorsFollowWithTheirLag) {
   }
 }
 
-// With more thrust on two motors, J ω̇ = τ (1 − e^(−t/T)) − c ω has a closed form for the rate
-// about one axis.
+// With more thrust on two motors, the rate about one axis follows J ω̇ = τ (1 − e^(−t/T)) − c ω,
+// which has a closed form.
 TEST(MultirotorForces, AngularAccelerationMatchesArmsAndInertia) {
   MultirotorParameters p = still_air();
   p.arm_x_m = 0.10;
@@ -159,8 +159,8 @@ TEST(MultirotorForces, TumblesWithAConstantAngularMomentum) {
   EXPECT_NEAR(energy(), energy_before, 0.01 * energy_before);
 }
 
-// On its feet the body sinks less when thrust carries a part of the weight, and tilts on its
-// springs.
+// On the ground, a part of the weight carried by thrust reduces the compression of the feet; the
+// body tilts on these springs.
 TEST(MultirotorForces, RestsOnItsFeetLikeSprings) {
   MultirotorParameters p = still_air();
   p.foot_m = 0.10;
@@ -198,7 +198,7 @@ TEST(MultirotorForces, RestsOnItsFeetLikeSprings) {
   }
 }
 
-// With a torque above what its feet can hold, it slides round against friction.
+// A yaw torque larger than the friction of the feet makes the body slide around its vertical axis.
 TEST(MultirotorForces, SlidesOnItsFeetAgainstFriction) {
   MultirotorParameters p = still_air();
   p.torque_per_thrust_m = 0.6;
@@ -227,7 +227,7 @@ TEST(MultirotorForces, SlidesOnItsFeetAgainstFriction) {
   }
 }
 
-// Level at hover, the accelerometer measures only the air, so gusts are visible.
+// In a level hover the accelerometer measures only aerodynamic forces, so gusts are visible.
 TEST(MultirotorForces, GustsHaveTheStatedStrengthAndTimeConstant) {
   MultirotorParameters p;
   p.gust_sigma_mps = 0.6;
@@ -251,7 +251,7 @@ TEST(MultirotorForces, GustsHaveTheStatedStrengthAndTimeConstant) {
     products += gust.cwiseProduct(last) / kSteps;
     last = gust;
   }
-  // 1σ of a variance is about 2.5 %.
+  // The standard deviation of an estimated variance is about 2.5 %.
   const Eigen::Vector3d expected(1.0, 1.0, 1.0 / 9.0);
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_NEAR(mean(axis), 0.0, 0.1);
@@ -316,7 +316,7 @@ TEST(SensorBoard, ReportsMotionInAutopilotAxes) {
   const Eigen::Vector3d ahead_world = body.world_from_body().rotation * Eigen::Vector3d::UnitX();
   const Eigen::Vector3d ahead_local = sensed.local_from_body * Eigen::Vector3d::UnitX();
   EXPECT_LT((ahead_local - turn_axes(ahead_world)).norm(), 1e-12);
-  // The magnetic field is that of the site for any attitude.
+  // In any attitude, the magnetic field in the local frame is that of the site.
   EXPECT_LT((sensed.local_from_body * sensed.magnetic_field_body_gauss -
              Eigen::Vector3d(0.205, -0.042, 0.470))
                 .norm(),
@@ -324,7 +324,7 @@ TEST(SensorBoard, ReportsMotionInAutopilotAxes) {
   const double height_m = body.world_from_body().translation_m.z();
   EXPECT_GT(height_m, 0.2);
   EXPECT_NEAR(sensed.pressure_altitude_m, 10.0 + height_m, 1e-9);
-  // Standard atmosphere: near sea level 12.01 Pa less per metre.
+  // Standard atmosphere: near sea level the pressure decreases by 12.01 Pa per metre.
   EXPECT_NEAR(1013.25 - sensed.pressure_hpa, 0.1201 * (10.0 + height_m), 2e-3);
   EXPECT_EQ(sensed.battery_v, body.battery_v());
   EXPECT_EQ(sensed.battery_a, body.battery_a());
@@ -332,7 +332,8 @@ TEST(SensorBoard, ReportsMotionInAutopilotAxes) {
   EXPECT_EQ(sensed.temperature_c, 20.0);
 }
 
-// White noise, independent for each sensor and axis, with the stated strength.
+// The noise is white and independent for each sensor and axis, with the specified standard
+// deviation.
 TEST(SensorBoard, NoiseIsIndependentPerSensorAndAxis) {
   const Multirotor body(still_air(), 1, {});
   SensorBoard silent(SensorNoise{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 1);
@@ -349,7 +350,7 @@ TEST(SensorBoard, NoiseIsIndependentPerSensorAndAxis) {
         (sensed.pressure_altitude_m - truth.pressure_altitude_m) / 0.3;
     moments += e * e.transpose() / kSamples;
   }
-  // 1σ of a variance is 1.6 %, of a correlation 1.1 %.
+  // The standard deviation of an estimated variance is 1.6 %, of a correlation 1.1 %.
   EXPECT_LT((moments - Eigen::Matrix<double, 10, 10>::Identity()).cwiseAbs().maxCoeff(), 0.08);
 }
 

@@ -14,7 +14,8 @@ namespace {
 using test::kGravityMps2;
 using test::still_air;
 
-/// Returns the throttle at which four motors carry the weight: e u² + (1 − e) u = m g / (4 T_max).
+/// Returns the throttle u at which the thrust of four motors equals the weight: e u² + (1 − e) u =
+/// m g / (4 T_max).
 double hover_throttle(const MultirotorParameters& p) {
   const double share = p.mass_kg * kGravityMps2 / (4.0 * p.motor_thrust_max_n);
   const double b = 1.0 - p.thrust_expo;
@@ -23,7 +24,7 @@ double hover_throttle(const MultirotorParameters& p) {
 
 Throttles all(double u) { return {u, u, u, u}; }
 
-/// Returns a body in the air at 10 m with its motors at hover.
+/// Returns a body at a height of 10 m with its motors at hover.
 Multirotor hovering(const MultirotorParameters& p) {
   Multirotor body(p, 1, {});
   const double u = hover_throttle(p);
@@ -53,7 +54,7 @@ TEST(Multirotor, KeepsItsHeightRateAtHoverThrottle) {
   Multirotor body = hovering(still_air());
   const double before_mps = body.velocity_world_mps().z();
   body.step(all(hover_throttle(still_air())), 1.0);
-  // Only drag changes the speed: v e^(−d t).
+  // Only drag changes the speed: v(t) = v e^(−d t).
   EXPECT_NEAR(body.velocity_world_mps().z(), before_mps * std::exp(-0.25), 2e-3);
   EXPECT_FALSE(body.is_on_ground());
 }
@@ -68,7 +69,7 @@ TEST(Multirotor, FallsFreelyAndMeasuresDragOnly) {
   EXPECT_LT(body.velocity_world_mps().z(), -1.0);
 }
 
-// Left and right behave alike, mirrored.
+// A turn to the left is the mirror image of a turn to the right.
 TEST(Multirotor, TurnsWithMotorDifferences) {
   const MultirotorParameters p = still_air();
   const double u = hover_throttle(p);
@@ -78,11 +79,12 @@ TEST(Multirotor, TurnsWithMotorDifferences) {
   };
   const double d = 0.05;
   const Case cases[] = {
-      {{0.0, d, d, 0.0}, {1.0, 0.0, 0.0}},   // left side up: roll to the right, + about x
-      {{d, 0.0, 0.0, d}, {-1.0, 0.0, 0.0}},  // right side up
-      {{0.0, d, 0.0, d}, {0.0, 1.0, 0.0}},   // rear up: nose down, + about y
-      {{d, 0.0, d, 0.0}, {0.0, -1.0, 0.0}},  // front up
-      {{d, d, 0.0, 0.0}, {0.0, 0.0, -1.0}},  // propellers that turn left: body turns right
+      {{0.0, d, d, 0.0}, {1.0, 0.0, 0.0}},  // more thrust on the left: roll to the right, + about x
+      {{d, 0.0, 0.0, d}, {-1.0, 0.0, 0.0}},  // more thrust on the right
+      {{0.0, d, 0.0, d}, {0.0, 1.0, 0.0}},   // more thrust at the rear: nose down, + about y
+      {{d, 0.0, d, 0.0}, {0.0, -1.0, 0.0}},  // more thrust at the front
+      {{d, d, 0.0, 0.0},
+       {0.0, 0.0, -1.0}},  // more torque of propellers that turn left: body turns right
       {{0.0, 0.0, d, d}, {0.0, 0.0, 1.0}}};
   for (const Case& c : cases) {
     Multirotor body = hovering(p);
@@ -161,7 +163,8 @@ TEST(SensorBoard, MeasuresGravityInFrdAndNorth) {
   EXPECT_NEAR(sensed.pressure_hpa, 1012.05, 0.05);
 }
 
-// Over 300 boards the biases have the stated standard deviation; each stays constant.
+// Over 300 boards, the biases have the specified standard deviation. The bias of each board is
+// constant.
 TEST(SensorBoard, HasConstantBias) {
   const Multirotor body(still_air(), 1, {0.0, 0.0, 0.0});
   double turns2_radps2 = 0.0;

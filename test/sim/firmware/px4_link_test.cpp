@@ -29,7 +29,7 @@ namespace {
 
 constexpr Duration kLong = std::chrono::seconds(5);
 
-/// The firmware's end of the connection.
+/// The firmware's end of the connection to the simulator.
 class FakeFirmware {
  public:
   explicit FakeFirmware(int fd) : fd_(fd) {}
@@ -59,7 +59,7 @@ class FakeFirmware {
     wire::mavlink::append_bytes(wire::mavlink::pack(controls, {1, 1, 0}), bytes);
     ASSERT_EQ(write(fd_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   }
-  /// Returns the next sensors that the simulator sends.
+  /// Returns the next sensor message of the simulator.
   wire::mavlink::HilSensor read_reply() {
     while (heard_.empty()) {
       pollfd polled{fd_, POLLIN, 0};
@@ -113,7 +113,7 @@ struct Listening {
   int port = 0;
 };
 
-/// Returns a link at a free port of this machine.
+/// Returns a link that listens on a free port of this machine.
 Listening listen_somewhere() {
   for (int instance = 100 + getpid() % 1000;; ++instance) {
     try {
@@ -190,7 +190,7 @@ TEST(Px4Link, ReturnsTheMotorsForTheLastSensors) {
   EXPECT_EQ(link->receive(Duration{0}), std::nullopt) << "one answer is one answer";
 
   ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
-  firmware.transmit(4'000, {0.9F, 0.9F, 0.9F, 0.9F});  // late
+  firmware.transmit(4'000, {0.9F, 0.9F, 0.9F, 0.9F});  // reply to older sensors
   firmware.transmit(8'000, {0.5F, 0.5F, 0.5F, 0.5F});
   const auto next = link->receive(kLong);
   ASSERT_TRUE(next);
@@ -233,7 +233,8 @@ TEST(Px4Link, AcceptsRestartedFirmware) {
   EXPECT_EQ(third.read_reply().time_usec, 16'000U);
 }
 
-// The newest of several connections since the last check is used. The port is released afterwards.
+// Of several connections since the last check, the newest one is used. The port is released at the
+// end.
 TEST(Px4Link, UsesTheNewestMessageAndReleasesItsPort) {
   auto [link, port] = listen_somewhere();
   FakeFirmware first(FakeFirmware::connected_to(port));
@@ -262,7 +263,7 @@ TEST(Px4Link, NeverBlocksOnAStalledFirmware) {
   const auto told = static_cast<int>(told_usec.size());
   EXPECT_LT(told, kSamples);
   EXPECT_GE(link->counts().unsent, kSamples - told);
-  // The firmware reads whole frames in order; the last one may be incomplete.
+  // The firmware receives complete frames in order; only the last one may be incomplete.
   std::uint64_t last_usec = 0;
   std::vector<std::uint64_t> heard_usec;
   for (int i = 0; i < told - 1; ++i) {
@@ -318,7 +319,7 @@ TEST(Px4Link, SupportsBoardWithItsOwnClock) {
   EXPECT_DOUBLE_EQ(command->throttles[0], 0.5);
 }
 
-// The baud rate follows the last colon; the default is PX4's.
+// The number after the last colon is the baud rate; the default is that of PX4.
 TEST(Px4Link, OpensSerialLineAtGivenBaudRate) {
   struct Row {
     std::string behind;
@@ -337,8 +338,8 @@ TEST(Px4Link, OpensSerialLineAtGivenBaudRate) {
   }
 }
 
-// Opening is tried twice per second, however often send() is called: here a file, which is not a
-// serial line.
+// Opening is tried twice per second, however often send() is called. Here the path is a file, which
+// is not a serial line.
 TEST(Px4Link, RetriesAMissingSerialLineTwicePerSecond) {
   const test::TemporaryFolder folder;
   write_file(folder.file("no_line"), "");

@@ -43,7 +43,7 @@ TEST(Course, FollowsTheLastStartedPlan) {
   EXPECT_EQ(course.at(kStart).world_from_body, (Pose2{1.0, 2.0, 0.5}));
   EXPECT_EQ(course.at(kStart).velocity_world_mps, Eigen::Vector2d::Zero());
   EXPECT_EQ(course.newest_start(), kStart + 3 * kSecond);
-  // For a plan that faces y, the velocity is along y.
+  // The plan has the heading y, so the velocity is along y.
   const CoursePoint point = course.at(kStart + 3 * kSecond);
   EXPECT_EQ(point.world_from_body, (Pose2{5.0, 0.0, kPi / 2}));
   EXPECT_LT((point.velocity_world_mps - Eigen::Vector2d(0.0, 1.0)).norm(), 1e-12);
@@ -60,13 +60,14 @@ TEST(Course, DropsPlansThatStartAtOrAfterTheNewOne) {
   EXPECT_EQ(course.round(kStart + kSecond), 1);
   EXPECT_EQ(course.round(kStart + 2 * kSecond), 4);
   EXPECT_EQ(course.round(kStart + 9 * kSecond), 4);
-  // This plan is older than the initial hover, which stays in force before it.
+  // This plan is older than the initial hover, which still applies before it.
   course.follow(straight(kStart - kSecond, 9.0, 0.0, 6.0), 5);
   EXPECT_EQ(course.round(kStart - 2 * kSecond), -1);
   EXPECT_EQ(course.round(kStart), 5);
 }
 
-// In any direction of motion and heading: v²/2b along the velocity, with the heading unchanged.
+// A stop follows the velocity for v²/2b and keeps the heading, for any direction of motion and any
+// heading.
 TEST(Course, StopsStraightAndKeepsItsHeading) {
   for (const double direction_rad : {0.0, 0.7, 2.5, -2.5, -0.7}) {
     Course course(kStart, {}, 1.0);
@@ -98,8 +99,8 @@ TEST(Course, StopAtZeroSpeedIsAHover) {
   }
 }
 
-// The controller looks back less than a second. What was in force then is kept, the rest is
-// removed.
+// The controller needs the course of the last second. Plans that applied then are kept, older ones
+// are removed.
 TEST(Course, PrunesOnlyPlansOlderThanLookback) {
   Course course(kStart, {}, 1.0);
   for (int k = 1; k <= 4; ++k) {
@@ -116,8 +117,8 @@ TEST(Course, PrunesOnlyPlansOlderThanLookback) {
   EXPECT_EQ(course.newest_start(), kStart + 4 * kSecond);
 }
 
-// Every state with every command, on the ground and above it. States that are not listed stay
-// unchanged.
+// Tests every state with every command, on the ground and above it. States that are not in the
+// table stay unchanged.
 TEST(AfterCommand, MatchesTheTable) {
   const FlightState states[] = {FlightState::kIdle, FlightState::kFollow, FlightState::kHold,
                                 FlightState::kLand, FlightState::kKilled};
@@ -157,7 +158,8 @@ TEST(AfterCommand, MatchesTheTable) {
   }
 }
 
-// The seed words are the seed's lower half, its upper half and the letters of the purpose.
+// The words that seed the stream are the lower half and the upper half of the seed and the letters
+// of the purpose.
 TEST(RandomStream, DependsOnSeedAndPurposeOnly) {
   const std::uint64_t seed = 0x0123456789ABCDEFULL;
   std::seed_seq words{0x89ABCDEFU, 0x01234567U, std::uint32_t{'a'}, 0xFFU};

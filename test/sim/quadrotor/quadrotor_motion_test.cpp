@@ -1,5 +1,5 @@
-// The response of a simulated quadrotor without wind, compared with closed forms. A wrong factor or
-// a one-sided error shows here, where tolerances of a whole flight would hide it.
+// Response of a simulated quadrotor without wind, compared with closed forms. This reveals a wrong
+// factor or a one-sided error, which the tolerances of a complete flight would hide.
 
 #include <algorithm>
 #include <cmath>
@@ -72,8 +72,8 @@ struct Flight {
 
 Complex at_angle(double angle_rad) { return std::polar(1.0, angle_rad); }
 
-// On a circle everything turns at ω. The vehicle step v ← v + α (v_cmd − v), p ← p + dt (v + v′)/2
-// then becomes an equation of complex numbers.
+// On a circle all vectors rotate at ω. The vehicle step v ← v + α (v_cmd − v), p ← p + dt (v +
+// v′)/2 then becomes an equation of complex numbers.
 TEST(QuadrotorMotion, FollowsACircleByItsEquations) {
   const QuadrotorParameters p = still_air();
   for (const double omega : {1.5, -1.5}) {
@@ -87,7 +87,8 @@ TEST(QuadrotorMotion, FollowsACircleByItsEquations) {
     const double alpha = 1.0 - std::exp(-kDtS / p.velocity_lag_s);
     const double k = p.position_gain_per_s;
     const double w = p.corner_window_s;
-    // The command for a reference r e^(iωt): its mean velocity and acceleration over ± w.
+    // The command for a reference r e^(iωt) contains its velocity and acceleration, averaged over ±
+    // w.
     const Complex mean = (at_angle(omega * w) - at_angle(-omega * w)) / (2.0 * w);
     const Complex wish = mean + p.velocity_lag_s * i * omega * mean + k;
     const Complex half = 0.5 * kDtS * (turn + 1.0);
@@ -104,7 +105,7 @@ TEST(QuadrotorMotion, FollowsACircleByItsEquations) {
   }
 }
 
-// The same flight after the world is turned and mirrored.
+// Rotating and mirroring the world does not change the flight.
 TEST(QuadrotorMotion, IsInvariantToRotationAndReflection) {
   const auto fly = [](double turn_rad, double side) {
     const auto see = [&](const Pose2& pose) {
@@ -134,9 +135,10 @@ TEST(QuadrotorMotion, IsInvariantToRotationAndReflection) {
   }
 }
 
-// For a jump δ of the reference, the averaged velocity carries the vehicle the whole distance, and
-// earlier errors are corrected afterwards. From ẍ T = v_s + k e − ẋ follow the first two moments of
-// the error: ∫ e = 0 and ∫ t e = −T δ/k, for any window. (A controller step is half a step late.)
+// The reference jumps by δ. The averaged velocity carries the vehicle the complete distance, and
+// errors before the jump are corrected afterwards. The equation ẍ T = v_s + k e − ẋ gives the first
+// two moments of the error for any window: ∫ e = 0 and ∫ t e = −T δ/k. (A controller step is late
+// by half a step.)
 TEST(QuadrotorMotion, RecoversFromPlanJumpAsPredicted) {
   const QuadrotorParameters p = still_air();
   for (const double side : {1.0, -1.0}) {
@@ -170,8 +172,8 @@ TEST(QuadrotorMotion, RecoversFromPlanJumpAsPredicted) {
   }
 }
 
-// Without feedback, a jump of speed and yaw rate becomes a ramp from w before it to w after it. The
-// lag is compensated, except for half a step.
+// Without feedback, a jump of speed and yaw rate at a corner becomes a ramp that begins w before
+// the corner and ends w after it. The lag is compensated, except for half a step.
 TEST(QuadrotorMotion, StartsARampBeforeACorner) {
   QuadrotorParameters p = still_air();
   p.position_gain_per_s = 0.0;
@@ -187,7 +189,7 @@ TEST(QuadrotorMotion, StartsARampBeforeACorner) {
       turning.step();
       const double w = p.corner_window_s;
       const double share = std::clamp((to_seconds(turning.now - corner) + w) / (2.0 * w), 0.0, 1.0);
-      const double late = 0.6 * kDtS / (2.0 * w);  // in shares of the ramp
+      const double late = 0.6 * kDtS / (2.0 * w);  // half a step, as a share of the ramp
       EXPECT_NEAR(turning.vehicle.yaw_rate_radps(), side * 1.2 * share, 1.2 * late);
       EXPECT_NEAR(straight.vehicle.velocity_world_mps().x(), side * 0.8 * share, 0.8 * late);
     }
@@ -205,7 +207,7 @@ TEST(QuadrotorMotion, KeepsItsClimbAndDescentLimits) {
       error_ms += (1.5 + side * 0.2 - near.vehicle.position_world_m().z()) * kDtS;
       near.step();
     }
-    // From z̈ T = k e − ż without saturation: k ∫ e = δ.
+    // z̈ T = k e − ż without saturation gives k ∫ e = δ.
     EXPECT_NEAR(error_ms, side * 0.2 / p.height_gain_per_s, 0.001);
     EXPECT_NEAR(near.vehicle.position_world_m().z(), 1.5 + side * 0.2, 1e-9);
     Flight far({0.0, 0.0, 0.0}, p, 1.0);
@@ -219,7 +221,8 @@ TEST(QuadrotorMotion, KeepsItsClimbAndDescentLimits) {
   }
 }
 
-// Commanded far more, it accelerates up to its reserve above its limits, and as fast as allowed.
+// If the command exceeds the limits by far, the speed rises to the limit plus its reserve, at the
+// maximum acceleration.
 TEST(QuadrotorMotion, SaturatesAtItsLimits) {
   QuadrotorParameters p = still_air();
   p.acceleration_max_mps2 = 4.0;
@@ -252,7 +255,7 @@ TEST(QuadrotorMotion, SaturatesAtItsLimits) {
   }
 }
 
-// A vehicle that responds only to wind: each step of its velocity is the wind's.
+// The vehicle responds only to wind, so each change of its velocity equals the wind.
 TEST(QuadrotorMotion, WindIsCorrelatedAndTruncatedAtThreeSigma) {
   QuadrotorParameters p;
   p.velocity_lag_s = 1e12;
@@ -278,7 +281,8 @@ TEST(QuadrotorMotion, WindIsCorrelatedAndTruncatedAtThreeSigma) {
     across += wind.x() * wind.y() / kSteps;
     last = wind;
   }
-  // Correlated over three steps: about 15,000 samples, 1σ of a variance is 1.2 %.
+  // The samples are correlated over three steps. About 15,000 are independent, so the standard
+  // deviation of a variance is 1.2 %.
   for (int axis = 0; axis < 2; ++axis) {
     EXPECT_NEAR(squares(axis), 1.0, 0.06);
     EXPECT_NEAR(products(axis), std::exp(-0.5), 0.06);
@@ -305,7 +309,8 @@ TEST(QuadrotorMotion, FallsWithItsVelocityAndStaysThere) {
   EXPECT_EQ(flight.vehicle.yaw_rate_radps(), 0.0);
   const Eigen::Vector3d lies_m = flight.vehicle.position_world_m();
   EXPECT_EQ(lies_m.z(), 0.0);
-  // Armed again it stands, and takes off to its height from its position on the ground.
+  // After it is armed again, the vehicle waits, then takes off to its height above its position on
+  // the ground.
   flight.vehicle.command(OperatorAction::kArm, flight.now);
   EXPECT_EQ(flight.vehicle.state(), FlightState::kIdle);
   flight.run(0.5);
@@ -384,7 +389,7 @@ TEST(Quadrotor, AcceptsPlansUpToTheirLimits) {
     EXPECT_EQ(verdict_on(good, true, side * 0.41), PlanVerdict::kDiscontinuous);
   }
   Flight flight({0.0, 0.0, 0.0});
-  // The distance is three-dimensional: each component alone would be accepted.
+  // The three-dimensional distance counts: each component alone would be accepted.
   EXPECT_EQ(flight.vehicle.offer(plan_of({kStart, {0.25, 0.25, 0.0}, 1.75, {}}), kStart),
             PlanVerdict::kDiscontinuous);
   EXPECT_EQ(flight.vehicle.offer(plan_of({kStart, {0.2, 0.2, 0.0}, 1.7, {}}), kStart),
@@ -451,7 +456,7 @@ TEST(Quadrotor, ReportsStateSetPointAndBattery) {
   EXPECT_TRUE(vehicle.status(flight.now).reasons.empty());
 }
 
-// Drag turns wind into acceleration: a quarter of it per second.
+// Drag converts wind into acceleration: a quarter of the wind speed per second.
 TEST(Quadrotor, HasTheScenariosWindOrDefaultGusts) {
   const QuadrotorParameters windy = parameters_in(scenario::WindSpec{4.0, -2.0, 0.8});
   EXPECT_EQ(windy.wind_mean_mps2, Eigen::Vector2d(1.0, -0.5));

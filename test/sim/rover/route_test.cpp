@@ -23,8 +23,8 @@ models::World room() {
   return world;
 }
 
-/// Returns the length of the cheapest path between open cells, by relaxing all pairs of neighbours
-/// until nothing changes; infinite if there is none.
+/// Returns the length of the cheapest path between open cells, m; infinite if there is none.
+/// Relaxes all pairs of neighbours until nothing changes.
 double cheapest_m(const models::World& world, const Eigen::Vector2d& from_m,
                   const Eigen::Vector2d& to_m, const std::vector<Disc>& blocked) {
   const auto geometry = models::GridGeometry::covering(world.bounds, 0.1);
@@ -110,7 +110,7 @@ TEST(RouteMap, FindsTheCheapestRouteOrNone) {
   EXPECT_GT(found, 15);
 }
 
-// Within one cell there is nothing in between.
+// Start and goal are in the same cell, so there is no intermediate point.
 TEST(RouteMap, ReturnsANearGoalDirectly) {
   const RouteMap map(room());
   const auto path = map.route({1.51, 1.51}, {1.57, 1.58}, kRadiusM, {});
@@ -145,8 +145,8 @@ TEST(RouteMap, HasTheStatedCellSize) {
   }
 }
 
-// The passage is narrower than routes allow. Such cells are open only within one and a half cells
-// of the start: one large cell, but not two.
+// The passage is narrower than routes allow. Its cells are open only within one and a half cells of
+// the start, so a start one large cell inside is possible, and two cells are not.
 TEST(RouteMap, LetsRoverLeaveNarrowPassageWithinOneCell) {
   models::World world;
   world.bounds = {{0.0, 0.0}, {51.2, 12.8}};
@@ -156,7 +156,7 @@ TEST(RouteMap, LetsRoverLeaveNarrowPassageWithinOneCell) {
   EXPECT_TRUE(map.route({1.4, 6.6}, {6.2, 6.6}, 0.5, {}).empty());
 }
 
-// A rover that is nearer to a wall than routes allow may leave the wall, but not drive along it.
+// A rover that is nearer to a wall than routes allow may move away from the wall, but not along it.
 TEST(RouteMap, LetsRoverLeaveWall) {
   const RouteMap map(room());
   const Eigen::Vector2d at_wall_m(-0.79, 1.25);

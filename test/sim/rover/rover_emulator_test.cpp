@@ -1,4 +1,4 @@
-// A rover at the end of a wire: its delays, its unmeasured motion and its telemetry.
+// Tests of the emulated rover: its delays, its unmeasured motion and its telemetry.
 
 #include "sim/rover/rover_emulator.hpp"
 
@@ -21,7 +21,7 @@ namespace wire = vantage::wire::rover;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// Rover 7 and a driver of session 11 that sends every 20 ms.
+/// Rover 7, and a driver with session id 11 that sends every 20 ms.
 struct Bench {
   explicit Bench(const RoverEmulatorSpec& spec = exact()) : rover(spec, kStart) {}
   static RoverEmulatorSpec exact() {
@@ -79,7 +79,7 @@ TEST(RoverEmulator, ExecutesCommandsAfterDelay) {
   EXPECT_NEAR(bench.rover.state().yaw_rate_radps, 5 * 0.005 * 8.0, 1e-9) << "the second, in turn";
 }
 
-// Stepped seldom or often, each command takes effect at its own instant.
+// Each command takes effect at its own time, however long the steps of the emulator are.
 TEST(RoverEmulator, IsIndependentOfTheStepLength) {
   RoverEmulatorSpec spec = Bench::exact();
   spec.delay_s = 0.03;
@@ -105,7 +105,8 @@ TEST(RoverEmulator, IsIndependentOfTheStepLength) {
   EXPECT_GT(a.world_from_body.position_m().norm(), 0.3);
 }
 
-// Slip and drift change only the true motion, at any heading, and drift acts only during motion.
+// Slip and drift affect the true motion but not the measured one, at any heading. Drift acts only
+// during motion.
 TEST(RoverEmulator, SlipAndDriftAreUnmeasured) {
   for (const double yaw_rad : {0.3, 2.0, -2.5}) {
     RoverEmulatorSpec spec = Bench::exact();
@@ -159,7 +160,7 @@ TEST(RoverEmulator, SendsTelemetryEvery50Ms) {
   EXPECT_FLOAT_EQ(telemetry.speed_mps, 0.5F);
   EXPECT_FLOAT_EQ(telemetry.yaw_rate_radps, -1.0F);
   EXPECT_EQ(telemetry.flags, wire::kDriving);
-  // 1.1 s of the battery's life of two hours.
+  // 1.1 s of the battery's endurance of two hours have passed.
   EXPECT_NEAR(telemetry.battery_share, 0.9 - 1.1 / 7200.0, 1e-6);
   bench.rover.advance_to(bench.now + Duration{49'999});
   EXPECT_FALSE(bench.rover.take_output());
@@ -188,7 +189,7 @@ TEST(RoverEmulator, ReportsWhyItDoesNotDrive) {
   EXPECT_EQ(bench.read_telemetry().flags, wire::kDriving | wire::kMotorFailed);
 }
 
-// A command that requests the stop and also driving or the end of the stop is a stop.
+// A command with the stop flag is a stop, even if it also requests driving or the end of the stop.
 TEST(RoverEmulator, StopOverridesOtherFlags) {
   for (const std::uint32_t flags :
        {wire::kEmergencyStop | wire::kDrive, wire::kEmergencyStop | wire::kReleaseStop,
@@ -206,12 +207,13 @@ TEST(RoverEmulator, StopOverridesOtherFlags) {
   }
 }
 
-// Commands that are delayed when the stop begins are dropped: they are not executed after it ends.
+// Commands that are still delayed when the stop begins are dropped. They must not be executed after
+// the stop.
 TEST(RoverEmulator, DropsDelayedCommandsOnStop) {
   RoverEmulatorSpec spec = Bench::exact();
   spec.delay_s = 0.3;
   Bench bench(spec);
-  for (int i = 0; i < 15; ++i) {  // for as long as the delay
+  for (int i = 0; i < 15; ++i) {  // as long as the delay
     bench.transmit(bench.drive(0.5F));
     bench.now += Duration{20'000};
     bench.rover.advance_to(bench.now);
@@ -226,8 +228,8 @@ TEST(RoverEmulator, DropsDelayedCommandsOnStop) {
   EXPECT_EQ(bench.rover.state().speed_mps, 0.0);
 }
 
-// The watchdog expires 0.2 s after the last command, to the microsecond. A new driver may then
-// send, with any number.
+// The watchdog expires exactly 0.2 s after the last command, to the microsecond. Then a new driver
+// may send, with any sequence number.
 TEST(RoverEmulator, AcceptsAnotherDriverAfterItsWatchdog) {
   Bench bench;
   wire::Command other{7, 12, 1, 0, 0.1F, 0.0F, wire::kDrive};

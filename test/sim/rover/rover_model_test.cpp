@@ -1,4 +1,4 @@
-// The motion and stopping of rovers, compared with closed forms.
+// Motion and stopping of rovers, compared with closed forms.
 
 #include <algorithm>
 #include <cmath>
@@ -22,8 +22,8 @@ RoverState drive(RoverState state, const RoverCommand& command, double seconds,
   return state;
 }
 
-// Speed rises at 1 m/s² and falls at 2 m/s²; yaw rate changes at 8 rad/s². Valid from and to any
-// value in between.
+// Speed rises at 1 m/s² and falls at 2 m/s², and the yaw rate changes at 8 rad/s². This holds from
+// and to any intermediate value.
 TEST(RoverModel, RampsAtTheStatedRates) {
   struct Row {
     double from, wish, after_s, expected;
@@ -47,7 +47,7 @@ TEST(RoverModel, RampsAtTheStatedRates) {
   }
 }
 
-// One step uses the means of both speeds along the heading halfway.
+// One step uses the mean speed and mean yaw rate, along the heading in the middle of the step.
 TEST(RoverModel, MovesAlongTheChordOfItsArc) {
   const RoverState from{{1.0, -2.0, 3.0}, 0.8, 1.5};
   for (const double side : {1.0, -1.0}) {
@@ -66,18 +66,19 @@ TEST(RoverModel, MovesAlongTheChordOfItsArc) {
   }
 }
 
-// A commanded rover drives on for the period and then stops within v²/2b. Its turn ends meanwhile.
+// A commanded rover drives on for one period and then stops within v²/2b. Its turn ends during the
+// stop.
 TEST(StoppingPath, IsOnePeriodAndTheBrakingPath) {
   for (const double period_s : {0.05, 0.12, 0.15}) {
     const StoppingPath path({{}, 1.0, 0.0}, {1.0, 0.0}, {}, period_s);
     EXPECT_NEAR(path.points_m().back().x(), period_s + 0.25, 1e-9) << period_s;
     EXPECT_NEAR(path.reach_m(), period_s + 0.25, 1e-9);
     EXPECT_EQ(path.points_m().front(), Eigen::Vector2d::Zero());
-    // Pieces of at most 5 cm at this speed.
+    // The pieces of the path are at most 5 cm long at this speed.
     for (std::size_t k = 1; k < path.points_m().size(); ++k) {
       EXPECT_LE((path.points_m()[k] - path.points_m()[k - 1]).norm(), 0.05 + 1e-9);
     }
-    // Rounding may add a last piece.
+    // Rounding may add one piece at the end.
     const std::size_t expected = 1 + (period_s > 0.06 ? 3 : 1) + 10;
     EXPECT_GE(path.points_m().size(), expected);
     EXPECT_LE(path.points_m().size(), expected + 1);
@@ -89,7 +90,7 @@ TEST(StoppingPath, IsOnePeriodAndTheBrakingPath) {
 }
 
 TEST(StoppingPath, ReachesItsFarthestPointAndEnds) {
-  // It circles and returns to its start.
+  // The rover turns in a circle and returns to its start.
   RoverParameters slippery;
   slippery.brake_mps2 = 0.3;
   slippery.yaw_acceleration_radps2 = 0.5;
@@ -101,17 +102,18 @@ TEST(StoppingPath, ReachesItsFarthestPointAndEnds) {
   }
   EXPECT_EQ(path.reach_m(), farthest_m);
   EXPECT_GT(path.reach_m(), path.points_m().back().norm());
-  slippery.brake_mps2 = 0.01;  // would take 100 s
+  slippery.brake_mps2 = 0.01;  // m/s²; the stop would take 100 s
   EXPECT_EQ(StoppingPath({{}, 1.0, 0.0}, {}, slippery, 0.05).points_m().size(), 48u);
 }
 
-/// Returns the stopping path from (x, y) along the heading at 1 m/s: 0.05 m and then 0.25 m.
+/// Returns the stopping path from (x, y) at 1 m/s along the heading: 0.05 m at constant speed, then
+/// 0.25 m of braking.
 StoppingPath stop_from(double x_m, double y_m, double yaw_rad) {
   return {{{x_m, y_m, yaw_rad}, 1.0, 0.0}, {1.0, 0.0}, {}, 0.05};
 }
 
 TEST(StoppingPathDistance, IsExactAndSymmetric) {
-  const StoppingPath along = stop_from(0.0, 0.0, 0.0);  // to (0.3, 0)
+  const StoppingPath along = stop_from(0.0, 0.0, 0.0);  // from (0, 0) to (0.3, 0)
   const StoppingPath standing({{0.12, 0.4, 0.0}, 0.0, 0.0}, {}, {}, 0.05);
   struct Row {
     StoppingPath other;
@@ -119,20 +121,20 @@ TEST(StoppingPathDistance, IsExactAndSymmetric) {
   };
   for (const Row& row :
        {Row{standing, 0.4}, Row{stop_from(0.0, 0.5, 0.0), 0.5}, Row{stop_from(0.0, -0.5, kPi), 0.5},
-        Row{stop_from(-0.4, 0.0, kPi), 0.4},       // behind it, away
-        Row{stop_from(0.7, 0.3, kPi / 2), 0.5},    // next to its end: 3, 4, 5
-        Row{stop_from(0.15, 0.6, -kPi / 2), 0.3},  // towards its middle
-        Row{stop_from(1.0, 0.0, kPi), 0.4}}) {     // against it
+        Row{stop_from(-0.4, 0.0, kPi), 0.4},       // behind the start, driving away
+        Row{stop_from(0.7, 0.3, kPi / 2), 0.5},    // next to the end; 3-4-5 triangle
+        Row{stop_from(0.15, 0.6, -kPi / 2), 0.3},  // towards the middle of the path
+        Row{stop_from(1.0, 0.0, kPi), 0.4}}) {     // from the opposite direction
     EXPECT_NEAR(distance_m(along, row.other), row.distance_m, 1e-9);
     EXPECT_NEAR(distance_m(row.other, along), row.distance_m, 1e-9);
   }
-  // Paths that cross are at most half a piece apart.
+  // Sampled points of two crossing paths are at most half a piece apart.
   EXPECT_LT(distance_m(along, stop_from(0.16, 0.1, -kPi / 2)), 0.025);
 }
 
 TEST(StoppingPathDistance, IsALowerBoundWhenFar) {
   const StoppingPath along = stop_from(0.0, 0.0, 0.0);
-  // Face to face: the distance minus both stopping distances.
+  // The rovers drive towards each other: the result is the distance minus both stopping distances.
   const double found_m = distance_m(along, stop_from(3.0, 0.0, kPi));
   EXPECT_NEAR(found_m, 3.0 - 0.3 - 0.3, 1e-9);
   EXPECT_NEAR(distance_m(along, stop_from(0.0, 2.7, 0.0)), 2.1, 1e-9) << "a bound beyond 2 m";

@@ -1,4 +1,4 @@
-// Start positions of targets, and targets that drift or drive.
+// Start positions of targets, and motion of targets that drift or drive.
 
 #include <algorithm>
 #include <cmath>
@@ -19,8 +19,8 @@ namespace {
 
 constexpr double kDtS = 0.005;
 
-/// Returns a scenario with an empty room of the given size, without robots, and targets of these
-/// radii.
+/// Returns a scenario with an empty room of the given size and without robots. It has one target
+/// per radius in `radii_m`.
 scenario::Scenario room_of(double side_m, const std::vector<double>& radii_m) {
   scenario::Scenario out;
   out.world.bounds = {{-1.0, 3.0}, {-1.0 + side_m, 3.0 + side_m}};
@@ -45,8 +45,8 @@ double least_gap_m(const scenario::Scenario& scenario, const std::vector<Pose2>&
   return gap_m;
 }
 
-// Where there is room, targets of any size start 30 cm from each other, 10 cm from walls and 1 m
-// from robots. Starts cover each quarter of the room and of the compass.
+// With enough space, targets of any size start 30 cm from each other, 10 cm from walls and 1 m from
+// robots. The starts cover each quarter of the room and each quarter of the headings.
 TEST(TargetStarts, KeepDistancesAndCoverTheWorld) {
   scenario::Scenario scenario = room_of(6.0, {0.1, 0.5, 0.3});
   scenario.robots = {test::lab_scenario().robots[0], test::lab_scenario().robots[1]};
@@ -79,14 +79,14 @@ TEST(TargetStarts, KeepDistancesAndCoverTheWorld) {
   EXPECT_GE(robot_m, 1.0);
   EXPECT_LT(robot_m, 1.03);
   for (int k = 0; k < 4; ++k) {
-    EXPECT_GT(quarters[k], 120) << k;  // of 900
+    EXPECT_GT(quarters[k], 120) << k;  // of 900 starts
     EXPECT_GT(headings[k], 160) << k;
   }
 }
 
 TEST(TargetStarts, UseTheScenariosStartsFirst) {
   scenario::Scenario scenario = room_of(2.0, {0.2, 0.2, 0.2});
-  scenario.targets[2].start = Pose2{0.0, 4.0, 1.5};  // in the middle, and the last
+  scenario.targets[2].start = Pose2{0.0, 4.0, 1.5};  // in the middle of the room; the last target
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const std::vector<Pose2> starts = target_starts(scenario, seed);
     ASSERT_EQ(starts.size(), 3u);
@@ -95,8 +95,9 @@ TEST(TargetStarts, UseTheScenariosStartsFirst) {
   }
 }
 
-// One target is fixed in a corner, `from_m` from both walls; the other must go to the opposite
-// corner. 10 cm to walls and 0.3 m between them do not fit, but half or a quarter of that does.
+// One target is fixed in a corner, `from_m` from both walls. The other one must start in the
+// opposite corner. Clearances of 10 cm to walls and 0.3 m to the target do not fit, but half or a
+// quarter of these do.
 TEST(TargetStarts, AreCloserOrRefusedWithoutSpace) {
   struct Row {
     double from_m, least_m, most_m;
@@ -136,8 +137,8 @@ TEST(Drifters, RefuseInvalidMotion) {
   EXPECT_THROW(Drifters(world, {}, 0.1, -1.0, 1), UsageError);
 }
 
-// Without noise nothing moves. With noise each target moves independently, as far as its own radius
-// allows.
+// Without noise targets are stationary. With noise each target moves independently, within the
+// limits given by its own radius.
 TEST(Drifters, StopAMillimetreFromEachOtherAndWalls) {
   models::World world;
   world.bounds = {{0.0, 0.0}, {1.2, 1.2}};
@@ -158,7 +159,7 @@ TEST(Drifters, StopAMillimetreFromEachOtherAndWalls) {
       fastest_mps = std::max(fastest_mps, drifters.velocity_mps(i).norm());
     }
   }
-  // A step is at most 1.5 mm.
+  // A step is at most 1.5 mm long.
   EXPECT_GE(pair_m, 0.351);
   EXPECT_LT(pair_m, 0.3517);
   EXPECT_GE(wall_m[0], 0.101);
@@ -194,7 +195,7 @@ TEST(RoverFleet, AcceptsOnlyDrivableSpeeds) {
   EXPECT_FALSE(is_taken(0.1, 1.41));
 }
 
-/// Calls look() every 50 ms for `seconds` with one rover in an empty room.
+/// Calls look() every 50 ms for `seconds`, with one rover in an empty room.
 template <class Look>
 void watch(RoverFleet& fleet, double seconds, const Look& look) {
   for (int k = 0; k < std::lround(seconds / RoverFleet::kDecisionPeriodS); ++k) {
@@ -206,7 +207,8 @@ void watch(RoverFleet& fleet, double seconds, const Look& look) {
   }
 }
 
-// Legs have speeds between the limits, and pauses between them last at most the limit.
+// The rover drives legs with speeds between the limits. Pauses between legs last at most the
+// configured time.
 TEST(RoverFleet, HasTheStatedSpeedsAndPauses) {
   const models::World world = room_of(12.0, {}).world;
   RoverFleet fleet(world, truth_of(0.4, 0.8), {{{5.0, 9.0, 0.0}, 0.2}}, 3);
@@ -235,12 +237,12 @@ TEST(RoverFleet, HasTheStatedSpeedsAndPauses) {
   EXPECT_LE(fastest_leg_mps, 0.8);
   EXPECT_GT(fastest_leg_mps, 0.76);
   EXPECT_LT(slowest_leg_mps, 0.45);
-  EXPECT_GT(slowest_leg_mps, 0.25);  // a short leg may end before full speed
+  EXPECT_GT(slowest_leg_mps, 0.25);  // a short leg may end before the rover reaches full speed
   EXPECT_LE(longest_s, 1.0 + 0.11);
-  EXPECT_GT(longest_s, 0.6);  // it must stop first
+  EXPECT_GT(longest_s, 0.6);  // s; the rover must stop first
 }
 
-// Rovers of different sizes in a small room never touch a wall or each other, each by its own
+// Rovers of different sizes in a small room do not touch a wall or each other. Each has its own
 // radius.
 TEST(RoverFleet, OfDifferentSizesTouchNothing) {
   const models::World world = room_of(3.0, {}).world;
@@ -269,8 +271,8 @@ TEST(RoverFleet, OfDifferentSizesTouchNothing) {
   EXPECT_GT(fleet.way_points_reached(), 10);
 }
 
-// No rover enters the kept-out circles. A rover inside comes no nearer to the centre. Once
-// released, the areas are used.
+// No rover enters the reserved circles. A rover inside one does not come nearer to the centre. When
+// the circles are released, rovers use these areas again.
 TEST(RoverFleet, AvoidsReservedDiscs) {
   const models::World world = room_of(4.0, {}).world;
   const Eigen::Vector2d first_m(0.0, 4.0);
@@ -297,8 +299,8 @@ TEST(RoverFleet, AvoidsReservedDiscs) {
   EXPECT_LT(std::min(nearest_m[0][1], nearest_m[1][1]), 0.5);
 }
 
-// At full speed a piece of the path is seven centimetres long. A kept-out area may lie next to the
-// middle of a piece.
+// At full speed, a piece of the path is seven centimetres long. A reserved circle may lie next to
+// the middle of a piece.
 TEST(RoverFleet, AvoidsSmallReservedDiscs) {
   const models::World world = room_of(3.0, {}).world;
   constexpr double kNearM = 0.045;

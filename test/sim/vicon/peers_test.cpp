@@ -1,5 +1,5 @@
-// The bytes of the emulated Vicon servers, decoded again: bodies, units, axes, times, and bodies
-// that are not seen.
+// The bytes of the emulated Vicon servers, decoded again: bodies, units, axes, times, and occluded
+// bodies.
 
 #include <algorithm>
 #include <map>
@@ -20,7 +20,7 @@ namespace {
 namespace wire = vantage::wire::vicon;
 using Bytes = std::vector<std::uint8_t>;
 
-/// Returns bodies that differ in all values; the second is occluded.
+/// Returns two bodies that differ in all values; the second is occluded.
 EmulatedFrame frame_of(std::uint32_t number) {
   EmulatedFrame frame;
   frame.number = number;
@@ -46,7 +46,7 @@ ServerSettings settings_of(OcclusionStyle style, bool is_y_up = false) {
 // --- DataStream
 
 struct Packet {
-  std::map<std::uint32_t, std::vector<Bytes>> blocks;  ///< bodies by type
+  std::map<std::uint32_t, std::vector<Bytes>> blocks;  ///< block contents by type
   [[nodiscard]] std::set<std::uint32_t> types() const {
     std::set<std::uint32_t> out;
     for (const auto& [type, bodies] : blocks) {
@@ -96,7 +96,7 @@ const std::vector<std::uint32_t> kAll{
     wire::kApplicationInfo, wire::kFrameRateInfo, wire::kObjectQuality, wire::kLightweightSegments,
     wire::kContents};
 
-/// Makes `peer` a client that requests these types, streamed.
+/// Requests these block types from `peer`, by default as a stream.
 DataStreamPeer& asking(DataStreamPeer& peer, const std::vector<std::uint32_t>& types,
                        bool is_streaming = true) {
   peer.outgoing.clear();
@@ -179,11 +179,11 @@ TEST(DataStreamPeer, SendsNamePoseAndLatencyOfEachBody) {
   }
 }
 
-// Each available type, requested alone.
+// Each available block type is requested alone.
 TEST(DataStreamPeer, ContentsCountMatchesBlocks) {
   DataStreamPeer peer{ServerSettings{}};
   std::vector<std::uint32_t> wanted = kAll;
-  wanted.push_back(wire::kTimecode);  // which is not available
+  wanted.push_back(wire::kTimecode);  // kTimecode is not available
   asking(peer, wanted);
   for (int time = 0; time < 3; ++time) {
     peer.on_frame(frame_of(1));

@@ -1,5 +1,5 @@
-// The data that clients receive from the emulated server and its program over sockets. Times are
-// bounded only on the side that a busy machine cannot affect.
+// Data that clients receive over sockets from the emulated server and its program. Times have only
+// those limits that a busy machine cannot violate.
 
 #include <algorithm>
 #include <array>
@@ -31,7 +31,7 @@ namespace {
 namespace wire = vantage::wire::vicon;
 using Bytes = std::vector<std::uint8_t>;
 
-/// A socket of this host.
+/// A socket on this host.
 class Socket {
  public:
   explicit Socket(int type) : fd(socket(AF_INET, type | SOCK_CLOEXEC, 0)) {}
@@ -48,7 +48,8 @@ class Socket {
     ASSERT_EQ(send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL),
               static_cast<ssize_t>(bytes.size()));
   }
-  /// Appends what has arrived; without MSG_DONTWAIT, all data until the other end closes.
+  /// Appends the bytes that have arrived. Without MSG_DONTWAIT, appends all bytes until the other
+  /// end closes.
   void hear(Bytes& out, int flags) const {
     std::array<std::uint8_t, 65'536> bytes{};
     ssize_t got = 0;
@@ -59,8 +60,8 @@ class Socket {
   const int fd;
 };
 
-// Each frame is received by each client or counted as skipped for it, however often the counters
-// are read.
+// Each client receives each frame, or the frame is counted as skipped for this client. This holds
+// however often the counters are read.
 TEST(SocketServer, CountsSkippedFramesPerClient) {
   ServerSettings settings;
   settings.backlog_bytes_max = 200'000;
@@ -76,8 +77,8 @@ TEST(SocketServer, CountsSkippedFramesPerClient) {
     ASSERT_TRUE(client->connect_to(server.port()));
     client->say(asked);
   }
-  server.wait(std::chrono::nanoseconds(0));  // the clients are connected
-  server.wait(std::chrono::nanoseconds(0));  // their requests are received
+  server.wait(std::chrono::nanoseconds(0));  // connects the clients
+  server.wait(std::chrono::nanoseconds(0));  // receives the requests of the clients
   ASSERT_EQ(server.clients(), 2u);
   EmulatedFrame frame;
   for (int i = 0; i < 200; ++i) {
@@ -93,7 +94,7 @@ TEST(SocketServer, CountsSkippedFramesPerClient) {
   }
   EXPECT_GE(server.frames_skipped(), 20);
   const auto frames_in = [](const Bytes& bytes) {
-    std::int64_t frames = -1;  // the first packet is the greeting
+    std::int64_t frames = -1;  // −1: the first packet is the greeting
     for (wire::Bytes left(bytes); !left.empty(); ++frames) {
       const wire::Framed framed = wire::next_packet(left);
       if (framed.state != wire::Framing::kWhole) {
@@ -138,7 +139,7 @@ std::vector<wire::VrpnHeader> poses_in(const Bytes& heard) {
     if (framed.state != wire::Framing::kWhole) {
       break;
     }
-    if (header.type >= 0) {  // others are names
+    if (header.type >= 0) {  // messages with other types define names
       out.push_back(header);
     }
     left = left.subspan(framed.bytes);
@@ -146,8 +147,8 @@ std::vector<wire::VrpnHeader> poses_in(const Bytes& heard) {
   return out;
 }
 
-// With a latency of a second, each frame was captured at least a second before. The program runs
-// for the given duration.
+// With a latency of a second, each frame was captured at least a second before its arrival. The
+// program runs for the given duration.
 TEST(RunEmulator, CaptureTimesIncludeLatency) {
   const std::string port = test::port_of_this_test(0);
   const bus::SystemClock clock;
@@ -193,7 +194,7 @@ TEST(RunEmulator, CaptureTimesIncludeLatency) {
   EXPECT_LE(last_us, to_utime(end) - 1'000'000);
 }
 
-// The program uses the given up axis and datagram size.
+// The program uses the configured up axis and datagram size.
 TEST(RunEmulator, SendsTheConfiguredAxisAndBytes) {
   for (const std::string& up : {std::string("z"), std::string("y")}) {
     for (const std::size_t bytes : {256U, 1'024U}) {

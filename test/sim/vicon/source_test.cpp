@@ -1,4 +1,4 @@
-// The bodies that the emulated cameras see, and the program.
+// Tests of the sources of emulated mocap bodies, and of the emulator program.
 
 #include "sim/vicon/app/source.hpp"
 
@@ -26,7 +26,8 @@
 namespace vantage::sim::vicon {
 namespace {
 
-// Circles of radius 0.5 m around centres 2 m apart, ten per row, at 1 rad/s; about a metre high.
+// Bodies move on circles of radius 0.5 m at 1 rad/s, about 1 m high. The centres are 2 m apart, ten
+// per row.
 TEST(CirclingBodies, CircleTheirOwnCentres) {
   CirclingBodies source(23);
   EmulatedFrame frame;
@@ -55,7 +56,7 @@ TEST(CirclingBodies, CircleTheirOwnCentres) {
       least_m = least_m.cwiseMin(arm_m);
       most_m = most_m.cwiseMax(arm_m);
     }
-    frame.bodies[3].is_occluded = true;  // is visible again in the next frame
+    frame.bodies[3].is_occluded = true;  // must be visible again in the next frame
   }
   EXPECT_NEAR(lowest_m, 0.9, 1e-3);
   EXPECT_NEAR(highest_m, 1.1, 1e-3);
@@ -63,7 +64,7 @@ TEST(CirclingBodies, CircleTheirOwnCentres) {
   EXPECT_GT(most_m.minCoeff(), 0.49);
 }
 
-/// Writes a file of `rows` poses along x, one per `period_s`.
+/// Writes a flight file with `rows` poses along x, one per `period_s`.
 std::string flight_in(const vantage::test::TemporaryFolder& folder, const std::string& name,
                       int rows, double period_s) {
   std::string text = "t,x,y,z,qw,qx,qy,qz\n";
@@ -113,10 +114,11 @@ TEST(ReadFlight, ReadsNamesPeriodsAndPoses) {
             ":4: times must be evenly spaced");
 }
 
-// Each flight shows its newest row. All end with the shortest, or start again.
+// Each body has the pose of the newest row of its file. All flights end with the shortest one, or
+// start again.
 TEST(Flights, PlayUntilTheShortestEnds) {
   const vantage::test::TemporaryFolder folder;
-  // 1 s at 50 ms, 1.2 s at 100 ms, and 1.05 s at 150 ms.
+  // Durations: B 12 rows × 0.1 s = 1.2 s, A 20 × 0.05 s = 1 s, C 7 × 0.15 s = 1.05 s.
   const std::vector<std::string> paths{flight_in(folder, "B.csv", 12, 0.1),
                                        flight_in(folder, "A.csv", 20, 0.05),
                                        flight_in(folder, "C.csv", 7, 0.15)};
@@ -161,7 +163,7 @@ TEST(ScenarioWorld, EqualsTheScenariosWorld) {
   }
 }
 
-// --- the program
+// --- emulator program
 
 int run(std::vector<std::string> words) {
   words.insert(words.begin(), "vantage-vicon-emulator");
@@ -172,7 +174,7 @@ int run(std::vector<std::string> words) {
   return run_emulator(static_cast<int>(argv.size()), argv.data());
 }
 
-/// True if these options are accepted: only then the program reports that the recording is missing.
+/// True if the program accepts these options: only then it reports that the recording is missing.
 bool is_understood(std::vector<std::string> words) {
   words.insert(words.end(), {"--flight", "/nowhere/flight.csv"});
   try {
@@ -209,7 +211,7 @@ TEST(RunEmulator, KeepsItsOptionLimits) {
   EXPECT_THROW(run({"--scenario", "/nowhere/lab.yaml"}), StartupError);
 }
 
-/// Returns the bodies of each frame that the program sends as an object stream.
+/// Returns the names of the bodies in each frame that the program sends as an object stream.
 std::vector<std::vector<std::string>> frames_of(const std::vector<std::string>& words) {
   const int ear = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = address_of(INADDR_LOOPBACK, 0);
@@ -245,7 +247,7 @@ TEST(RunEmulator, SendsAtItsRateForItsDuration) {
   EXPECT_EQ(frames_of({"--rate", "500", "--duration-s", "0.004"}).at(0).size(), 3u);
 }
 
-// At its end the program reports the number of frames sent, whatever ended it.
+// At its end the program reports the number of frames sent, for any reason of the end.
 TEST(RunEmulator, ReportsFrameCount) {
   const vantage::test::TemporaryFolder folder;
   const std::string path = flight_in(folder, "LARK.csv", 4, 0.01);
@@ -269,8 +271,8 @@ TEST(RunEmulator, EndsAfterItsRecording) {
       10u);
 }
 
-// Bodies are occluded in turns, for the given part of each 10 s. Of two bodies for 5 s each, one is
-// always hidden; a single body is hidden first.
+// Bodies are occluded in turn, each for the given time in every 10 s. Two bodies with 5 s each
+// alternate; a single body is hidden first.
 TEST(RunEmulator, OccludesBodiesInTurns) {
   using Names = std::vector<std::string>;
   const auto expect = [](const std::string& bodies, const std::string& hidden_s, const Names& seen,

@@ -19,7 +19,7 @@ struct Message {
   Bytes body;
 };
 
-/// Returns the messages that the peer has sent since the last call, without its cookie.
+/// Returns the messages that the peer has sent since the last call, without the cookie.
 std::vector<Message> take_messages(VrpnPeer& peer, bool has_cookie = false) {
   std::vector<Message> out;
   wire::Bytes left(peer.outgoing);
@@ -50,7 +50,7 @@ EmulatedFrame frame_of(double x_m) {
   return frame;
 }
 
-/// A client after the handshake, with the peer's ids of senders and types.
+/// A client after the handshake. It knows the ids that the peer uses for senders and types.
 struct VrpnClient {
   explicit VrpnClient(OcclusionStyle style, bool is_y_up = false, std::size_t backlog = 1U << 20U)
       : peer(settings_of(style, is_y_up, backlog)) {
@@ -64,7 +64,7 @@ struct VrpnClient {
     out.backlog_bytes_max = backlog;
     return out;
   }
-  /// Learns names; returns the other messages by the names of sender and type.
+  /// Stores the names that the peer defines; returns the poses by sender and type name.
   std::map<std::string, wire::VrpnPose> hear(bool has_cookie = false) {
     std::map<std::string, wire::VrpnPose> poses;
     for (const Message& message : take_messages(peer, has_cookie)) {
@@ -189,7 +189,7 @@ TEST(VrpnPeer, SendsHiddenBodiesInItsStyle) {
   }
 }
 
-// A ping to a body by name is answered by that body; ids are the client's own.
+// A ping to a named body is answered by that body. The ids in the ping are those of the client.
 TEST(VrpnPeer, AnswersPingsOfKnownBodies) {
   VrpnClient client(OcclusionStyle::kAbsent);
   client.show(frame_of(1.0));
@@ -202,10 +202,10 @@ TEST(VrpnPeer, AnswersPingsOfKnownBodies) {
   EXPECT_EQ(client.pongs, std::vector<std::string>{"Q2"});
   client.say(6, 8);
   EXPECT_EQ(client.pongs, (std::vector<std::string>{"Q2", "Q1"}));
-  client.say(7, 8);  // an unknown body
-  client.say(5, 9);  // no ping
-  client.say(5, 4);  // a type without a name
-  client.say(4, 8);  // a sender without a name
+  client.say(7, 8);  // id of an unknown body
+  client.say(5, 9);  // a type other than ping
+  client.say(5, 4);  // a type that has not been named
+  client.say(4, 8);  // a sender that has not been named
   EXPECT_EQ(client.pongs.size(), 2u);
   client.name(wire::kVrpnSenderDescription, 5, "Q1");
   client.say(5, 8);

@@ -1,4 +1,4 @@
-// Targets on the ground, the cameras above it, and the steps of the world.
+// Targets on the ground, the cameras, and the time steps of the world.
 
 #include "sim/world/ground.hpp"
 
@@ -25,7 +25,7 @@ scenario::Scenario lab_with(scenario::TargetMotion motion) {
   return out;
 }
 
-// The reported velocity of a target is the rate of its position, for any motion.
+// The reported velocity of a target equals the rate of change of its position, for any motion.
 TEST(Ground, VelocityIsRateOfPosition) {
   for (const auto motion :
        {scenario::TargetMotion::kRandomWaypoint, scenario::TargetMotion::kDoubleIntegrator}) {
@@ -117,10 +117,11 @@ TEST(LinearTargets, StartWithPositionAndVelocity) {
   EXPECT_THROW(LinearTargets(model, 0.5, bounds, {four, two}, std::mt19937_64(1)), UsageError);
 }
 
-// Correlated, unequal and singular: each draw lies in the range of the covariance.
+// Covariances are correlated, with unequal variances, and singular. Each sample lies in the range
+// of the covariance.
 TEST(DrawGaussian, HasTheGivenCovariance) {
   Eigen::Matrix3d root;
-  root << 0.1, 0.0, 0.0, 0.5, 2.0, 0.0, -1.0, 1.0, 0.0;  // of rank two
+  root << 0.1, 0.0, 0.0, 0.5, 2.0, 0.0, -1.0, 1.0, 0.0;  // matrix of rank two
   const models::StateMatrix covariance = root * root.transpose();
   const Eigen::LDLT<models::StateMatrix> ldlt(covariance);
   std::mt19937_64 rng(3);
@@ -174,7 +175,8 @@ TEST(MocapCamera, CapturesAtNextWholePeriod) {
   EXPECT_EQ(camera.capture_at_or_after(kStart + Duration{10'001}), kStart + Duration{20'000});
 }
 
-// Without noise a camera sees the truth. Yaw noise turns a body about the vertical at any attitude.
+// Without noise a camera measures the true pose. Yaw noise rotates a body about the vertical in any
+// attitude.
 TEST(MocapCamera, KeepsBodyOrderAndRotatesAboutTheVertical) {
   models::TruthFrame truth;
   truth.stamp.time = kStart;
@@ -224,7 +226,7 @@ class StepCounter : public Vehicle {
   double height_m_;
 };
 
-// If the start and end are not multiples of the step, the first and last steps are shorter.
+// If the start and end times are not multiples of the step, the first and last steps are shorter.
 TEST(WorldSimulation, StepsToWholeMultiplesAndTheGivenTime) {
   StepCounter vehicle("Q2", 2.5);
   const Time start = kStart + Duration{1'200};
@@ -274,7 +276,7 @@ TEST(WorldSimulation, CommandsOneOrAllRobots) {
   EXPECT_EQ(world.capture().stamp.time, truth.stamp.time);
 }
 
-// The ground is kept free only below the low one of two external vehicles.
+// Of two external vehicles, rovers avoid the ground only below the low one.
 TEST(WorldSimulation, KeepsTheGroundFreeUnderLowVehicles) {
   for (const bool is_low : {true, false}) {
     scenario::Scenario scenario = test::lab_scenario();

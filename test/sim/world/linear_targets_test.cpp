@@ -38,7 +38,7 @@ TEST(LinearTargets, HaveModelCovariance) {
   for (const models::StateVector& state : targets.states()) {
     sample += (state - start) * (state - start).transpose() / kTargets;
   }
-  // With this number of draws, 1σ of a variance is 2.2 %.
+  // With this number of samples, the standard deviation of a variance is 2.2 %.
   const models::StateMatrix expected = model.process_noise(kSteps * kStep_s);
   for (int i = 0; i < 4; ++i) {
     EXPECT_NEAR(sample(i, i) / expected(i, i), 1.0, 0.1);

@@ -1,4 +1,4 @@
-// Numbers and names of the parameter messages, as the two autopilots write them.
+// Values and names in parameter messages, as encoded by each of the two autopilots.
 
 #include <bit>
 #include <cmath>

@@ -53,7 +53,7 @@ TEST(ParameterRules, AcceptTheStatedValues) {
   EXPECT_FALSE(rule("A 0 # one of 0 3: b").accepts(1.0));
 }
 
-// The tolerance is a millionth of the larger magnitude, for either sign.
+// The tolerance is a millionth of the larger magnitude, for values of either sign.
 TEST(ParameterRules, AreSymmetricInTheSign) {
   for (const char* const sign : {"", "-"}) {
     const std::string about = std::string("A ") + sign + "8.000008000004 # exactly: b";
@@ -62,8 +62,8 @@ TEST(ParameterRules, AreSymmetricInTheSign) {
   }
 }
 
-// The tolerance is a millionth of max(1, magnitude), on each side of each bound of each kind of
-// rule.
+// The tolerance is a millionth of max(1, magnitude). It applies on each side of each bound of each
+// kind of rule.
 TEST(ParameterRules, AllowARelativeErrorOfOneMillionth) {
   for (const double at : {-3000.0, -0.25, 0.0, 0.25, 3000.0}) {
     const double little = 0.9e-6 * std::max(1.0, std::abs(at));

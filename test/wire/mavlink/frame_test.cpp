@@ -24,7 +24,8 @@ struct Row {
   int full_bytes;
 };
 
-// Computed by others from the message definitions, and equal to the generated C headers.
+// Values computed by another program from the message definitions; they equal those of the
+// generated C headers.
 constexpr Row kTable[] = {
     {"HEARTBEAT", 0, 50, 9, 9},
     {"SYS_STATUS", 1, 124, 31, 43},

@@ -34,7 +34,7 @@ Frame attitude_frame(std::uint8_t sequence) {
   return pack(attitude, {1, 1, sequence});
 }
 
-/// Returns a frame of an unknown message with a payload of `fill`.
+/// Returns a frame of an unknown message whose payload bytes are all `fill`.
 Bytes unknown_frame(std::uint8_t fill) {
   constexpr std::array<std::uint8_t, 10> kHeader{kMarkerV2, 20, 0, 0, 9, 1, 1, 0x50, 0xC3, 0};
   Bytes bytes(kHeader.size() + 22, fill);
@@ -110,7 +110,7 @@ TEST(Parser, RefusesAnyFlippedBit) {
 
 TEST(Parser, CountsUnknownMessagesAndContinues) {
   Parser parser;
-  Bytes stream = unknown_frame(0xFD);  // a payload of markers leads nowhere
+  Bytes stream = unknown_frame(0xFD);  // the payload consists of frame markers
   append(stream, bytes_of(attitude_frame(1)));
   append(stream, unknown_frame(0));
   EXPECT_EQ(frames_in(parser, stream).size(), 1U);
@@ -137,7 +137,8 @@ TEST(Parser, RecognisesVersionOne) {
   frame.payload_size = 9;
   frame.crc = crc_of(frame);
   const Bytes bytes = bytes_of(frame);
-  // Computed by hand: marker, length, sequence, system, component, id, payload.
+  // The expected bytes were computed manually: marker, length, sequence, system, component, id,
+  // payload.
   EXPECT_EQ(test::hex_of_bytes(bytes).substr(0, 30), "fe09c8010100040000000203800403");
   EXPECT_EQ(bytes.size(), 17U);
   Parser parser;
@@ -151,7 +152,8 @@ TEST(Parser, RecognisesVersionOne) {
   EXPECT_EQ(heartbeat->base_mode, 128);
 }
 
-// Where version 2 has its flags, version 1 has the running number, and is never signed.
+// At the position of the flags of version 2, version 1 has its sequence number. Version 1 is never
+// signed.
 TEST(Parser, ReadsEverySequenceNumberOfVersionOne) {
   Parser parser;
   for (int sequence = 0; sequence < 256; ++sequence) {
@@ -190,7 +192,7 @@ TEST(Parser, ReadsSignedFrames) {
   EXPECT_EQ(parser.counts().bytes_skipped, 0);
 }
 
-// A frame with an unknown checksum seed is accepted only if another frame follows it.
+// A frame whose checksum seed is unknown is accepted only if another frame follows it.
 TEST(Parser, TreatsAnUnknownMessageAsNoiseIfNoFrameFollows) {
   Parser parser;
   Bytes stream = unknown_frame(0);
@@ -225,7 +227,7 @@ TEST(Parser, AccountsForEveryByte) {
   for (int i = 0; i < 200'000; ++i) {
     chunk.clear();
     switch (rng() % 4) {
-      case 0:  // a good frame
+      case 0:  // a valid frame
         append(chunk, bytes_of(pack(test::random_message<Odometry>(rng), {1, 1, 0})));
         break;
       case 1:  // a frame with a few bytes changed
@@ -234,11 +236,11 @@ TEST(Parser, AccountsForEveryByte) {
           chunk[rng() % chunk.size()] = static_cast<std::uint8_t>(rng());
         }
         break;
-      case 2:  // a piece of a frame
+      case 2:  // a part of a frame
         append(chunk, bytes_of(attitude_frame(0)));
         chunk.resize(rng() % chunk.size());
         break;
-      default:  // noise with many markers in it
+      default:  // noise with many markers
         for (std::size_t n = rng() % 64; n > 0; --n) {
           const auto byte = static_cast<std::uint8_t>(rng());
           chunk.push_back(byte < 64 ? (byte < 32 ? kMarkerV1 : kMarkerV2) : byte);
@@ -248,7 +250,7 @@ TEST(Parser, AccountsForEveryByte) {
     parser.feed(chunk, consume);
   }
   parser.flush(consume);
-  // Frames of unknown messages are consumed without being handed on.
+  // Frames of unknown messages are consumed but not returned.
   EXPECT_LE(parser.counts().bytes_skipped + consumed, fed);
   EXPECT_GE(parser.counts().bytes_skipped + consumed + 280 * parser.counts().unknown, fed);
   EXPECT_GT(parser.counts().frames, 40'000);
@@ -259,11 +261,11 @@ TEST(SequenceMonitor, CountsGapsPerSenderAcrossTheWrap) {
   SequenceMonitor monitor;
   for (int i = 250; i < 260; ++i) {
     monitor.on_frame({1, 1, static_cast<std::uint8_t>(i)});
-    monitor.on_frame({2, 1, 0});  // another one that repeats itself
+    monitor.on_frame({2, 1, 0});  // another sender, with a repeated number
   }
   EXPECT_EQ(monitor.lost(), 0);
   EXPECT_EQ(monitor.out_of_order(), 9);
-  monitor.on_frame({1, 1, 9});  // 4 … 8 are missing
+  monitor.on_frame({1, 1, 9});  // numbers 4 … 8 are missing
   EXPECT_EQ(monitor.lost(), 5);
   monitor.on_frame({1, 1, 6});
   EXPECT_EQ(monitor.out_of_order(), 10);
@@ -286,7 +288,8 @@ TEST(SequenceMonitor, CountsStepsBelowHalfTheRangeAsLoss) {
 TEST(SequenceMonitor, TracksSixtyFourSenders) {
   SequenceMonitor monitor;
   for (int round = 0; round < 2; ++round) {
-    for (int sender = 0; sender < 80; ++sender) {  // by system and component, neither alone
+    for (int sender = 0; sender < 80;
+         ++sender) {  // senders differ by system and component together
       monitor.on_frame({static_cast<std::uint8_t>(sender / 9),
                         static_cast<std::uint8_t>(sender % 9),
                         static_cast<std::uint8_t>(sender + 3 * round)});

@@ -1,4 +1,4 @@
-// Our codec compared with node-mavlink, which shares no code with it.
+// Compares this codec with node-mavlink, which shares no code with it.
 
 #include <cstdlib>
 #include <filesystem>
@@ -36,7 +36,7 @@ void write(const fs::path& path, const auto& content) {
   std::copy(content.begin(), content.end(), std::ostreambuf_iterator<char>(out));
 }
 
-/// Every number of a message, as the peer's page says.
+/// Returns all numbers of a message in the text format of the peer (peer/peer.mjs).
 template <class Message>
 std::string line_of(const Message& message) {
   std::ostringstream out;

@@ -11,8 +11,8 @@
 
 namespace vantage::test {
 
-/// Random bits of one element; floats are any but signalling and odd NaNs; every fourth is zero,
-/// so that truncation happens; characters are printable.
+/// Returns a random element: random bits, but a NaN is always the standard quiet NaN and characters
+/// are printable. Every fourth element is zero, so that payloads are truncated.
 template <class T>
 T random_element(std::mt19937_64& rng) {
   if (rng() % 4 == 0) {
@@ -28,7 +28,7 @@ T random_element(std::mt19937_64& rng) {
   }
 }
 
-/// A message with random contents; text ends at its first zero, as text does.
+/// Returns a message with random contents; a text ends at its first zero.
 template <class Message>
 Message random_message(std::mt19937_64& rng) {
   Message message;
@@ -52,7 +52,7 @@ Message random_message(std::mt19937_64& rng) {
   return message;
 }
 
-/// Calls body.operator()<Message>() for every message that is understood.
+/// Calls body.operator()<Message>() for every message type that the codec knows.
 template <class Body>
 void for_each_message(const Body& body) {
   const auto each = [&body]<class... Message>(const std::tuple<Message...>&) {

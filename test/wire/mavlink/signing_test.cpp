@@ -18,8 +18,9 @@ TEST(SigningTimestamp, CountsTenMicrosecondsSince2015) {
       << "48 bits are on the wire";
 }
 
-// Bytes of a signed HEARTBEAT as the specification builds them, by Python's hashlib and a CRC of
-// its own: sha256(key + header + payload + CRC + link id + timestamp), the first six bytes.
+// Bytes of a signed HEARTBEAT, computed from the specification with Python's hashlib and a separate
+// CRC. The signature is the first six bytes of sha256(key + header + payload + CRC + link id +
+// timestamp).
 TEST(Signer, WritesTheReferenceBytes) {
   SigningKey key{};
   for (std::size_t i = 0; i < key.size(); ++i) {
@@ -38,7 +39,7 @@ TEST(Signer, WritesTheReferenceBytes) {
 TEST(Signer, AcceptsItsPeersSignature) {
   Signer sender(kKey, 3);
   Signer receiver(kKey, 4);
-  for (int i = 0; i < 10; ++i) {  // also when no time passes
+  for (int i = 0; i < 10; ++i) {  // also if no time passes
     Frame frame = heartbeat();
     sender.sign(frame, kNow);
     EXPECT_EQ(frame.signature->link_id, 3);
@@ -98,7 +99,8 @@ TEST(Signer, RefusesOlderTimestampsOfAStream) {
   }
 }
 
-// A stream is identified by system, component and link; time stamps of streams are independent.
+// A stream is identified by system, component and link. The timestamps of different streams are
+// independent.
 TEST(Signer, TracksTimestampsPerStream) {
   Signer receiver(kKey, 0);
   const auto check = [&](std::uint8_t system, std::uint8_t component, std::uint8_t link,
@@ -127,11 +129,11 @@ TEST(Signer, RefusesANewStreamOneMinuteBehind) {
             SignatureVerdict::kReplayed);
 }
 
-// The signing time is always later than that of the peer, so the peer's receivers accept it. A
-// stream one minute behind the peer is refused, whatever the own clock shows.
+// A signer's timestamp is always later than that of its peer, so that the peer's receivers accept
+// it. A stream one minute behind the peer is refused, whatever the signer's own clock shows.
 TEST(Signer, SignsLaterThanItsPeer) {
   Signer peer(kKey, 3);
-  Signer ours(kKey, 3);  // on the same link, with a clock an hour behind
+  Signer ours(kKey, 3);  // same link, clock one hour behind
   const Time behind = kNow - std::chrono::hours(1);
   for (int time = 0; time < 3; ++time) {
     Frame theirs = heartbeat();

@@ -16,7 +16,8 @@
 namespace vantage::wire::rover {
 namespace {
 
-// The example of docs/guide/rovers.md; its checksums were computed with another program's CRC-32.
+// The example of docs/guide/rovers.md; its checksums were computed with the CRC-32 of another
+// program.
 constexpr std::array<std::uint8_t, kCommandBytes> kWorkedCommand = {
     0x56, 0x52, 0x01, 0x01, 0x07, 0x00, 0x00, 0x00, 0x04, 0x03, 0x02, 0x01, 0x05, 0x00,
     0x00, 0x00, 0x00, 0x40, 0x1e, 0x18, 0x24, 0x0a, 0x06, 0x00, 0x00, 0x00, 0x00, 0x3f,
@@ -131,14 +132,14 @@ TEST(RoverWire, RefusesInvalidNumbers) {
   for (const float share : {-0.001F, 0.0F, 0.5F, 1.0F, 1.001F}) {
     Telemetry telemetry = worked_telemetry();
     telemetry.battery_share = share;
-    telemetry.session = 0;  // not yet under the control of a driver
+    telemetry.session = 0;  // 0: no driver is in control
     EXPECT_EQ(decode(encode(telemetry), told),
               share < 0.0F || share > 1.0F ? Verdict::kValue : Verdict::kAccepted)
         << share;
   }
 }
 
-// A round trip between our own ends would not detect wrong values.
+// A round trip through this codec alone would not detect wrong values.
 TEST(RoverWire, HasTheDocumentedFlagsAndTimes) {
   EXPECT_EQ(kDrive, 1U);
   EXPECT_EQ(kEmergencyStop, 2U);
@@ -178,7 +179,8 @@ TEST(RoverWire, SequencesWrap) {
   EXPECT_FALSE(is_after(0x80000001, 0));
 }
 
-/// Random bytes; half of them begin like a datagram of ours, and some of those are only damaged.
+/// Generates random bytes. Half of them begin like a valid datagram, and some of those are valid
+/// datagrams with changed bytes.
 class Noise {
  public:
   std::span<const std::uint8_t> next() {
@@ -216,7 +218,7 @@ TEST(RoverWire, CountsEachRandomDatagramOnce) {
     const Verdict verdict = decode(datagram, command);
     ++counts[static_cast<std::size_t>(verdict)];
     if (verdict == Verdict::kAccepted) {
-      // A byte replaced by itself; nothing else may pass.
+      // A byte was replaced by the same value; no other datagram may be accepted.
       ASSERT_EQ(encode(command), kWorkedCommand);
     }
     Telemetry telemetry;
@@ -274,7 +276,7 @@ TEST(RoverLink, IgnoresCommandsOfAnotherDriver) {
   EXPECT_EQ(link.taken_command_age_s(kNow), std::numeric_limits<double>::infinity());
 }
 
-/// A rover that receives commands of one driver.
+/// A rover that receives the commands of one driver.
 class RoverRules : public ::testing::Test {
  protected:
   void say(Command command) {

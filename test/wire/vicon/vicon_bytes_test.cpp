@@ -71,7 +71,7 @@ TEST(WriterAndReader, RoundTrip) {
   expect_there_and_back<std::endian::big>();
 }
 
-// After a failed read every further read gives zeros, even if bytes are left.
+// After a failed read every further read returns zeros, even if bytes remain.
 TEST(Reader, ReturnsZerosAfterReadingBeyondTheEnd) {
   const auto bytes = from_hex("03000000 010203");
   Reader<std::endian::little> number(bytes);

@@ -10,7 +10,7 @@ namespace {
 
 using test::from_hex;
 
-/// The packet that holds just `value`.
+/// Returns a packet whose only block is `value`.
 template <class Value>
 std::vector<std::uint8_t> packet_of(const Value& value) {
   std::vector<std::uint8_t> bytes;
@@ -20,7 +20,7 @@ std::vector<std::uint8_t> packet_of(const Value& value) {
   return bytes;
 }
 
-/// The only block of `packet`; its body must outlive the answer.
+/// Returns the only block of `packet`; the packet must outlive the returned block.
 Block only_block(const std::vector<std::uint8_t>& packet) {
   const Framed framed = next_packet(packet);
   EXPECT_EQ(framed.state, Framing::kWhole);
@@ -96,7 +96,7 @@ TEST(DataStream, BlocksRoundTrip) {
 TEST(DataStream, SubjectsAndPosesRoundTrip) {
   SubjectInfo subject;
   subject.subject_id = 4;
-  subject.name = "drohne ä";  // UTF-8 passes through
+  subject.name = "drohne ä";  // UTF-8 is preserved
   subject.segments = {{0, 1, {1, 2, 3, 4, 5, 6}, "drohne ä"}, {1, 2, {}, "arm"}};
   subject.markers = {{1, "m1"}, {2, ""}};
   subject.attachments = {{1, 1}, {2, 2}};
@@ -189,7 +189,7 @@ TEST(IsStatic, ClassifiesTypesLikeTheSdk) {
   }
 }
 
-// The SDK's classification: types that describe the scene, types of a frame, and others.
+// The SDK's classes: types that describe the scene, types of a frame, and others.
 TEST(IsStatic, ClassifiesEveryTypeLikeTheSdk) {
   const std::set<std::uint32_t> scene{1,  2,  3,  4,  14, 19, 20,   27,   28,
                                       29, 33, 34, 37, 38, 40, 1401, 28001};
@@ -201,7 +201,7 @@ TEST(IsStatic, ClassifiesEveryTypeLikeTheSdk) {
 }
 
 TEST(PacketWriter, WritesBlocksIntoSeveralPackets) {
-  std::vector<std::uint8_t> bytes{9, 9, 9};  // earlier content is kept
+  std::vector<std::uint8_t> bytes{9, 9, 9};  // earlier content must be preserved
   std::vector<std::size_t> ends;
   for (const std::uint32_t first : {1u, 4u}) {
     PacketWriter packet(bytes);
@@ -270,9 +270,9 @@ TEST(Decode, ReadsAnyOtherByteAsFalse) {
   EXPECT_EQ(RequestNextFrame{}.count, 1u);
 }
 
-/// Expects that a count of elements of `element_bytes` each, behind `head`, is believed when the
-/// bytes are there and reserves nothing when one of them is missing. `elements`: how many there
-/// are.
+/// Expects that a count of elements of `element_bytes` each, after the bytes `head`, is accepted if
+/// the bytes are present. If one byte is missing, nothing may be allocated. `elements` returns the
+/// number of decoded elements.
 template <class Value, class Elements>
 void expect_room_for_all(const std::vector<std::uint8_t>& head, std::size_t element_bytes,
                          const Elements& elements) {
@@ -284,7 +284,7 @@ void expect_room_for_all(const std::vector<std::uint8_t>& head, std::size_t elem
     Value value;
     EXPECT_FALSE(decode(body, value));
     EXPECT_EQ(elements(value), 0u) << count << " of " << element_bytes;
-    writer.zeros(1 + 8);  // and no counts of what may come behind
+    writer.zeros(1 + 8);  // the missing byte, and a count of zero for any following list
     EXPECT_TRUE(decode(body, value));
     EXPECT_EQ(elements(value), count) << count << " of " << element_bytes;
   }

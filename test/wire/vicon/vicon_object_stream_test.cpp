@@ -10,7 +10,7 @@ namespace {
 
 using test::from_hex;
 
-// Frame 1234, "quad1" at (1000.5, −250.25, 800) mm, turned 90° about z.
+// A datagram with frame 1234 and "quad1" at (1000.5, −250.25, 800) mm, turned by 90° about z.
 const std::vector<std::uint8_t> kWorked =
     from_hex("d2040000 01 00 4800 7175616431" + std::string(38, '0') +
              "0000000000448f40 0000000000486fc0 0000000000008940"
@@ -77,12 +77,12 @@ TEST(EncodeObjectBlock, HasMinimalLength) {
   EXPECT_EQ(datagram.size(), kObjectHeaderBytes);
 }
 
-// The output memory is reused, without traces of the previous datagram.
+// The output object is reused; no data of the previous datagram may remain.
 TEST(DecodeObjectBlock, KeepsNothingOfThePreviousDatagram) {
   ObjectBlock block;
   std::vector<std::uint8_t> spoiled = kWorked;
   spoiled[4] = 3;
-  spoiled.insert(spoiled.end(), {7, 0, 0});  // another kind; then the end, too early
+  spoiled.insert(spoiled.end(), {7, 0, 0});  // an unknown kind, then a premature end
   ASSERT_TRUE(decode_object_block(spoiled, block));
   EXPECT_EQ(block.skipped_items, 1);
   EXPECT_TRUE(block.is_truncated);

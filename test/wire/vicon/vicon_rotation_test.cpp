@@ -25,7 +25,7 @@ TEST(RotationFromEulerXyz, IsTheProductOfRotationsAboutMovingAxes) {
     const Eigen::Vector3d euler = random.vector<3>(-7.0, 7.0);
     const Eigen::Matrix3d R = rotation_from_euler_xyz(euler).toRotationMatrix();
     EXPECT_TRUE(is_near(R, product_of_turns(euler), 1e-14));
-    // The check values of Vicon's own convention.
+    // Reference values of Vicon's angle convention.
     EXPECT_NEAR(R(0, 2), std::sin(euler.y()), 1e-14);
     EXPECT_NEAR(R(1, 2), -std::sin(euler.x()) * std::cos(euler.y()), 1e-14);
     EXPECT_NEAR(R(0, 1), -std::cos(euler.y()) * std::sin(euler.z()), 1e-14);
@@ -68,7 +68,8 @@ TEST(RotationFromXyzw, RefusesNonUnitQuaternions) {
   EXPECT_FALSE(rotation_from_xyzw(std::nan(""), 0.0, 0.6, 0.8));
 }
 
-// Quaternions within 10⁻³ of unit norm are accepted and normalised, with the element order kept.
+// Quaternions whose norm differs from 1 by less than 10⁻³ are accepted and normalised. The order of
+// the elements is preserved.
 TEST(RotationFromXyzw, NormalisesNearlyUnitQuaternions) {
   const Eigen::Vector4d xyzw = Eigen::Vector4d(0.1, -0.3, 0.5, 0.7).normalized();
   for (const double off : {-0.95e-3, -1e-9, 0.0, 1e-9, 0.95e-3}) {
@@ -83,7 +84,7 @@ TEST(RotationFromXyzw, NormalisesNearlyUnitQuaternions) {
   }
 }
 
-// RᵀR of a scaled rotation is (1 + off)·I; that of a sheared one has `off` next to its diagonal.
+// For a scaled rotation, RᵀR is (1 + off)·I. For a sheared one, RᵀR has `off` next to its diagonal.
 TEST(RotationFromMatrix, OrthonormalisesNearRotations) {
   const Eigen::Matrix3d R = product_of_turns({0.3, -1.2, 2.0});
   for (const double off : {-1.05e-3, -0.95e-3, 0.95e-3, 1.05e-3}) {

@@ -31,14 +31,14 @@ TEST(VrpnCookie, MatchesTheReferenceBytes) {
 
 TEST(VrpnCookie, RefusesOtherBytes) {
   EXPECT_FALSE(decode_vrpn_cookie({}));
-  EXPECT_FALSE(decode_vrpn_cookie(from_text("vrpn: ver. 07.35  0")));  // 19 of 24 bytes
+  EXPECT_FALSE(decode_vrpn_cookie(from_text("vrpn: ver. 07.35  0")));  // 19 of the 24 bytes
   EXPECT_FALSE(decode_vrpn_cookie(from_text("vrpn: ver. ab.cd  0     ")));
   EXPECT_FALSE(decode_vrpn_cookie(from_text("SSH-2.0-OpenSSH_9.2p1 De")));
 }
 
 TEST(VrpnCookie, HasTwoDigitVersionNumbers) {
   std::vector<std::uint8_t> cookies;
-  for (int minor = 0; minor < 100; ++minor) {  // one behind the other
+  for (int minor = 0; minor < 100; ++minor) {  // all versions in sequence
     append_vrpn_cookie(cookies, minor);
     ASSERT_EQ(cookies.size(), 24U * (static_cast<std::size_t>(minor) + 1));
     const auto version = decode_vrpn_cookie(Bytes(cookies).last(24));
@@ -51,7 +51,7 @@ TEST(VrpnCookie, HasTwoDigitVersionNumbers) {
   EXPECT_EQ(other->major, 12);
   EXPECT_EQ(other->minor, 34);
   for (std::size_t at = 0; at < 16; ++at) {
-    for (const char c : {'/', ':', 'v'}) {  // characters next to the digits, and another one
+    for (const char c : {'/', ':', 'v'}) {  // characters next to the digits in ASCII, and a letter
       std::string text = "vrpn: ver. 12.34  0     ";
       const bool is_same = text[at] == c;
       text[at] = c;
@@ -89,7 +89,7 @@ TEST(VrpnMessage, PoseMatchesTheReferenceBytes) {
 TEST(VrpnMessage, NamesArePaddedOutsideTheirLength) {
   std::vector<std::uint8_t> bytes;
   append_vrpn_name(bytes, kVrpnSenderDescription, 9, "quad1");
-  // 4 + 5 + NUL = 10 bytes of payload, padded to 16.
+  // The payload is 4 + 5 + NUL = 10 bytes, padded to 16.
   EXPECT_EQ(bytes, from_hex("00000022 00000000 00000000 00000009 ffffffff 00000000"
                             "00000006 7175616431 00 000000000000"));
   VrpnHeader header;
@@ -141,7 +141,7 @@ TEST(VrpnMessage, LimitsItsSizeTo64Kibibytes) {
   EXPECT_EQ(next_vrpn_message(from_hex("00010001"), header).state, Framing::kBroken);
 }
 
-// Names of every length, each with the next behind it: padding is to 8 bytes and no more.
+// Names of every length in sequence: each is padded to a multiple of 8 bytes.
 TEST(VrpnMessage, NamesRoundTripInSequence) {
   std::vector<std::uint8_t> bytes;
   for (int length = 1; length <= 129; ++length) {
@@ -276,7 +276,7 @@ TEST(IdentifyStream, WaitsForEnoughBytes) {
               bytes < 8 ? ServerType::kTooFewBytes : ServerType::kUnknown)
         << bytes;
     std::string text(12, 't');
-    text[bytes] = '\x7f';  // only the beginning has to be text
+    text[bytes] = '\x7f';  // only the beginning must be text
     EXPECT_EQ(identify_stream(from_text(text)),
               bytes < 8 ? ServerType::kUnknown : ServerType::kText)
         << bytes;
@@ -336,7 +336,8 @@ TEST(IdentifyDatagram, DistinguishesTheStreams) {
   std::vector<std::uint8_t> datagram;
   encode_object_block(block, 256, datagram);
   EXPECT_EQ(identify_datagram(datagram), ServerType::kObjectStream);
-  for (const double far_mm : {1.1e7, -1.1e7}) {  // nonsense; no room is as large
+  for (const double far_mm :
+       {1.1e7, -1.1e7}) {  // mm; implausible: larger than any room, must be rejected
     ObjectBlock far = block;
     far.objects[1].translation_mm.y() = far_mm;
     datagram.clear();
@@ -348,7 +349,7 @@ TEST(IdentifyDatagram, DistinguishesTheStreams) {
   EXPECT_EQ(identify_datagram(from_hex("00 01 02 03 04 05 06 07")), ServerType::kUnknown);
 }
 
-// Each name contains a distinct word.
+// The name of each server type contains a distinct word.
 TEST(Speakers, HaveTheirNames) {
   const std::vector<std::pair<ServerType, std::string>> words{
       {ServerType::kUnknown, "unknown"},
