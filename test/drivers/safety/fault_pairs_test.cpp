@@ -118,9 +118,10 @@ void expect_counted(const Fault& fault, const Outcome& outcome, const Fault& oth
 }
 
 // Expects that each state is reached as early as when the first fault occurs alone. The tolerance
-// is a telemetry tick, a guard tick, one tick for rounding and the delay of the other fault.  Skips
-// stages that wait for the floor. Also skips stages that depend on positions or plans if the other
-// fault may have changed those; for them the limits of the table apply.
+// is a telemetry tick, a guard tick, one tick for rounding and the delay of the other fault.
+//
+// Skips stages that wait for the floor. Also skips stages that depend on positions or plans if the
+// other fault may have changed those; for them the limits of the table apply.
 void expect_as_soon(const Fault& fault, const Outcome& alone, const Outcome& outcome,
                     const Fault& other) {
   constexpr double kTicksS = 0.03;

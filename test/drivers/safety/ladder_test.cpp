@@ -125,7 +125,7 @@ TEST_F(StepLadder, TimesConditionsSeparately) {
   }
 }
 
-// The later a vehicle is by name, the longer it waits. Tested repeatedly.
+// A vehicle that must yield, the later one by name, waits longer by yield_s. Tested twice.
 TEST_F(StepLadder, YieldsForTheStatedTime) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {

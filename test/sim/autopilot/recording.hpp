@@ -32,8 +32,8 @@ struct Recording {
 
   void note(double time_s, const std::string& kind, const std::string& what);
 
-  // Queries for tests; `after_s` 0: from the beginning. mark() returns the time of the mark `what`,
-  // s.
+  // Queries for tests; `after_s` 0: from the beginning.
+  // Returns the time of the mark `what`, s.
   [[nodiscard]] double mark(std::string_view what) const;
   /// Returns the first event of this kind at or after `after_s` that begins with `what`.
   [[nodiscard]] std::optional<Event> first(std::string_view kind, std::string_view what,

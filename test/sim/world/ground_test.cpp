@@ -276,7 +276,8 @@ TEST(WorldSimulation, CommandsOneOrAllRobots) {
   EXPECT_EQ(world.capture().stamp.time, truth.stamp.time);
 }
 
-// Of two external vehicles, rovers avoid the ground only below the low one.
+// An external vehicle flies just below or exactly at the height limit. Rovers avoid the ground
+// below it only in the first case.
 TEST(WorldSimulation, KeepsTheGroundFreeUnderLowVehicles) {
   for (const bool is_low : {true, false}) {
     scenario::Scenario scenario = test::lab_scenario();
