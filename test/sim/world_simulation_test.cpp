@@ -199,8 +199,7 @@ TEST(WorldSimulation, KeepsTheGroundFreeOnlyUnderALowVehicle) {
     }
     return least_m;
   };
-  EXPECT_GE(nearest_m(120),
-            WorldSimulation::kKeepOutM - 0.03);  // m; 0.03: tolerance of the prediction
+  EXPECT_GE(nearest_m(120), WorldSimulation::kKeepOutM - 0.03);  // m; prediction tolerance
   const std::int64_t reached = world.ground().rovers()->way_points_reached();
   EXPECT_GT(reached, 20) << "the rovers stand still";
   puppet.centre_m.z() = WorldSimulation::kLowM + 0.1;

@@ -66,8 +66,7 @@ TEST_P(FlightFaults, IgnoresARejectedPose) {
   };
   bench.run(0.02);  // until frames captured earlier have arrived
   int poses = 0;
-  double sent_offset_m =
-      0.0;  // m; greatest distance of a pose sent to the autopilot from the hover position
+  double sent_offset_m = 0.0;  // m; greatest offset of a sent pose from the hover
   bench.on_step = [&](Time) {
     for (const auto& datagram : bench.sent) {
       has(datagram, [&](const wire::mavlink::Frame& frame) {

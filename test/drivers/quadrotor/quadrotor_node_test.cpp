@@ -153,8 +153,7 @@ TEST(QuadrotorNode, DisarmsAndEndsAtOnceOnTheGround) {
   EXPECT_EQ(bench.node.in_flight(bench.clock.now()), InFlight::kNo);
   bench.send_command(OperatorAction::kArm);
   ASSERT_TRUE(bench.run_until([&] { return bench.is_armed(); }, 40.0));
-  bench.node.on_stop_request(1,
-                             bench.clock.now());  // before a heartbeat reports the vehicle as armed
+  bench.node.on_stop_request(1, bench.clock.now());  // before a heartbeat reports it armed
   EXPECT_FALSE(bench.node.may_end(bench.clock.now()));
   EXPECT_TRUE(bench.run_to_the_end(5.0));
   EXPECT_FALSE(bench.is_armed());

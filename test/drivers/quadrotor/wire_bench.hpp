@@ -73,8 +73,7 @@ class WireBench : public FlightBench {
     std::vector<std::string> reasons;
     bool was_mode_left = false;
     bool was_end_requested = false;
-    std::optional<double>
-        charge_share;  ///< reported battery share in the absence of a battery fault
+    std::optional<double> charge_share;  ///< reported battery share without a fault
   };
   static scenario::Scenario wire_scenario(models::AutopilotDialect dialect);
   [[nodiscard]] bool is_px4(const std::string& robot) const;

@@ -49,8 +49,7 @@ const Stated kStated[] = {
     {"obstacle ahead", kHold, kSelf, 0.0,
      [](SafetyInputs& in, double v) { in.obstacle_stop_m = -v; }, 0.0},
     {"separation breach", kHold, kOperator, 0.0,
-     [](SafetyInputs& in, double v) { in.separation_now_m = -v; },
-     -0.4},  // m; the sum of two radii
+     [](SafetyInputs& in, double v) { in.separation_now_m = -v; }, -0.4},  // sum of two radii
     {"tracking lost", kHold, kOperator, 0.1,
      [](SafetyInputs& in, double v) { in.tracking_error_m = v; }, 5.0 * kToleranceM},
     {"tracking", kHold, kSelf, 0.1, [](SafetyInputs& in, double v) { in.tracking_error_m = v; },

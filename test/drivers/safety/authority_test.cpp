@@ -235,8 +235,7 @@ TEST_F(Authority, AcceptsStampsWithinTwoSeconds) {
 // stations.
 TEST_F(Authority, ForgetsTheLongestSilentStation) {
   const auto is_known = [&](std::int64_t run) {
-    OperatorAuthority asked =
-        authority;  // copy: the check of a late command must not change the state
+    OperatorAuthority asked = authority;  // copy, so that the check does not change the state
     return asked.admit(command(OperatorAction::kHold, run, 1'000, 0.0),
                        kStart + from_seconds(100.0), kSilentS);
   };
@@ -247,8 +246,7 @@ TEST_F(Authority, ForgetsTheLongestSilentStation) {
     EXPECT_TRUE(is_known(run)) << run;
   }
   EXPECT_FALSE(is_known(9));
-  admit(OperatorAction::kHeartbeat, 3,
-        0.9);  // 4 is now silent longest, apart from the one in charge
+  admit(OperatorAction::kHeartbeat, 3, 0.9);  // then 4 is silent longest, but for the one in charge
   admit(OperatorAction::kHeartbeat, 2, 0.95);
   for (const std::int64_t newcomer : {9, 10}) {
     admit(OperatorAction::kHeartbeat, newcomer, 0.96 + 0.001 * static_cast<double>(newcomer));

@@ -293,8 +293,7 @@ TEST(Course, ContinuesStraightUntilTheNextPlan) {
     EXPECT_NEAR(believed.yaw_rad, 0.0, 1e-12);
     EXPECT_TRUE(test::is_near(course.planned_at(after(begin_s + 0.9)).position_world_m,
                               Eigen::Vector3d(round + 0.9, 0.0, 1.0), 1e-9));
-    course.advance(after(begin_s + kRoundS), 0.01,
-                   1.0);  // the next plan is due but was not received
+    course.advance(after(begin_s + kRoundS), 0.01, 1.0);  // next plan due, but not received
     EXPECT_NEAR(course.planned_at(after(begin_s + 1.5)).yaw_rad, 1.0, 1e-9);
   }
 }

@@ -168,8 +168,7 @@ void FlightBench::mocap() {
     corrupt(frame);
     const Time arrives = now() + from_seconds(room_.mocap_latency_s +
                                               random_.uniform(0.0, 1.0) * room_.mocap_jitter_s);
-    newest_arrival_ =
-        std::max(newest_arrival_, arrives);  // the network preserves the order of frames
+    newest_arrival_ = std::max(newest_arrival_, arrives);  // the network preserves order
     frame.arrival = newest_arrival_;
     frames_.push_back({newest_arrival_, frame});
   }

@@ -101,8 +101,7 @@ struct RoomKnobs {
   double frame_loss = 0.0;  ///< probability that a mocap frame is lost
   bool mocap_dead = false;
   bool ghost_body = false;
-  std::vector<Eigen::Vector3d>
-      target_positions_m;  ///< m; positions of the first targets as shown by mocap
+  std::vector<Eigen::Vector3d> target_positions_m;  ///< m; first targets as shown by mocap
   std::optional<Eigen::Vector3d>
       unknown_body_m;  ///< m; position of a body with an unknown name, as shown by mocap
   bool operator_silent = false;
@@ -138,12 +137,10 @@ struct Vehicle {
   bool has_flown = false;
 
   // State of the autopilot.
-  Eigen::Vector3d drift_m =
-      Eigen::Vector3d::Zero();  ///< m; error of the autopilot's position estimate
+  Eigen::Vector3d drift_m = Eigen::Vector3d::Zero();  ///< m; error of the position estimate
   double without_pose_s = 0.0;
-  Eigen::Vector3d estimated_mps =
-      Eigen::Vector3d::Zero();  ///< m/s; the autopilot's velocity estimate
-  double turn_radps = 0.0;      ///< rad/s; true yaw rate and gyroscope reading
+  Eigen::Vector3d estimated_mps = Eigen::Vector3d::Zero();  ///< m/s; velocity estimate
+  double turn_radps = 0.0;  ///< rad/s; true yaw rate and gyroscope reading
   double spool_s = 0.0;
   double ground_s = 0.0;
   double without_setpoint_s = 0.0;

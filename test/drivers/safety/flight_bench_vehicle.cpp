@@ -17,14 +17,12 @@ constexpr double kResponseS = 0.1;  // s; equals SafetyLimits::setpoint_lead_s
 constexpr double kLagS = 0.15;
 constexpr double kAccelerationMaxMps2 = 6.0;
 constexpr double kGravityMps2 = 9.81;
-constexpr double kEstimatorBlindS =
-    5.0;  // s; time without a pose until the autopilot reports a bad estimate
-constexpr double kDriftMps = 0.05;  // m/s; drift of its estimate without poses
+constexpr double kEstimatorBlindS = 5.0;  // s; time without poses until the estimate is bad
+constexpr double kDriftMps = 0.05;        // m/s; drift of its estimate without poses
 constexpr double kSpoolUpS = 0.8;
 constexpr double kYawGainPerS = 10.0;
 constexpr double kTurnMaxRadps = 4.0;
-constexpr double kVelocityMemoryS =
-    0.2;  // s; time constant of the accelerometers in the velocity estimate
+constexpr double kVelocityMemoryS = 0.2;  // s; time constant of the velocity estimate
 
 double yaw_of(const Pose3& pose) { return flatten(pose).yaw_rad; }
 

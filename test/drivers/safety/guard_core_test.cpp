@@ -95,8 +95,7 @@ class SeenCore : public testing::Test {
   Time now = from_utime(1'700'000'000'000'000);
   double latency_s = 0.02;
   double way_s = 0.0;
-  double clock_s =
-      0.0;  ///< s; offset of the mocap computer's clock, positive: ahead of the local clock
+  double clock_s = 0.0;  ///< s; mocap computer's clock minus the local clock
   std::int64_t number = 1;
   const Eigen::Vector3d here_m{0.5, -0.5, 0.0};
   const Eigen::Vector3d far_m{1.5, -0.5, 0.0};
@@ -159,8 +158,7 @@ TEST_F(SeenCore, CountsClockChanges) {
 TEST_F(SeenCore, MeasuresLatencyOfEveryStage) {
   for (int round = 0; round < 2; ++round) {  // repeated with the same state
     for (const double waits_s : {0.0, 0.05, 0.3, 0.9, 0.0}) {
-      pass(std::max(0.0,
-                    waits_s - way_s));  // no frame arrives while the network delay becomes longer
+      pass(std::max(0.0, waits_s - way_s));  // no frame arrives while the delay grows
       way_s = waits_s;
       for (int i = 0; i < 20; ++i) {
         pass(0.01);

@@ -180,7 +180,7 @@ TEST(GuardInputs, NeedThreeHeartbeatsToDisarmUnseen) {
   EXPECT_FALSE(one.in().autopilot_armed);
 }
 
-// On the ground, armed and disarmed reports are accepted at once.
+// On the ground, armed and disarmed reports are accepted immediately.
 TEST(GuardInputs, AcceptArmedReportsAtOnceOnTheGround) {
   OneVehicle one;
   one.place_on_ground();
@@ -291,8 +291,7 @@ TEST(GuardInputs, MeasureTheDelayBehindThePlan) {
   ASSERT_EQ(one.follow(1.0, 0.0, 4.0, 1.5), drivers::PlanVerdict::kAccepted);
   one.run(1.0);
   EXPECT_NEAR(one.in().tracking_error_m, 0.0, 0.01);
-  for (int i = 0; i < 8;
-       ++i) {  // mocap shows the body at every fifth tick, so the plan clock runs at a rate of 0.68
+  for (int i = 0; i < 8; ++i) {  // seen at every fifth tick, so the plan clock's rate is 0.68
     one.has_mocap = false;
     one.run(0.08);
     one.has_mocap = true;

@@ -33,7 +33,7 @@ Quaternion turned(double yaw_rad, double roll_rad = 0.0, double pitch_rad = 0.0)
          Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitX());
 }
 
-/// Q1 (start at (-2, -1.3), yaw 0) stands on the ground; one pose and one report were received.
+/// Q1 (start at (-2, -1.3), yaw 0) is on the ground; one pose and one report were received.
 class Inputs : public testing::Test {
  protected:
   void see(const Eigen::Vector3d& place_m, const Quaternion& rotation, double t_s = kSeenS) {

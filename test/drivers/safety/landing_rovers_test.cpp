@@ -119,8 +119,7 @@ TEST(FlightGuard, LandsAmongRoversWithRandomTurns) {
     std::vector<double> down_s(bench.vehicles().size(), 30.0);
     bench.run(30.0, [&] {
       for (std::size_t i = 0; i < rovers_m.size(); ++i) {
-        headings_rad[i] +=
-            random.normal() * std::sqrt(test::FlightBench::kTickS);  // σ 1 rad in 1 s
+        headings_rad[i] += random.normal() * std::sqrt(test::FlightBench::kTickS);  // 1 rad in 1 s
         Eigen::Vector3d ahead_m = rovers_m[i] + kRoverMps * test::FlightBench::kTickS *
                                                     Eigen::Vector3d(std::cos(headings_rad[i]),
                                                                     std::sin(headings_rad[i]), 0.0);

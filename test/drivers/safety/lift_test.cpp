@@ -82,8 +82,7 @@ TEST(LiftQueue, OrdersByCommandThenByName) {
     double t_s = 0.0;
     std::vector<bool> is_gone(names.size(), false);
     for (; !heard.empty(); heard.erase(heard.begin())) {
-      for (const double later_s :
-           {0.0, 1.0}) {  // s; 1.0 is longer than the additional wait of any vehicle
+      for (const double later_s : {0.0, 1.0}) {  // s; 1 s exceeds every additional wait
         for (LiftQueue& queue : queues) {
           queue.update(bodies, limits, after(t_s + later_s));
         }
@@ -365,8 +364,7 @@ TEST(Lift, StepsToTheRoomiestDiagonalAmongRandomBodies) {
   EXPECT_GT(*std::min_element(std::begin(least), std::end(least)), 50);
 }
 
-constexpr double kProofHeightToleranceM =
-    0.06;  // m; the verification may begin this far below the hover
+constexpr double kProofHeightToleranceM = 0.06;  // m; verification begins this far below hover
 
 /// A vehicle commanded to climb from its ground position, far from all walls.
 struct Flight {

@@ -270,9 +270,8 @@ struct OneVehicle {
   /// m/s and rad/s; limits of the speed towards the set-point.
   double fastest_mps = drivers::kNever, fastest_radps = drivers::kNever;
   Eigen::Vector3d setpoint_offset_m =
-      Eigen::Vector3d::Zero();  ///< m; offset of the body from its set-point
-  std::optional<Eigen::Vector3d>
-      drift_mps;  ///< m/s; if set, the body moves at this velocity instead of to its set-point
+      Eigen::Vector3d::Zero();               ///< m; offset of the body from its set-point
+  std::optional<Eigen::Vector3d> drift_mps;  ///< m/s; if set, velocity of the body
   double turns_radps = 0.0;
   bool rises = true;
   double held_m = 0.0;
@@ -283,11 +282,8 @@ struct OneVehicle {
        sends_telemetry = true;
   bool is_frozen = false;  ///< mocap repeats the same pose bit for bit
   drivers::AutopilotReport report;
-  std::optional<Eigen::Vector3d>
-      estimate_m;  ///< m; position estimate of the autopilot, if it differs from the true position
-  double climb_rate_error_mps = 0.0,
-         yaw_rate_error_radps =
-             0.0;  ///< m/s, rad/s; errors of the rates that the autopilot reports
+  std::optional<Eigen::Vector3d> estimate_m;  ///< m; autopilot's estimate if not exact
+  double climb_rate_error_mps = 0.0, yaw_rate_error_radps = 0.0;  ///< of the autopilot's report
   std::optional<double> battery_share = 0.9;
   drivers::GuardOutput out;
 };

@@ -35,8 +35,7 @@ class Poses : public testing::Test {
     EXPECT_EQ(see(p_m, 0.0), PoseVerdict::kAccepted);
   }
 
-  SafetyLimits limits =
-      limits_for(test::FlightBench::scenario(), "Q1");  // fence ±4 m × ±2.2 m, ceiling 3 m
+  SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q1");  // 8 × 4.4 m, 3 m high
   PoseMonitor monitor;
 };
 

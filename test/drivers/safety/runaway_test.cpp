@@ -108,8 +108,7 @@ TEST(Runaway, DownwardsInAClimbIsReportedAfterTheTimeLimit) {
   double said_s = 9.0;
   while (bench.time_s() < 5.0 && said_s > 5.0) {
     if (begin_s < 0.0) {
-      q1.knobs.runaway_mps = {0.0, 0.0,
-                              -1.0};  // m/s; keeps the vehicle half a metre below its set-point
+      q1.knobs.runaway_mps = {0.0, 0.0, -1.0};  // keeps it half a metre below its set-point
     }
     bench.fly_up(bench.time_s() + 0.5 * FlightBench::kTickS);
     const bool lifts = FlightBench::has_reason(q1, "first lift", bench.now());

@@ -396,8 +396,7 @@ TEST(ClearSpot, IsTheNearestClearPosition) {
 // The spot keeps separation_hold_m + 0.05 m from another body ahead. A body from which the hover
 // moves away has no effect.
 TEST(ClearSpot, KeepsTheStatedDistanceFromBodies) {
-  constexpr double kEdgeM =
-      0.0501;  // m; the only clear spot within reach is 0.1 m straight away from the wall
+  constexpr double kEdgeM = 0.0501;  // m; only the spot 0.1 m from the hover is clear
   const SafetyLimits limits = bench_limits();
   OtherBody body;
   const auto with_body_m = [&](double x_m, double y_m) {

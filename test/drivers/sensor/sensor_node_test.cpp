@@ -231,9 +231,7 @@ TEST(SensorNode, ScansInMappingUnlessJammed) {
   for (int beam = 0; beam < 4; ++beam) {
     const bool is_behind = std::abs(std::abs(scanner.bearing_rad(beam)) - kPi) < 1e-9;
     const bool is_right = std::abs(scanner.bearing_rad(beam) + kPi / 2) < 1e-9;
-    const double wanted_m = is_behind  ? 1.0
-                            : is_right ? 1.0
-                                       : 2.5;  // the obstacle extends from y = 2.5 to 3
+    const double wanted_m = is_behind ? 1.0 : is_right ? 1.0 : 2.5;  // obstacle at y = 2.5 to 3
     EXPECT_NEAR(scan.ranges_m[static_cast<std::size_t>(beam)], wanted_m, 0.01) << beam;
   }
   ASSERT_EQ(scan.inputs.size(), 1u);

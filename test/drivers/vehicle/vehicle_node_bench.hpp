@@ -23,8 +23,7 @@ namespace vantage::test {
 template <class Node, class Endpoint>
 class VehicleNodeBench {
  public:
-  using Place =
-      std::function<Pose3(const Endpoint&)>;  ///< computes the pose of the markers in the world
+  using Place = std::function<Pose3(const Endpoint&)>;  ///< returns the pose of the markers
 
   template <class Spec>
   VehicleNodeBench(const scenario::Scenario& given, const Spec& spec, const std::string& url,

@@ -123,8 +123,7 @@ TEST(FrameFilter, UsesTheServersStatedRate) {
       server.run(600, period);
       EXPECT_LE(server.age_s(), 0.006) << period.count();
     }
-    server.run(300, 5 * kPeriod,
-               5);  // only every fifth frame arrives, and the frame numbers jump ahead
+    server.run(300, 5 * kPeriod, 5);  // only every fifth frame, after a jump of the numbers
     server.bench.next_number += 2000;
     server.run(300, 5 * kPeriod, 5);
     server.run(300, kPeriod);

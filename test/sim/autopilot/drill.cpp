@@ -17,9 +17,8 @@ using wire::mavlink::f32;
 constexpr float kHeightM = 1.2F;
 constexpr double kSpeedMps = 1.0;
 constexpr double kBrakeMps2 = 2.0;
-constexpr double kMoveS = 2.25;  // s; duration of a motion, acceleration included
-constexpr double kRampS =
-    kSpeedMps / kBrakeMps2;  // s; duration of the acceleration or of the braking
+constexpr double kMoveS = 2.25;                    // s; duration of a motion, acceleration included
+constexpr double kRampS = kSpeedMps / kBrakeMps2;  // s; acceleration or braking
 constexpr double kStopM = 0.5 * kSpeedMps * kSpeedMps / kBrakeMps2;  // m; stopping distance
 constexpr double kMovedM = kStopM + kSpeedMps * (kMoveS - kRampS);   // m; path length in kMoveS
 constexpr double kBrakedS = 0.4;  // s; braking time until the kind of set-point changes

@@ -165,8 +165,7 @@ TEST(RecordedArdupilot, HasAPositionBeforeAnOrigin) {
     EXPECT_LT(recording->first("flags", "0x033F")->time_s, recording->mark("origin"));
   }
   expect_delay(pair, "origin", "origin", "confirmed", 0.2);
-  expect_delay(pair, "poses", "flags", "0x033F",
-               1.5);  // s since power-up; first it aligns its tilt
+  expect_delay(pair, "poses", "flags", "0x033F", 1.5);  // s since power-up; aligns its tilt first
 }
 
 TEST(RecordedPx4, RefusesToArmForTheSameReasons) {

@@ -61,8 +61,7 @@ class ScriptedStation {
   models::AutopilotDialect dialect;
   Time now = kBoot;
   bool sends_poses = false;
-  Eigen::Vector3d pose_offset_m =
-      Eigen::Vector3d::Zero();  ///< m, z down; offset added to the poses that are sent
+  Eigen::Vector3d pose_offset_m = Eigen::Vector3d::Zero();  ///< m, z down; added to sent poses
   bool sends_heartbeats = false;
   std::uint8_t frame = wire::mavlink::frame::kLocalFrd;
   std::uint8_t estimator_type = wire::mavlink::kEstimatorVision;

@@ -83,8 +83,7 @@ TEST(Multirotor, TurnsWithMotorDifferences) {
       {{d, 0.0, 0.0, d}, {-1.0, 0.0, 0.0}},  // more thrust on the right
       {{0.0, d, 0.0, d}, {0.0, 1.0, 0.0}},   // more thrust at the rear: nose down, + about y
       {{d, 0.0, d, 0.0}, {0.0, -1.0, 0.0}},  // more thrust at the front
-      {{d, d, 0.0, 0.0},
-       {0.0, 0.0, -1.0}},  // more torque of propellers that turn left: body turns right
+      {{d, d, 0.0, 0.0}, {0.0, 0.0, -1.0}},  // left-turning propellers: body turns right
       {{0.0, 0.0, d, d}, {0.0, 0.0, 1.0}}};
   for (const Case& c : cases) {
     Multirotor body = hovering(p);

@@ -288,8 +288,7 @@ TEST(SequenceMonitor, CountsStepsBelowHalfTheRangeAsLoss) {
 TEST(SequenceMonitor, TracksSixtyFourSenders) {
   SequenceMonitor monitor;
   for (int round = 0; round < 2; ++round) {
-    for (int sender = 0; sender < 80;
-         ++sender) {  // senders differ by system and component together
+    for (int sender = 0; sender < 80; ++sender) {  // each has another system and component pair
       monitor.on_frame({static_cast<std::uint8_t>(sender / 9),
                         static_cast<std::uint8_t>(sender % 9),
                         static_cast<std::uint8_t>(sender + 3 * round)});

@@ -336,8 +336,7 @@ TEST(IdentifyDatagram, DistinguishesTheStreams) {
   std::vector<std::uint8_t> datagram;
   encode_object_block(block, 256, datagram);
   EXPECT_EQ(identify_datagram(datagram), ServerType::kObjectStream);
-  for (const double far_mm :
-       {1.1e7, -1.1e7}) {  // mm; implausible: larger than any room, must be rejected
+  for (const double far_mm : {1.1e7, -1.1e7}) {  // implausible: larger than any room
     ObjectBlock far = block;
     far.objects[1].translation_mm.y() = far_mm;
     datagram.clear();
