@@ -1,5 +1,4 @@
-// Custom sensor that measures how far ahead of the robot a target is. Needs component planner (only
-// Eigen).
+// Custom sensor that measures how far ahead of the robot a target is. Needs component planner.
 #include <cmath>
 #include <cstdio>
 
