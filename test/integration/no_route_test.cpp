@@ -53,7 +53,7 @@ struct Waiting {
 
 void ip(const std::string& words) { ASSERT_EQ(std::system(("ip " + words).c_str()), 0) << words; }
 
-TEST(UdpmWithoutRoute, JoinsWhenRouteAppearsAndAgainAfterLoss) {
+TEST(WithoutARoute, JoinsWhenRouteAppearsAndAgainAfterLoss) {
   Waiting waiting;
   EXPECT_FALSE(waiting.receives_own_message());
   ASSERT_EQ(waiting.reports.size(), 1U) << "once, however often it tries";

@@ -144,7 +144,7 @@ class Rules(unittest.TestCase):
         env.step(3.0)
         team = vantage.env.make_team("TeamTracking")
         team.reset(seed=1)
-        with self.assertRaisesRegex(ValueError, "none of robot_2"):
+        with self.assertRaisesRegex(ValueError, "missing robot_2"):
             team.step({"robot_0": 0, "robot_1": 0})
 
     def test_refuse_options_that_are_none(self):

@@ -48,7 +48,7 @@ TEST(MotionPlot, IsDrawnByGnuplotWithTheModelsNames) {
   std::ifstream in(svg);
   const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   for (const char* name :
-       {"seen", "random_walk", "damped_oscillator", "RMS displacement in y, m"}) {
+       {"measured", "random_walk", "damped_oscillator", "RMS displacement in y, m"}) {
     EXPECT_NE(text.find(name), std::string::npos) << name;
   }
 }
