@@ -46,8 +46,8 @@ TEST(MappedFile, ReportsWhyItCannotBeRead) {
   };
   EXPECT_EQ(why_not(folder.file("a")),
             folder.file("a") + ": cannot be read: No such file or directory");
-  EXPECT_EQ(why_not(folder.path()), folder.path() + ": not a file");
-  EXPECT_EQ(why_not("/dev/null"), "/dev/null: not a file");
+  EXPECT_EQ(why_not(folder.path()), folder.path() + ": is not a regular file");
+  EXPECT_EQ(why_not("/dev/null"), "/dev/null: is not a regular file");
 }
 
 /// A log of `bytes` in all, of events of about 10 kB.

@@ -85,7 +85,7 @@ TEST(ExamineVicon, ReportsSilence) {
   const auto ports = examine_vicon("127.0.0.1", {}, std::stoi(test::port_of_this_test(0)),
                                    std::chrono::milliseconds(2'500));
   const auto lines = describe("127.0.0.1", ports);
-  EXPECT_TRUE(says(lines, "nothing arrives")) << all_of(lines);
+  EXPECT_TRUE(says(lines, "no motion capture found")) << all_of(lines);
   EXPECT_FALSE(says(lines, "connected")) << all_of(lines);
 }
 
