@@ -73,7 +73,7 @@ if pkg-config --exists lcm; then
   "$work/everything/bus_node" memq:// 2 || fail "bus_node"
   xz -dkc "$source/logs/sample/lab_60s.lcmlog.xz" > "$work/sample.lcmlog"
   "$work/everything/read_log" "$work/sample.lcmlog" > "$work/read_log.out" || fail "read_log"
-  grep -q 'knew' "$work/read_log.out" || fail "read_log found no beliefs"
+  grep -q 'last belief contains' "$work/read_log.out" || fail "read_log found no beliefs"
 fi
 mkdir "$work/wrong"
 cat > "$work/wrong/CMakeLists.txt" << 'END'
