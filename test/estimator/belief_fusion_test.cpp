@@ -43,7 +43,7 @@ Gaussian around(double x_m, double y_m, const Eigen::Matrix2d& covariance_m2) {
 
 const std::vector<Gaussian> kOne = {around(3.0, 4.0, 0.5 * Eigen::Matrix2d::Identity())};
 
-TEST(Hearing, AcceptsBeliefsUpToTheStatedAge) {
+TEST(Reception, AcceptsBeliefsUpToTheStatedAge) {
   const models::RobotBelief told = told_by("Q2", instant(9), kOne);
   const auto after = [&](Time now) {
     DistributedFilter filter(still_spec(1));
@@ -68,7 +68,7 @@ TEST(Hearing, AcceptsBeliefsUpToTheStatedAge) {
 }
 
 // The radio range is a distance in space and limits both beliefs and observations.
-TEST(Hearing, HasExactlyTheRadioRange) {
+TEST(Reception, IsLimitedToExactlyTheRadioRange) {
   for (const double aside : {-1.0, 1.0}) {
     for (const auto& [height_m, is_near] : {std::pair(0.0, true), std::pair(0.01, false)}) {
       FilterSpec spec = still_spec(1);
@@ -91,7 +91,7 @@ TEST(Hearing, HasExactlyTheRadioRange) {
   }
 }
 
-TEST(Hearing, CountsTeammatesInRangeAtEachStep) {
+TEST(Reception, CountsTeammatesInRangeAtEachStep) {
   DistributedFilter filter(still_spec(1));
   std::vector<models::RobotBelief> told = {told_by("Q2", instant(1), kOne),
                                            told_by("Q3", instant(1), kOne),
@@ -136,7 +136,7 @@ TEST(BeliefFusion, FirstBeliefIsWeightedMeanOfTeammates) {
 }
 
 // The weight κ is compared with the best one of a search over all κ.
-TEST(Hearing, WeightsATeammateToMaximiseTheDeterminant) {
+TEST(BeliefFusion, WeightsATeammateToMaximiseTheDeterminant) {
   vantage::test::Random random(6);
   int between = 0;
   for (int trial = 0; trial < 60; ++trial) {
@@ -175,7 +175,7 @@ TEST(Hearing, WeightsATeammateToMaximiseTheDeterminant) {
   EXPECT_GT(between, 20);
 }
 
-TEST(Hearing, CountsBeliefsOfUnknownTargets) {
+TEST(Reception, CountsBeliefsOfUnknownTargets) {
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.1};
   FilterSpec spec = open_spec(model, test::far_sighted(SensorKind::kPosition), 3);
   spec.communication_range_m = 5.0;
@@ -236,7 +236,7 @@ TEST(BeliefFusion, CountsGridMismatchOnlyWhenGridIsPresent) {
 
 // A two-step-old belief is predicted with reflection at walls in both steps. When the filter
 // receives its own old belief, mean and covariance therefore do not change.
-TEST(Hearing, ReflectsOldBeliefsAtWalls) {
+TEST(BeliefFusion, ReflectsOldBeliefsAtWalls) {
   for (const bool stay_inside : {false, true}) {
     for (const double x_m : {0.0, 19.7}) {
       FilterSpec spec = open_spec({TargetKind::kDoubleIntegrator, 2, 0.001},

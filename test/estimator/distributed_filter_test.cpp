@@ -103,15 +103,15 @@ void expect_textbook(SensorKind kind) {
   ::testing::Test::RecordProperty("worst_difference", std::to_string(worst));
 }
 
-TEST(DistributedFilter, OfOneRobotEqualsTheJointKalmanFilter) {
+TEST(DistributedFilter, EqualsTheJointKalmanFilterForOneRobot) {
   expect_textbook(SensorKind::kPosition);
 }
 
-TEST(DistributedFilter, OfOneRobotEqualsTheJointExtendedKalmanFilter) {
+TEST(DistributedFilter, EqualsTheJointExtendedKalmanFilterForOneRobot) {
   expect_textbook(SensorKind::kRangeBearing);
 }
 
-TEST(DistributedFilter, OfOneRobotIsConsistentOnItsOwnModel) {
+TEST(DistributedFilter, IsConsistentOnItsOwnModelForOneRobot) {
   // The truth is linear and Gaussian from the discovery on, so the summed squared error is χ²
   // distributed.
   const models::TargetModel model{TargetKind::kRandomWalk, 2, 0.02};
@@ -220,7 +220,7 @@ class LateMeasurements : public ::testing::Test {
   FilterCounters timely_counters_;
 };
 
-TEST_F(LateMeasurements, GiveTheBeliefOfTimelyOnes) {
+TEST_F(LateMeasurements, GiveTheSameBeliefAsTimelyOnes) {
   run(3, 8);
   EXPECT_EQ(counters_.late_measurements, 4);
   EXPECT_EQ(counters_.too_late_measurements, 0);
@@ -239,7 +239,7 @@ TEST_F(LateMeasurements, GiveTheBeliefOfTimelyOnes) {
   EXPECT_EQ(a_.last_seen_utime, b_.last_seen_utime);
 }
 
-TEST_F(LateMeasurements, BeyondTheHistoryAreCountedAndDropped) {
+TEST_F(LateMeasurements, AreCountedAndDroppedIfOlderThanTheHistory) {
   run(3, 3);
   EXPECT_EQ(counters_.late_measurements, 0);
   EXPECT_EQ(counters_.too_late_measurements, 4);

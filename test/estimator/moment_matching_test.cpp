@@ -43,7 +43,7 @@ TEST(ProductRule, HasTheMomentsOfTheNormalDistribution) {
 
 // exp(−½ (y − m)ᵀ W (y − m)) is a position measurement. Posterior, velocity and likelihood must
 // equal those of a Kalman filter.
-TEST(Reweighted, ByAGaussianEqualsAKalmanUpdate) {
+TEST(Reweighted, EqualsAKalmanUpdateForAGaussianLikelihood) {
   vantage::test::Random random(11);
   for (int trial = 0; trial < 60; ++trial) {
     const int dim = 2 + trial % 3;

@@ -335,7 +335,7 @@ TEST(MultiTargetUpdate, AssignsADetectionToOneTrackByDefault) {
 
 // Unassigned detections start tracks. Their labels are numbered by distance, not by the order of
 // the detections.
-TEST(MultiTargetUpdate, LabelsBirthsInDetectionOrder) {
+TEST(MultiTargetUpdate, LabelsBirthsByDistance) {
   const models::Viewpoint from = at(0, 0);
   std::vector<models::Detection> look = {seen(from, 2.0, 0.0), seen(from, 0.0, 1.0),
                                          seen(from, -2.5, 0.0)};
@@ -359,7 +359,7 @@ TEST(MultiTargetUpdate, LabelsBirthsInDetectionOrder) {
   }
 }
 
-TEST(MultiTargetUpdate, CountsDetectionsOfAnotherSensor) {
+TEST(MultiTargetUpdate, CountsMalformedDetections) {
   const models::Viewpoint from = at(0, 0);
   const auto malformed = [&](auto change) {
     MultiTargetFilter filter(spec_of(5, {0.9, 0.1}));

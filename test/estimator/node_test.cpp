@@ -271,7 +271,7 @@ TEST_F(NodeTest, KeepsTheNewestInputs) {
 }
 
 // The robot's position at t is that of an observation or pose from the step that ends at t.
-TEST_F(NodeTest, TakesItsPoseFromInputsOfThisStep) {
+TEST_F(NodeTest, UsesPoseFromInputsOfThisStep) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   std::vector<models::RobotBelief> heard;
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),

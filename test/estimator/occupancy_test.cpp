@@ -48,7 +48,7 @@ TEST(OccupancyFusion, AssignsASurfaceToItsCellDespiteNoise) {
 }
 
 // A hit within the vehicle's own cell changes no cell.
-TEST(OccupancyFusion, KeepsItsOwnCell) {
+TEST(OccupancyFusion, IgnoresHitsInTheRobotsCell) {
   for (const double range_m : {0.0, 0.02, 0.05, 0.079}) {
     EXPECT_EQ(log_odds_after(range_m), std::vector<double>(12, 0.0)) << range_m;
   }

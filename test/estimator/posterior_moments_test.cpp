@@ -25,7 +25,7 @@ models::Measurement one(double z, double sigma) {
 
 // The posterior density falls with the distance from the robot in every direction, so the posterior
 // is near the robot although the prior is wide.
-TEST(PosteriorMoments, OfANegativeRangeSurroundTheRobot) {
+TEST(PosteriorMoments, SurroundTheRobotForANegativeRange) {
   const double prior_sigma_m = 0.5;
   const double sigma_m = 0.1;
   const double z_m = -0.8;
@@ -47,7 +47,7 @@ TEST(PosteriorMoments, OfANegativeRangeSurroundTheRobot) {
 }
 
 // The noise exceeds a full turn, but each direction has equal weight.
-TEST(PosteriorMoments, OfAnUninformativeBearingEqualThePrior) {
+TEST(PosteriorMoments, EqualThePriorForAnUninformativeBearing) {
   const Eigen::Vector2d mean_m(2.0, 0.5);
   const Eigen::Matrix2d P = Eigen::Vector2d(0.16, 0.04).asDiagonal();
   for (const double sigma_rad : {20.0, 200.0}) {
@@ -79,7 +79,7 @@ struct Prior {
 
 // A position sensor gives the Kalman update, rotated by the robot's heading, in the plane and in
 // space, also for correlated noise.
-TEST(PosteriorMoments, OfPositionsEqualAKalmanUpdate) {
+TEST(PosteriorMoments, EqualAKalmanUpdateForPositions) {
   vantage::test::Random random(21);
   const models::SensorModel sensor = far_sighted(models::SensorKind::kPosition);
   for (int trial = 0; trial < 24; ++trial) {
@@ -108,7 +108,7 @@ TEST(PosteriorMoments, OfPositionsEqualAKalmanUpdate) {
 
 // A sensor with a known scale and offset error gives the same moments as an ideal sensor, also when
 // range and bearing noise are correlated.
-TEST(PosteriorMoments, OfACalibratedSensorUseTheTrueRange) {
+TEST(PosteriorMoments, UseTheTrueRangeOfACalibratedSensor) {
   vantage::test::Random random(22);
   for (const auto kind : {models::SensorKind::kRange, models::SensorKind::kRangeBearing}) {
     const models::SensorModel plain = far_sighted(kind);

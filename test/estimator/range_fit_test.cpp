@@ -103,7 +103,7 @@ TEST(FitRanges, ReportsTheLikeliestAlternativePosition) {
 }
 
 // If successive errors have correlation ρ, (1 + ρ)/(1 − ρ) of them count as one.
-TEST(FitRanges, CountsLastingErrorsOnce) {
+TEST(FitRanges, CountsCorrelatedErrorsOnce) {
   const auto correlation = [](double of_successive) {
     const test::RangeSceneSpec spec{
         .ranges_of_beacon = 2000, .outlier_share_max = 0.0, .correlation = of_successive};

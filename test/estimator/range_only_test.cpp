@@ -210,7 +210,7 @@ double density_at(const std::vector<BeaconHypothesis>& all, const Eigen::Vector2
 }
 
 // The ring of hypotheses is uniform, at the calibrated distance and with its σ, for any scale.
-TEST(RangeOnlyFilter, StartsWithAnEvenRingOfTheNoisesWidth) {
+TEST(RangeOnlyFilter, StartsWithAUniformRingAsWideAsTheNoise) {
   RangeOnlySpec spec;
   spec.calibration.range_scale = 2.0;
   spec.range_sigma_m = 1.0;
@@ -415,7 +415,7 @@ TEST(RangeOnlyFilter, RefusesEachInvalidSpec) {
   EXPECT_FALSE(is_refused([](Spec& spec) { spec.restart_window = 1; }));
 }
 
-TEST(RangeOnlyFilter, CountsRangesThatCalibrateToNoDistance) {
+TEST(RangeOnlyFilter, RefusesRangesWithoutAPositiveFiniteDistance) {
   RangeOnlySpec spec;
   spec.calibration = {2.0, 1.5};
   RangeOnlyFilter filter(spec);
@@ -429,7 +429,7 @@ TEST(RangeOnlyFilter, CountsRangesThatCalibrateToNoDistance) {
   EXPECT_FALSE(filter.hypotheses().empty());
 }
 
-TEST(RangeOnlyFilter, FindsTheRealBeaconsOfPlaza) {
+TEST(RangeOnlyFilter, FindsTheBeaconsOfThePlazaRecording) {
   const std::string folder = VANTAGE_DATA_DIR "/plaza1/";
   const auto poses = read_csv(folder + "groundtruth.csv");
   const auto ranges = read_csv(folder + "ranges.csv");

@@ -286,7 +286,7 @@ double correlation_of(const std::vector<Eigen::Vector2d>& robots_m,
 
 // The robot jumps between random positions, so errors are correlated in time only. If successive
 // errors have correlation ρ, max(1, (1 + ρ)/(1 − ρ)) ranges count as one.
-TEST(FitAt, CountsLastingErrorsOnceAnywhere) {
+TEST(FitAt, CountsCorrelatedErrorsOnceAtAnyPosition) {
   for (const double of_successive : {-0.5, 0.0, 0.5, 0.7}) {
     std::mt19937_64 rng(5);
     std::normal_distribution<double> normal;

@@ -86,7 +86,7 @@ TEST(DrawnRangeScenes, ErrorsMatchTheClaimedCovarianceInARoom) {
 
 // Errors are correlated over ten ranges of a beacon. If the ranges were treated as independent, σ
 // would be a third of the correct value.
-TEST(DrawnRangeScenes, ErrorsMatchTheClaimedCovarianceWithLastingErrors) {
+TEST(DrawnRangeScenes, ErrorsMatchTheClaimedCovarianceWithCorrelatedErrors) {
   expect_claims_hold(claims_of({.ranges_of_beacon = 400, .correlation = 0.8}, 7001));
 }
 

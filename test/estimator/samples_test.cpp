@@ -139,7 +139,7 @@ TEST(Samples, ReflectAtWallsLikeTargets) {
   }
 }
 
-TEST(Samples, OfAMissedTargetLieOutsideTheView) {
+TEST(Samples, LieOutsideTheViewAfterAMiss) {
   const models::SensorModel sensor = field_sensor();
   for (const double yaw_rad : {0.0, 1.0, -2.0}) {
     const models::Viewpoint from = at(1.0, 2.0, yaw_rad);
@@ -157,7 +157,7 @@ TEST(Samples, OfAMissedTargetLieOutsideTheView) {
   EXPECT_EQ(far.moments().covariance, before.covariance);
 }
 
-TEST(Samples, BehindAnObstacleStayAfterAMiss) {
+TEST(Samples, StayBehindAnObstacleAfterAMiss) {
   models::World world = kField;
   world.obstacles = {{{{2.0, -5.0}, {2.5, 5.0}}, 10.0}};
   Samples samples = samples_of(moving({5.0, 0.0}, {0.0, 0.0}, 0.4, 0.1));
@@ -325,7 +325,7 @@ TEST(SamplesOfAFilter, AreIndependentOfLateArrival) {
   EXPECT_EQ(late.track(0).information.vector, timely.track(0).information.vector);
 }
 
-TEST(SamplesOfAFilter, YieldOnlyToANewerTeammatesObservation) {
+TEST(SamplesOfAFilter, AreReplacedOnlyByANewerTeammatesObservation) {
   const auto after_hearing = [](const std::optional<Gaussian>& theirs, Time last_seen) {
     DistributedFilter filter = knows(kNearACorner);
     for (int k = 1; k <= 12; ++k) {

@@ -162,7 +162,7 @@ TEST(SharedMeasurements, AreConsistentAndRecoverAfterAPartition) {
   EXPECT_GT(apart_nats, before_nats + 0.1);
 }
 
-TEST(SharedMeasurements, ThatArriveLateGiveTheBeliefOfTimelyOnes) {
+TEST(SharedMeasurements, GiveTheSameBeliefWhenTheyArriveLate) {
   // The belief of step k contains the observation of step k; the observation itself arrives two
   // steps later.
   models::SensorModel sensor = test::far_sighted(SensorKind::kPosition);
@@ -204,7 +204,7 @@ TEST(SharedMeasurements, ThatArriveLateGiveTheBeliefOfTimelyOnes) {
   EXPECT_EQ(late.counters().late_measurements, 10);
 }
 
-TEST(SharedMeasurements, OfTeammatesOutOfRangeAreIgnored) {
+TEST(SharedMeasurements, AreIgnoredFromTeammatesOutOfRange) {
   SharedLooks team(SensorKind::kPosition, 100.0, 1);
   FilterSpec spec = team.robots[0].spec();
   spec.communication_range_m = 1.0;

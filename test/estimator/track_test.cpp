@@ -26,7 +26,7 @@ using vantage::test::is_near;
 
 const models::Surroundings kLabSurroundings{{0.5, -0.5}, {1.75, 0.83}, {0.4, 0.25}, {0.3, 0.5}};
 
-TEST(Propagate, InTwoPartsEqualsOnePart) {
+TEST(Propagate, TwoPartsEqualOnePart) {
   for (const TargetKind kind :
        {TargetKind::kStatic, TargetKind::kRandomWalk, TargetKind::kDoubleIntegrator,
         TargetKind::kGrowingUncertainty, TargetKind::kDampedOscillator}) {
@@ -46,7 +46,7 @@ TEST(Propagate, InTwoPartsEqualsOnePart) {
 }
 
 // The belief is propagated step by step, as in the filter.
-TEST(Propagate, OfADampedOscillatorTendsToItsStationaryDistribution) {
+TEST(Propagate, TendsToTheStationaryDistributionForADampedOscillator) {
   const models::TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kLabSurroundings};
   const models::StateMatrix sharp = 1e-4 * models::StateMatrix::Identity(4, 4);
   models::Information belief =
@@ -66,7 +66,7 @@ TEST(Propagate, OfADampedOscillatorTendsToItsStationaryDistribution) {
                       Eigen::Vector4d(1.75 * 1.75, 0.83 * 0.83, 0.4 * 0.4, 0.25 * 0.25), 1e-6));
 }
 
-TEST(Propagate, OfGrowingUncertaintyAddsTheNoiseOfTheStep) {
+TEST(Propagate, AddsTheNoiseOfTheStepForGrowingUncertainty) {
   const models::TargetModel model{TargetKind::kGrowingUncertainty, 3, 0.01};
   const auto belief =
       models::to_information({models::StateVector::Zero(3), models::StateMatrix::Identity(3, 3)})
@@ -331,7 +331,7 @@ TEST(Measure, IgnoresLimitsThatTheSensorViolates) {
   EXPECT_NEAR(models::to_gaussian(belief)->mean(0), 1.3, 0.01);
 }
 
-TEST(PosteriorMoments, InSpaceAreThoseOfBruteForce) {
+TEST(PosteriorMoments, EqualBruteForceForSpatialTargets) {
   std::mt19937_64 rng(8);
   for (const auto kind : kEverySensor) {
     models::SensorModel sensor;

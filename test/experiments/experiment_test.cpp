@@ -98,7 +98,7 @@ TEST(Heterogeneous, ValueIsInformationMinusPricedEnergy) {
   }
 }
 
-TEST(BestShare, KeepsTheBestOfEachRobot) {
+TEST(BestShare, KeepsTheBestCandidatesOfEachRobot) {
   const EnergyTrial trial = draw_energy_trial(2, 1, {}, own_search());
   const planner::TeamOracle oracle(trial.team);
   const planner::TeamProblem best = best_share(oracle, 0.1);
@@ -206,7 +206,7 @@ TEST(TrackUnderAttack, TracksEveryTargetWithoutAttack) {
 }
 
 // Each choice that the paper leaves open changes the result, though not for every seed.
-TEST(TrackUnderAttack, AppliesItsChoices) {
+TEST(TrackUnderAttack, ResultDependsOnEachUnpublishedChoice) {
   const TrackingSetting published{
       .robots = 4, .targets = 4, .attacks = 2, .task_steps = 150, .nodes_per_plan = 2'000};
   TrackingSetting by_bearing = published;

@@ -35,7 +35,7 @@ TEST(Revisits, CountIntervalsWithAndWithoutTheEnds) {
 }
 
 // For each landmark, the intervals including both ends sum to the duration, for any observations.
-TEST(Revisits, WithEndsSumToTheDuration) {
+TEST(Revisits, IntervalsWithEndsSumToTheDuration) {
   std::mt19937_64 rng(7);
   for (int i = 0; i < 200; ++i) {
     const std::size_t landmarks = 1 + rng() % 5;
@@ -139,7 +139,7 @@ TEST(Watch, RefusesAStartInABuilding) {
 }
 
 // As in the hardware experiment, the robot that plans first is jammed.
-TEST(TwoTargets, AreExchangedOnlyWithResilience) {
+TEST(TwoTargets, AreSwappedBetweenRobotsOnlyWithResilience) {
   WatchSetting setting = two_targets_setting(0);
   setting.task_steps = 120;
   int switches = 0;

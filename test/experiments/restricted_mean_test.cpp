@@ -9,7 +9,7 @@
 namespace vantage::experiments {
 namespace {
 
-TEST(RestrictedMean, OfCompleteWaitsIsTheirTruncatedMean) {
+TEST(RestrictedMean, EqualsTruncatedMeanForCompleteWaits) {
   const std::vector<Wait> waits = {{4}, {1}, {7}, {1}, {30}};
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 100), 43.0 / 5.0);
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 30), 43.0 / 5.0);
@@ -17,7 +17,7 @@ TEST(RestrictedMean, OfCompleteWaitsIsTheirTruncatedMean) {
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 1), 1.0);
 }
 
-TEST(RestrictedMean, OfCensoredWaitsIsItsLimit) {
+TEST(RestrictedMean, EqualsItsLimitForCensoredWaits) {
   EXPECT_DOUBLE_EQ(restricted_mean({{3, false}, {9, false}}, 20), 20.0);
   EXPECT_DOUBLE_EQ(restricted_mean({{20, false}}, 20), 20.0);
   EXPECT_DOUBLE_EQ(restricted_mean({}, 20), 20.0);

@@ -323,7 +323,7 @@ TEST(SimNode, ServesMocapOnTheWire) {
 
 // With vehicles connected by wire, the simulated world follows the clock, and frames are sent after
 // their latency.
-TEST(SimNode, KeepsUpWithTheClockForWireVehicles) {
+TEST(SimNode, FollowsTheClockForWireVehicles) {
   UdpReceiver receiver;
   scenario::Scenario scenario = test::lab_scenario();
   scenario.robots[1].device = scenario::DeviceSource::kWire;

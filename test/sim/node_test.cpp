@@ -198,7 +198,7 @@ TEST(SimNode, RefusesUnsupportedDevices) {
   EXPECT_THROW(Lab{scenario}, StartupError);
 }
 
-TEST(SimNode, DoesNotPublishMocapWithARealOne) {
+TEST(SimNode, DoesNotPublishMocapIfTheDeviceIsReal) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.mocap.device = scenario::DeviceSource::kReal;
   Lab lab(scenario);

@@ -162,7 +162,7 @@ TEST(Quadrotor, TracksTheFieldPlansWithinHalfAMetre) {
 
 // The plan's heading is slightly left or right of the vehicle's heading. The vehicle makes the
 // short turn, also across ±π.
-TEST(Quadrotor, TurnsTheShortWayAcrossPi) {
+TEST(Quadrotor, MakesTheShorterTurnAcrossPi) {
   for (const double side : {1.0, -1.0}) {
     for (const double start_rad : {kPi - 0.1, 0.4}) {
       scenario::RobotSpec spec = robot_spec(1.0);
@@ -334,7 +334,7 @@ TEST(Quadrotor, FallsFreelyWhenKilled) {
   }
 }
 
-TEST(AfterCommand, LowersSeverityOnlyByItsRule) {
+TEST(AfterCommand, LowersSeverityOnlyWhereTheTableAllows) {
   const std::vector<FlightState> states{FlightState::kIdle, FlightState::kFollow,
                                         FlightState::kHold, FlightState::kLand,
                                         FlightState::kKilled};

@@ -172,7 +172,7 @@ TEST(AirframeIn, RotatesTheWindAndHasDefaultGusts) {
 
 // The limits are a tenth above those of the scenario, or those of a default rover if these are
 // higher.
-TEST(WireRover, LimitsExceedScenarioSlightly) {
+TEST(WireRover, LimitsExceedThoseOfTheScenarioByATenth) {
   struct Row {
     double speed_mps, brake_mps2, yaw_rate_radps;
     double fastest_mps, stop_s, turn_radps;

@@ -181,7 +181,7 @@ TEST(WorldSimulation, IncludesTheCallersVehicles) {
   EXPECT_EQ(contacts.front().kind, models::CollisionKind::kCollision);
 }
 
-TEST(WorldSimulation, KeepsTheGroundFreeOnlyUnderALowVehicle) {
+TEST(WorldSimulation, RoversAvoidTheGroundOnlyBelowALowVehicle) {
   const scenario::Scenario scenario = test::lab_scenario();
   MovableVehicle puppet("Q2", {2.0, 4.0, 0.0});
   // Start positions keep a distance from the start positions of the robots.

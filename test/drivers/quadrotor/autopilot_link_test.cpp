@@ -289,7 +289,7 @@ TEST(AutopilotLink, IgnoresOtherComponentsOnceTheAutopilotIsKnown) {
   }
 }
 
-TEST(AutopilotLink, AcceptsOnlyHeartbeatsOfComponent0AndBeforeComponent1) {
+TEST(AutopilotLink, AcceptsComponent0OnlyForHeartbeatsBeforeComponent1) {
   Bench bench(AutopilotDialect::kArdupilot);
   bench.receive_message(wire::mavlink::Heartbeat{4, 2, 3, 0, 4, 3}, kNow, 1, 0);
   EXPECT_TRUE(bench.link.telemetry().heartbeat_time().has_value());

@@ -69,7 +69,7 @@ TEST(CommandSender, WaitsLongerForACommandInProgress) {
   EXPECT_EQ(sender.due(kNow + 4 * kSecond).size(), 1U);
 }
 
-TEST(CommandSender, RepeatsWhateverIsReplied) {
+TEST(CommandSender, RepeatsAfterAnyReply) {
   CommandSender sender;
   int sent = 0;
   for (int i = 0; i < 100; ++i) {

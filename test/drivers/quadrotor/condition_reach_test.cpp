@@ -327,7 +327,7 @@ INSTANTIATE_TEST_SUITE_P(Dialects, ConditionReach,
                          ::testing::Values(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot),
                          [](const auto& chosen) { return std::string(name_of(chosen.param)); });
 
-TEST_P(ConditionReach, EveryRowOfTheTableIsReachedFromOutside) {
+TEST_P(ConditionReach, ExternalInputsTriggerEveryRowOfTheTable) {
   const std::vector<Row> table = rows();
   for (const Condition& row : conditions()) {
     SCOPED_TRACE(row.name);

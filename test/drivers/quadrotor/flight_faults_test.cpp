@@ -95,7 +95,7 @@ TEST_P(FlightFaults, IgnoresARejectedPose) {
 
 // The radio fails in one direction: the vehicle still receives the driver, but the driver receives
 // nothing. The vehicle must not hover permanently.
-TEST_P(FlightFaults, LandsAVehicleThatIsNoLongerReceived) {
+TEST_P(FlightFaults, LandsAVehicleFromWhichNothingIsReceived) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.driver_receives_nothing = true;
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 60.0)) << height_m();
@@ -173,7 +173,7 @@ TEST_P(FlightFaults, RepeatedCommandKeepsThePilotInControl) {
 // becomes LAND, but the driver sends no landing command, whether the link works or not. In a hold
 // mode of the autopilot there may be no pilot, so the driver lands the vehicle. An operator command
 // takes control from a pilot, also from a second one.
-TEST_P(FlightFaults, KeepsTheModeOfAPilot) {
+TEST_P(FlightFaults, DoesNotTakeOverFromAPilotWithoutACommand) {
   for (const bool is_by_hand : {true, false}) {
     for (const bool driver_receives_nothing : {true, false}) {
       SCOPED_TRACE(testing::Message()

@@ -177,7 +177,7 @@ const LineRow kLineRows[] = {
 INSTANTIATE_TEST_SUITE_P(Rows, MocapLine, ::testing::ValuesIn(kLineRows),
                          [](const auto& row) { return std::string(row.param.name); });
 
-TEST_P(MocapLine, ReportsItsLatencyAndHoldsTheVehicleUntilTheQueueIsEmptied) {
+TEST_P(MocapLine, ReportsItsLatencyAndHoldsTheVehicleWhileFramesAreQueued) {
   const LineRow& row = GetParam();
   FlightBench bench(models::AutopilotDialect::kPx4);
   Line line(bench, row.protocol);

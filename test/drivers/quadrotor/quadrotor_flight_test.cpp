@@ -40,7 +40,7 @@ TEST_P(Flight, TakesOffHoldsAndLands) {
   EXPECT_NEAR(bench.vehicle.world_from_body().translation_m.z(), FlightBench::kFloorM, 1e-9);
 }
 
-TEST_P(Flight, LandsFromTheMiddleOfItsTakeOff) {
+TEST_P(Flight, LandsDuringItsTakeOff) {
   for (const double up_to_m : {0.1, 0.3, 0.5, 0.8}) {
     SCOPED_TRACE(up_to_m);
     const auto height_m = [this] { return bench.vehicle.world_from_body().translation_m.z(); };
@@ -193,7 +193,7 @@ TEST_P(Flight, HoldsThenLandsWithoutPoses) {
   EXPECT_NEAR(bench.vehicle.world_from_body().translation_m.z(), FlightBench::kFloorM, 1e-9);
 }
 
-TEST_P(Flight, StopsTheMotorsAtOnceOnAnEmergencyStop) {
+TEST_P(Flight, StopsTheMotorsImmediatelyOnAnEmergencyStop) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.command(OperatorAction::kEmergencyStop);
   bench.run(0.03);
@@ -208,7 +208,7 @@ TEST_P(Flight, StopsTheMotorsAtOnceOnAnEmergencyStop) {
 // The emergency stop comes at all times from the ground to the end of the climb, also directly
 // after arming, before a heartbeat reports the armed state. The motors stop immediately and run
 // again only after `arm`.
-TEST_P(Flight, StopsTheMotorsAtOnceDuringTakeOff) {
+TEST_P(Flight, StopsTheMotorsImmediatelyDuringTakeOff) {
   for (const double above_m : {-1.0, 0.02, 0.1, 0.3, 0.8}) {
     SCOPED_TRACE(above_m);
     FlightBench up(GetParam());
@@ -255,7 +255,7 @@ TEST_P(Flight, YieldsToAPilotUntilCommanded) {
   EXPECT_FALSE(bench.has_reason("to regain control")) << bench.reasons();
 }
 
-TEST_P(Flight, IsLandedByItsAutopilotWhenTheWireIsCut) {
+TEST_P(Flight, IsLandedByTheAutopilotWhenTheLinkIsCut) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.is_wire_cut = true;
   bench.run(4.0);
@@ -266,7 +266,7 @@ TEST_P(Flight, IsLandedByItsAutopilotWhenTheWireIsCut) {
 
 // Regression: a driver restarted in flight reported `idle` and landed the vehicle although the
 // operator had not commanded it.
-TEST_P(Flight, HoldsAVehicleOfAnEarlierRun) {
+TEST_P(Flight, RestartedDriverHoldsAFlyingVehicle) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(2.0);  // until it hovers, because the autopilot completes its climb first
   const Eigen::Vector3d place_m = bench.vehicle.world_from_body().translation_m;
@@ -282,7 +282,7 @@ TEST_P(Flight, HoldsAVehicleOfAnEarlierRun) {
 }
 
 // Without mocap, the restarted driver lands the vehicle.
-TEST_P(Flight, LandsAnUnseenVehicleOfAnEarlierRun) {
+TEST_P(Flight, RestartedDriverLandsAnUnseenVehicle) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.restart_driver();
   bench.has_mocap = false;

@@ -62,7 +62,7 @@ TEST(QuadrotorNode, FliesAVehicleThatWaitsForItsDriver) {
 
 // Before the vehicle starts, another sender begins to send one byte every half second to the
 // vehicle's port.
-TEST(QuadrotorNode, FliesAVehicleWhosePortAStrangerSendsTo) {
+TEST(QuadrotorNode, FliesAVehicleDespiteAnotherSenderToItsPort) {
   const std::string port = port_of_this_test(0);
   const auto stranger = open_port("udpout://127.0.0.1:" + port);
   NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port);
@@ -126,7 +126,7 @@ TEST(QuadrotorNode, LandsBeforeItEnds) {
   }
 }
 
-TEST(QuadrotorNode, HandsOverAtTheSecondEndRequest) {
+TEST(QuadrotorNode, LeavesTheLandingToTheAutopilotAtTheSecondEndRequest) {
   for (const AutopilotDialect dialect : kDialects) {
     NodeBench bench(dialect, "udpout://127.0.0.1:" + port_of_this_test(0));
     ASSERT_TRUE(hovers(bench));
@@ -146,7 +146,7 @@ TEST(QuadrotorNode, HandsOverAtTheSecondEndRequest) {
   }
 }
 
-TEST(QuadrotorNode, DisarmsAndEndsAtOnceOnTheGround) {
+TEST(QuadrotorNode, DisarmsAndEndsImmediatelyOnTheGround) {
   NodeBench bench(AutopilotDialect::kPx4, "udpout://127.0.0.1:" + port_of_this_test(0));
   ASSERT_TRUE(bench.run_until(
       [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 20.0));

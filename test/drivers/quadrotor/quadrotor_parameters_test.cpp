@@ -181,7 +181,7 @@ TEST_P(Battery, LandsTheVehicleByItsVoltage) {
   EXPECT_TRUE(bench->run_until([&] { return !bench->is_armed(); }, 40.0)) << bench->reasons();
 }
 
-TEST_P(Battery, IgnoresAWrongFullReport) {
+TEST_P(Battery, IgnoresAChargeThatCountsDownFromFull) {
   // ArduCopter 4.6.2 reported 100 % for a three-cell battery at 10.6 V, because it assumes a full
   // battery at power-up.
   const auto bench = known_bench(sim::BatteryReport::kFromFull, 0.05);

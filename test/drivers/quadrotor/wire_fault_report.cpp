@@ -110,7 +110,7 @@ constexpr const char* kHead =
     R"(# The 47 faults, from device bytes to device bytes
 
 The first table is written by `build/release/bin/wire_fault_report` (`--only NAME` flies some rows and prints their
-reasons and counters); `WireFaults.ReactInTimeAndEndAsStated` asserts each row. Three vehicles fly in virtual time, along
+reasons and counters); `WireFaults.CauseTheExpectedReactionInTime` asserts each row. Three vehicles fly in virtual time, along
 lanes 1.3 m apart at 1 m/s. Between the fault and what it does are the bytes of a DataStream server, the mocap driver and its
 filter, encoded messages on a bus, three quadrotor nodes, and MAVLink to emulated autopilots: Q1 and Q3 of the dialect in
 the heading, Q2 of the other. A fault concerns Q1 unless it says otherwise, strikes 6.4 s after `follow` and is watched

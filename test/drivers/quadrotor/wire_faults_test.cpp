@@ -13,7 +13,7 @@ using models::AutopilotDialect;
 
 class WireFaults : public testing::TestWithParam<std::tuple<AutopilotDialect, std::size_t>> {};
 
-TEST_P(WireFaults, ReactInTimeAndEndAsStated) {
+TEST_P(WireFaults, CauseTheExpectedReactionInTime) {
   const auto [dialect, index] = GetParam();
   const Fault& fault = wire_faults(dialect)[index];
   const FaultRun run = fly_wire_fault(fault, dialect, 2);  // the results page uses seed 1

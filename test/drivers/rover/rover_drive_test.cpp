@@ -39,7 +39,7 @@ double error_m(const RoverBench& bench, const HeldPlan& plan) {
   return (bench.place_m() - planned_m.head<2>()).norm();
 }
 
-TEST(RoverDriver, StandsUntilArmAndFollow) {
+TEST(RoverDriver, IsStationaryUntilArmAndFollow) {
   RoverBench bench;
   bench.run(1.0);
   EXPECT_EQ(bench.driver.state(), FlightState::kIdle);

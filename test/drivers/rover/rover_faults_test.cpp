@@ -64,7 +64,7 @@ const Fault kFaults[] = {
 
 class RoverFault : public ::testing::TestWithParam<Fault> {};
 
-TEST_P(RoverFault, StopsItInTheStatedTime) {
+TEST_P(RoverFault, StopsTheRoverWithinTheDocumentedTime) {
   const Fault& fault = GetParam();
   RoverBench bench;
   ASSERT_TRUE(bench.make_ready());
@@ -205,7 +205,7 @@ TEST(RoverFence, ForbidsArmingOutside) {
   EXPECT_EQ(bench.command(OperatorAction::kArm), CommandVerdict::kRefused);
 }
 
-TEST(RoverDrivers, SecondDriverReportsDisobedience) {
+TEST(RoverDrivers, SecondDriverReportsThatTheRoverObeysAnother) {
   RoverBench bench;
   bench.run(1.0);
   RoverDriver second(bench.scenario, "R1", limits_for(bench.scenario, "R1"), 42);

@@ -91,7 +91,7 @@ TEST(BrakeOnCircle, KeepsTheRadiusAndStopsInTime) {
   EXPECT_EQ(brake_on_circle({0.0, 1.0}, 2.0, 0.01).yaw_rate_radps, 0.0);
 }
 
-TEST(WayThrough, PassesEveryWaypointAndStops) {
+TEST(WayThrough, PassesEveryWaypointAndStopsAtTheLast) {
   const std::vector<Waypoint> places = {{{2.0, 0.0}, 0.5}, {{2.0, 0.05}, 5.0}, {{-1.0, 1.0}, 1.0}};
   const models::Trajectory way = waypoint_trajectory(places, {0.0, 0.0, 1.0}, 0.2, Time{}, kLimits);
   HeldPlan held;

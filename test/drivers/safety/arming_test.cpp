@@ -207,7 +207,7 @@ TEST_F(Arming, TakeOffWaitsForNearBodies) {
 }
 
 // Rounding of the cosine must not make the angle NaN, because NaN would forbid nothing.
-TEST_F(Arming, ComputesFiniteAttitudeErrors) {
+TEST_F(Arming, AttitudeErrorIsFiniteDespiteRounding) {
   for (int degrees = -180; degrees <= 180; degrees += 6) {
     for (const double off_rad : {0.0, kPi}) {
       bench.run(0.05, [&] {

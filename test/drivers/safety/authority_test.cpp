@@ -76,7 +76,7 @@ TEST_F(Authority, PassesToAnotherStationOnlyAfterSilence) {
   EXPECT_EQ(authority.handovers(), 1);
 }
 
-TEST_F(Authority, IgnoresReplayedAndStaleCommandsForItsAge) {
+TEST_F(Authority, RefusesReplayedAndStaleCommands) {
   EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 1, 0.0));
   const auto arm = command(OperatorAction::kArm, 1, 50, 0.1);
   EXPECT_TRUE(authority.admit(arm, kStart + from_seconds(0.1), kSilentS));
@@ -107,7 +107,7 @@ TEST_F(Authority, AcceptsAStationAfterAClockChange) {
   }
 }
 
-TEST_F(Authority, IsNotTakenOverByALog) {
+TEST_F(Authority, IsNotTakenOverByAReplayedLog) {
   for (double at_s = 0.0; at_s < 10.0; at_s += 0.2) {
     const auto beat = command(OperatorAction::kHeartbeat, 9, sequence++, at_s - 86400.0);
     EXPECT_FALSE(authority.admit(beat, kStart + from_seconds(at_s), kSilentS));

@@ -114,7 +114,7 @@ TEST(ConditionRow, KillsAPilotedVehicleOnlyByEmergencyStop) {
 
 // Rows for a vehicle on the ground must not hold in the air; otherwise they would be reported
 // during the whole flight.
-TEST(ConditionRow, ForTheGroundDoesNotHoldInTheAir) {
+TEST(ConditionRow, OfTheGroundDoesNotHoldInTheAir) {
   const SafetyLimits l = limits();
   const std::set<std::string> of_the_ground = {"body tilted",   "not at its start",
                                                "yaw disagrees", "attitude disagrees",
@@ -127,7 +127,7 @@ TEST(ConditionRow, ForTheGroundDoesNotHoldInTheAir) {
   }
 }
 
-TEST(ConditionRow, WithACountHoldsFromItsLimit) {
+TEST(ConditionRow, WithACountHoldsAtItsLimitAndAbove) {
   const SafetyLimits l = limits();
   const auto holds = [&](const char* name, int In::*input, int value) {
     SafetyInputs in;

@@ -65,7 +65,7 @@ TEST(Course, FollowsAStopExactly) {
   }
 }
 
-TEST(Course, IsThePlanItselfWithoutAWindow) {
+TEST(Course, EqualsThePlanWithoutAWindow) {
   Course course(0.0);
   const HeldPlan plan = driving({0.3, -0.2, 1.0}, kSpeedMps, 0.7, kStart);
   course.hover({0.3, -0.2, 1.0}, 1.0, kStart);
@@ -138,7 +138,7 @@ TEST(Course, ChangesItsSpeedOnlyWithinTheWindow) {
 // A shift from rest to rest in closed form: v τ²/(4 w) during the acceleration, then the
 // constant-speed path delayed by w, then the mirrored deceleration. Tested from a hover, back after
 // a long time, and from the end of a stop.
-TEST(Course, ShiftsFromWhereItIs) {
+TEST(Course, ShiftStartsAtTheCurrentPosition) {
   constexpr double kShiftMps = 0.4;
   constexpr double kW = kHalfWindowS;
   Course course(kHalfWindowS);
@@ -175,7 +175,7 @@ TEST(Course, ShiftsFromWhereItIs) {
 
 // A shift or a hover that begins in the middle of a turn starts and ends with zero speed, turn rate
 // and acceleration.
-TEST(Course, ShiftsAndStandsFromRest) {
+TEST(Course, ShiftAndHoverBeginAtZeroSpeed) {
   Course course(kHalfWindowS);
   course.follow(driving({0.0, 0.0, 0.0}, kSpeedMps, 1.0, kStart), kStart);
   course.advance(kStart, 0.01, 1.0);
@@ -194,7 +194,7 @@ TEST(Course, ShiftsAndStandsFromRest) {
   expect_same(course.at(after(9.0)), stands);
 }
 
-TEST(Course, FollowsPlansToTheirEndWithoutARound) {
+TEST(Course, FollowsPlansToTheirEndIfNoRoundIsSet) {
   Course course(kHalfWindowS);
   const HeldPlan plan = driving({0.0, 0.0, 0.0}, kSpeedMps, 1.0, kStart);
   course.follow(plan, kStart);

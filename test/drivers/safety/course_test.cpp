@@ -82,7 +82,7 @@ TEST(Course, VelocityIsTheDerivativeOfPosition) {
 
 // A plan changes from rest to speed v at t = 0. In closed form the mean position over ±w is v (t +
 // w)² / (4 w), so it is v w / 4 at t = 0.
-TEST(Course, SmoothsTheStartOfAPlanAsStated) {
+TEST(Course, SmoothsTheStartOfAPlanAsInClosedForm) {
   HeldPlan plan;
   plan.start_time = after(1.0);
   plan.count = 1;
@@ -140,7 +140,7 @@ TEST(Course, ChangesPlansWithoutAJump) {
   }
 }
 
-TEST(Course, ShiftsFromRestToRest) {
+TEST(Course, ShiftBeginsAndEndsAtZeroSpeed) {
   test::Random random(6);
   for (int trial = 0; trial < 50; ++trial) {
     const Eigen::Vector3d from_m = random.vector<3>(-1.0, 1.0);
@@ -251,7 +251,7 @@ TEST(Course, ForgetsPlansBeforeAStop) {
   }
 }
 
-TEST(Course, OnTimeIgnoresTheSlowing) {
+TEST(Course, OnTimeReturnsThePositionWithoutSlowing) {
   Course slowed(kHalfWindowS);
   Course never(kHalfWindowS);
   const HeldPlan plan = driving(0.7, kStart);
@@ -298,7 +298,7 @@ TEST(Course, ContinuesStraightUntilTheNextPlan) {
   }
 }
 
-TEST(Course, HasAPlanUntilItsHover) {
+TEST(Course, HasAPlanUntilThePlanEnds) {
   const HeldPlan plan = driving(0.0, kStart);
   Course course(kHalfWindowS);
   EXPECT_FALSE(course.has_plan(kStart));
@@ -365,7 +365,7 @@ TEST(BrakeWay, MatchesTheEquationsOfMotion) {
 
 // When the vehicle follows a plan, its braking path stays on the planned path, shifted to the
 // vehicle, and ends at rest. Later parts of the plan have no effect.
-TEST(BrakeWay, FollowsThePlanUntilRest) {
+TEST(BrakeWay, FollowsThePlannedPathUntilStationary) {
   test::Random random(8);
   for (int trial = 0; trial < 200; ++trial) {
     const HeldPlan plan = random_plan(random, kStart);

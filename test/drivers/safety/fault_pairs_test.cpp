@@ -156,7 +156,7 @@ class FaultPairs : public testing::TestWithParam<std::size_t> {};
 // collides or leaves the fence. Each reaction is as fast and each final state at least as severe as
 // with the fault alone. Set-points are feasible, the state never becomes less severe, separation is
 // kept, and counted faults are counted.
-TEST_P(FaultPairs, ReactAsToEachFaultAlone) {
+TEST_P(FaultPairs, CauseAtLeastTheReactionToEachFaultAlone) {
   const auto& all = fault_catalogue();
   const std::size_t i = GetParam();
   const Fault* const one[] = {&all[i]};

@@ -10,7 +10,7 @@ namespace {
 
 // To update the page, run build/dev/bin/fault_report > docs/results/faults.md and check the
 // difference.
-TEST(FaultReport, IsTheCommittedPage) {
+TEST(FaultReport, EqualsTheCommittedPage) {
   std::ifstream file(VANTAGE_SOURCE_DIR "/docs/results/faults.md");
   ASSERT_TRUE(file.is_open());
   std::stringstream committed;

@@ -25,7 +25,7 @@ class FaultTable : public testing::TestWithParam<std::size_t> {};
 
 // Single faults: each stage is reached within its time limit, with the reason and final state of
 // the table and without a violation.
-TEST_P(FaultTable, ReactsInTimeAndEndsAsStated) {
+TEST_P(FaultTable, EachFaultCausesTheExpectedReactionInTime) {
   const Fault& fault = fault_catalogue()[GetParam()];
   const Fault* const one[] = {&fault};
   for (const std::uint64_t seed : {1u, 2u, 3u}) {

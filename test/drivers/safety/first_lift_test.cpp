@@ -75,7 +75,7 @@ std::vector<WorldSetup> setups() {
 class FirstLift : public testing::TestWithParam<std::size_t> {};
 
 // Regression: vehicles flew with y-up mocap, and two with swapped addresses climbed to 12 m.
-TEST_P(FirstLift, StaysBelowTheProofHeightInAWrongSetup) {
+TEST_P(FirstLift, StaysBelowTheTestHeightInAWrongSetup) {
   const WorldSetup setup = setups()[GetParam()];
   // Take-off of a single vehicle or of all simultaneously.
   for (const char* whom : {"", "Q1", "Q2"}) {
@@ -214,7 +214,7 @@ TEST(FirstLiftOfThree, StopsABodyThatRisesWithoutAnOrder) {
 
 // Real autopilots take up to 30 s to arm and several seconds to spool up. By then the order of the
 // commands is forgotten and mocap does not show a rise yet, so vehicles report their own lift.
-TEST(LiftQueue, WaitsForReportedLiftsThenGoesByName) {
+TEST(LiftQueue, WaitsForReportedLiftsThenOrdersByName) {
   const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
   const Time start = from_utime(1'700'000'000'000'000);
@@ -270,7 +270,7 @@ TEST(LiftQueue, StaggersSimultaneousStarts) {
 
 // The preceding vehicle does not rise, or rises but its identity is never verified. The sequence is
 // repeated with the same queue.
-TEST(LiftQueue, WaitsTheStatedTimeForThePredecessor) {
+TEST(LiftQueue, WaitsForThePredecessorUpToTheTimeLimit) {
   const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
   const Time start = from_utime(1'700'000'000'000'000);
@@ -299,7 +299,7 @@ TEST(LiftQueue, WaitsTheStatedTimeForThePredecessor) {
 
 // The test step and turn of a lift are recognised only in the commanded direction and beyond 0.3 of
 // the commanded amount, for any ground position and yaw.
-TEST(Lift, IsProvenByTheCommandedStepAndTurn) {
+TEST(Lift, IsVerifiedByTheCommandedStepAndTurn) {
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   const Time start = from_utime(1'700'000'000'000'000);
   const auto proves = [&](const Pose2& rest, double x_share, double y_share, double turn_share) {
@@ -352,7 +352,7 @@ TEST(Lift, StaysBelowTheTakeOffHeight) {
 }
 
 // The test step goes along both axes, to the diagonal position with the most free space.
-TEST(Lift, StepsToTheDiagonalWithMostRoom) {
+TEST(Lift, StepsToTheDiagonalWithTheMostFreeSpace) {
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   const Time start = from_utime(1'700'000'000'000'000);
   const Eigen::Vector3d rest_m(1.5, -0.9, 0.0);

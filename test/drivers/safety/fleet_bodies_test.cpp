@@ -82,7 +82,7 @@ TEST_F(FleetOfQ2, RefusesInfeasibleTeammatePlans) {
 
 // The teammate's driver is silent, so its autopilot lands it vertically. The whole column below it
 // is therefore occupied.
-TEST_F(FleetOfQ2, TreatsASilentTeammateAsAColumn) {
+TEST_F(FleetOfQ2, ReservesTheColumnBelowASilentTeammate) {
   const auto course_at = [&](double t_s) {
     show(t_s, {{"Q3", {1.0, -1.0, 1.5}}});
     return fleet.courses(at(t_s), limits)[0];

@@ -100,7 +100,7 @@ TEST_F(TeammatesPlans, AreAcceptedOnceFromAnyRun) {
   }
 }
 
-TEST_F(TeammatesPlans, RestartNumbersWithANewPlanner) {
+TEST_F(TeammatesPlans, NumbersRestartWithANewPlanner) {
   double at_s = 0.0;
   for (std::int64_t run = 1; run <= 3; ++run) {
     EXPECT_TRUE(hear(run, 1000, at_s, at_s)) << run;
@@ -111,7 +111,7 @@ TEST_F(TeammatesPlans, RestartNumbersWithANewPlanner) {
 }
 
 // A clock that was never set may give times before 1970.
-TEST_F(TeammatesPlans, AreAcceptedFirstAtAnyTime) {
+TEST_F(TeammatesPlans, FirstPlanIsAcceptedOnAnyClock) {
   constexpr double kEpochS = -1'700'000'000.0;
   for (const double at_s : {kEpochS - 5.0, kEpochS + 5.0, 0.0}) {
     fleet = Fleet(scenario, "Q1");
@@ -182,7 +182,7 @@ class FleetBodies : public testing::Test {
   std::int64_t sequence = 0;
 };
 
-TEST_F(FleetBodies, AreSeenBodiesWithPriorityByName) {
+TEST_F(FleetBodies, ListsSeenBodiesWithTheirPriority) {
   EXPECT_TRUE(fleet.bodies(at(0.0), limits).empty());
   EXPECT_TRUE(fleet.courses(at(0.0), limits).empty());
   show(0.0, {{"Q1", {0, 0, 1}}, {"Q2", {1, 0, 1}}, {"Q3", {2, 0, 1}}, {"W1", {3, 0, 0}}});
@@ -234,7 +234,7 @@ TEST_F(FleetBodies, AreAcceptedAfterFiftyPosesElsewhere) {
 
 // The measured velocity of a teammate is delayed. The velocity of its plan therefore counts from
 // one reaction time before the plan sets off, when this vehicle would have to brake.
-TEST_F(FleetBodies, SetOffOneReactionTimeBeforeTheirPlan) {
+TEST_F(FleetBodies, AreAssumedToMoveOneReactionTimeBeforeTheirPlan) {
   const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
   const double seen_s = test::last_accepted(1.5, 0.0, 1e-7, [&](double t_s) {
     fleet = Fleet(scenario, "Q2");
@@ -260,7 +260,7 @@ TEST_F(FleetBodies, KeepTheMeasuredVelocityIfItIsGreater) {
   EXPECT_NEAR(body(0.58).position_world_m.x(), 0.245 + 0.09 * 0.5, 0.002) << "moved on to now";
 }
 
-TEST_F(FleetBodies, StopAtTheirLastPositionWhenUnseen) {
+TEST_F(FleetBodies, StayAtTheirLastPositionWhenUnseen) {
   for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
     show(t_s, {{"Q3", {0.5 * t_s, -1.0, 1.0}}});
   }
@@ -297,7 +297,7 @@ TEST_F(FleetBodies, KeepMovingAndKeepTheirRadiusIfNotRobots) {
 
 // A teammate close to its plan is assumed to follow it. A teammate that deviates is treated as a
 // body at its measured position, until it is close to its plan again.
-TEST_F(FleetBodies, FollowTheirPlanWhileTheyKeepToIt) {
+TEST_F(FleetBodies, AreAssumedToFollowTheirPlanWhileCloseToIt) {
   const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
   show(0.0, {{"Q3", hover_m}});
   EXPECT_EQ(course(0.0).plan, nullptr) << "nothing was heard of it";

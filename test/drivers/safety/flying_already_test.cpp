@@ -90,7 +90,7 @@ TEST_F(FlyingAlready, IgnoresDisarmedReportsInTheAir) {
 
 // Without mocap, three consecutive heartbeats (one per second) must report disarmed motors. Until
 // then the landing continues.
-TEST_F(FlyingAlready, StaysArmedUnseenBeforeThreeHeartbeats) {
+TEST_F(FlyingAlready, StaysArmedWithoutMocapForTwoHeartbeats) {
   bench.fly_up(6.4);
   const auto hide = [&] { q1.knobs.body = {BodyFault::kOccluded}; };
   bench.run(0.6, hide);
@@ -110,7 +110,7 @@ TEST_F(FlyingAlready, StaysArmedUnseenBeforeThreeHeartbeats) {
 
 // The third consecutive heartbeat that reports disarmed motors is accepted in the tick that
 // receives it.
-TEST_F(FlyingAlready, IsDisarmedUnseenAtTheThirdHeartbeat) {
+TEST_F(FlyingAlready, IsDisarmedWithoutMocapAtTheThirdHeartbeat) {
   bench.fly_up(6.4);
   int beats = 0;
   for (int tick = 0; tick < 300; ++tick) {
@@ -140,7 +140,7 @@ TEST_F(FlyingAlready, IsDisarmedWhenItFalls) {
   EXPECT_EQ(q1.out.state, FlightState::kIdle);
 }
 
-TEST_F(FlyingAlready, IsIdleAtOnceWhenDisarmedOnTheGround) {
+TEST_F(FlyingAlready, IsIdleWhenDisarmedOnTheGround) {
   bench.fly_up(6.4);
   bench.send_command(OperatorAction::kLand);
   while (q1.is_armed) {

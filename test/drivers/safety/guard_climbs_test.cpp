@@ -150,7 +150,7 @@ TEST(GuardClimb, PausesBelowAnotherVehicle) {
 
 // Once the set-point is at the goal height, another vehicle above does not extend the time limit of
 // the climb.
-TEST(GuardClimb, EndsOnTimeBelowAnotherVehicle) {
+TEST(GuardClimb, TimeLimitIsNotExtendedByAVehicleAbove) {
   OneVehicle one;
   const auto fly_above = [&] { one.others = {one.body("Q2", {0.5, 0.0, 1.5})}; };
   one.begin_lift();
@@ -177,7 +177,7 @@ TEST(GuardClimb, IgnoresAVehicleFarAbove) {
   EXPECT_NEAR(asked_m(one), 1.0, 1e-6);
 }
 
-TEST(GuardClimb, ContinuesInLiftAndPlanBelowAnotherVehicle) {
+TEST(GuardClimb, VehicleAboveDoesNotPauseALiftOrAPlan) {
   OneVehicle one;
   const auto hover = [&] { one.others = {one.body("Q2", {0.7, 0.0, 0.6})}; };
   hover();
@@ -295,7 +295,7 @@ TEST(GuardClimb, SendsNoSetpointWhenIdleOrKilled) {
 }
 
 // A killed vehicle that is still in the air must not be classified as found flying.
-TEST(GuardClimb, DoesNotFindAKilledVehicle) {
+TEST(GuardClimb, DoesNotClassifyAKilledVehicleAsFoundFlying) {
   OneVehicle one;
   one.run(0.2);
   one.send_command(OperatorAction::kEmergencyStop);

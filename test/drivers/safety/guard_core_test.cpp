@@ -27,7 +27,7 @@ scenario::Scenario room() {
 
 // Of several commands in a tick, the safest one is kept, in any order of arrival. The next tick
 // starts without a command.
-TEST(GuardCore, KeepsTheSafestOrderOfATick) {
+TEST(GuardCore, KeepsTheSafestCommandOfATick) {
   const scenario::Scenario scenario = room();
   GuardCore core(scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25));
   std::vector<OperatorAction> orders = {OperatorAction::kFollow, OperatorAction::kHold,
@@ -47,7 +47,7 @@ TEST(GuardCore, KeepsTheSafestOrderOfATick) {
 }
 
 // A heartbeat requests no action and is processed immediately.
-TEST(GuardCore, ObeysCommandsThatNeedNoCheckAtOnce) {
+TEST(GuardCore, ExecutesCommandsWithoutACheckImmediately) {
   const scenario::Scenario scenario = room();
   GuardCore core(scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25));
   models::OperatorCommand command;
@@ -106,7 +106,7 @@ class SeenCore : public testing::Test {
 // After arming, a new publisher must show the vehicle at its known position; before arming the
 // vehicle may have been carried. The current publisher may show it elsewhere on the ground, but not
 // in the air.
-TEST_F(SeenCore, NewSourceMustAgreeOnceArmed) {
+TEST_F(SeenCore, NewSourceMustShowTheKnownPositionWhenArmed) {
   for (const bool is_armed : {false, true}) {
     for (const bool in_air : {false, true}) {
       for (const bool is_other : {false, true}) {

@@ -209,7 +209,7 @@ TEST(GuardInTheAir, MovesAwayFromTheFenceDuringHold) {
 
 // While the vehicle waits at the lift height, its commanded trajectory is still at ground height.
 // The distance to a teammate must be computed from the measured height.
-TEST(GuardInTheAir, MovesOffTheFenceWithoutMeetingATeammate) {
+TEST(GuardInTheAir, MovesAwayFromTheFenceWithoutApproachingATeammate) {
   scenario::Scenario room = OneVehicle::room();
   room.world.bounds.min_m.y() = -0.27;
   OneVehicle q1({0.0, 0.0, 0.0}, 0.0, room);
@@ -228,7 +228,7 @@ TEST(GuardInTheAir, MovesOffTheFenceWithoutMeetingATeammate) {
 
 // The vehicle descends at the configured speed, which is lower near the ground. The commanded
 // vertical velocity equals the rate of the commanded height.
-TEST(GuardInTheAir, VerticalSpeedMatchesHeight) {
+TEST(GuardInTheAir, CommandedVerticalSpeedEqualsTheRateOfHeight) {
   OneVehicle q1(kHigh);
   q1.setpoint_offset_m.z() = 0.01;  // avoids a jump of the set-point to the body
   hover(q1);
@@ -358,7 +358,7 @@ TEST(VehicleStatus, ReportsSetpointOrPosition) {
 
 // Without mocap, the motors count as off after the third consecutive heartbeat that reports this.
 // An armed report in between restarts the count.
-TEST(GuardInTheAir, IsDisarmedUnseenAtTheThirdReport) {
+TEST(GuardInTheAir, IsDisarmedWithoutMocapAtTheThirdReport) {
   OneVehicle q1(kHigh);
   hover(q1);
   q1.has_mocap = false;
@@ -383,7 +383,7 @@ TEST(GuardInTheAir, IsDisarmedUnseenAtTheThirdReport) {
 
 // The age of the battery value counts from the first report, even if that report equals the default
 // value.
-TEST(GuardInTheAir, MeasuresTheTimeOfAnUnchangedBattery) {
+TEST(GuardInTheAir, MeasuresTheAgeOfTheBatteryValue) {
   for (const double share : {1.0, 0.9}) {
     OneVehicle q1(kHigh);
     q1.battery_share = -1.0;  // out of range, therefore refused

@@ -150,7 +150,7 @@ TEST(GuardInputs, RejectDisarmedReportsInFlight) {
 
 // Without mocap, the disarmed state is accepted after three consecutive heartbeats report it; an
 // armed report in between restarts the count.
-TEST(GuardInputs, NeedThreeHeartbeatsToDisarmUnseen) {
+TEST(GuardInputs, NeedThreeHeartbeatsToDisarmWithoutMocap) {
   OneVehicle one({0.3, 3.0, 1.5});
   one.run(0.4);
   one.has_mocap = false;

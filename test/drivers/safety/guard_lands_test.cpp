@@ -160,7 +160,7 @@ TEST(Landing, AvoidsBodiesBelowVehicleAndHover) {
 
 // A vehicle that does not reach its landing spot descends 6 s after the command to move there. A
 // vehicle within 0.25 m of the spot descends at the expected arrival time.
-TEST(Landing, DescendsNextToAnUnreachedSpot) {
+TEST(Landing, DescendsAfterTheTimeLimitIfTheSpotIsNotReached) {
   OneVehicle one;
   const Eigen::Vector3d walker_m(-0.1, 0.0, 0.3);
   for (const double off_m : {0.24, 0.26, 0.24, 0.26}) {
@@ -185,7 +185,7 @@ TEST(Landing, DescendsNextToAnUnreachedSpot) {
 
 // While there is no free landing spot the vehicle waits for at most 20 s. The second flight does
 // the same.
-TEST(Landing, ProceedsAfterTheTimeLimit) {
+TEST(Landing, DescendsAfterTheTimeLimitWithoutAFreeSpot) {
   scenario::Scenario room = OneVehicle::room();
   room.world.bounds = {{-0.5, -0.5}, {0.5, 0.5}};
   OneVehicle one({0.0, 0.0, 1.5}, 0.0, room);
@@ -289,7 +289,7 @@ TEST(Landing, FliesAFreePathAsideWithoutAStop) {
 }
 
 // Pushing a vehicle down while its landing waits must not count as the start of the descent.
-TEST(Landing, IsNotDecidedByAPushDown) {
+TEST(Landing, PushDownDoesNotStartTheDescent) {
   OneVehicle one;
   const auto walker = [&] { one.others = {one.body("W1", {0.65, 0.0, 0.1})}; };
   walker();
@@ -337,7 +337,7 @@ TEST(Landing, StopsForBodiesBelowVehicleOrSpot) {
 
 // After the descent has become final, the set-point stays above the spot and does not follow the
 // vehicle.
-TEST(Landing, KeepsItsSpotOnceDecided) {
+TEST(Landing, KeepsItsSpotDuringTheFinalDescent) {
   OneVehicle one;
   for (int i = 1; i <= 20; ++i) {
     one.setpoint_offset_m.x() = 0.01 * i;

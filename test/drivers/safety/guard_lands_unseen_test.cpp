@@ -14,7 +14,7 @@ using models::FlightState;
 using models::OperatorAction;
 
 // In a landing, a blind descent by the autopilot begins when its estimator has been bad for 0.2 s.
-TEST(LandingUnseen, BecomesBlindWhenTheEstimatorFails) {
+TEST(LandingUnseen, DescendsBlindlyWhenTheEstimatorFails) {
   OneVehicle one;
   one.begin_landing_at({0.0, 0.0, 1.5});
   for (int time = 0; time < 2; ++time) {
@@ -36,7 +36,7 @@ TEST(LandingUnseen, BecomesBlindWhenTheEstimatorFails) {
 
 // A vehicle that is not seen waits at its hover position for 1.4 s and descends blindly after 1.5
 // s, even with a body below.
-TEST(LandingUnseen, BecomesBlindAfterTheTimeLimit) {
+TEST(LandingUnseen, DescendsBlindlyAfterTheTimeLimit) {
   OneVehicle one;
   one.run(0.4);
   one.others = {one.body("W1", {0.1, 0.0, 0.2})};
@@ -93,7 +93,7 @@ TEST(LandingUnseen, EstimatesNoHeightBelowTheFloor) {
 
 // A vehicle that is unseen for a while descends at its hover position without a search for another
 // spot. It waits if a body was last seen below.
-TEST(LandingUnseen, StaysAboveItsHover) {
+TEST(LandingUnseen, DescendsAtItsHoverPosition) {
   for (const bool is_free : {true, false}) {
     OneVehicle one;
     if (!is_free) {

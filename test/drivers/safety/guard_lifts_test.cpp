@@ -16,7 +16,7 @@ using models::OperatorAction;
 constexpr double kLiftM = 0.2;
 
 // Measures the time without a rise and the time without the commanded test step.
-TEST(FirstLiftWatch, TimesTheRiseAndTheProof) {
+TEST(FirstLiftWatch, MeasuresTheTimeWithoutRiseAndWithoutTestStep) {
   OneVehicle one;
   one.hold_at_height(0.0);
   one.begin_lift();
@@ -175,7 +175,7 @@ TEST(FirstLiftWatch, NeedsFreshPoses) {
 }
 
 // During a lift near the fence, the vehicle does not move away from it.
-TEST(FirstLiftWatch, DoesNotMoveOffTheFence) {
+TEST(FirstLiftWatch, DoesNotMoveAwayFromTheFence) {
   scenario::Scenario room = OneVehicle::room();
   room.robots[0].start = {4.7, 0.0, 0.0};
   OneVehicle one({4.7, 0.0, 0.0}, 0.0, room);

@@ -140,7 +140,7 @@ TEST(GuardOrders, WaitForATeammateThatReportsItsLift) {
 
 // Two vehicles get their take-off orders simultaneously. The first by name lifts, and its turn ends
 // when its lift ends.
-TEST(GuardOrders, EndTheTurnWithTheLift) {
+TEST(GuardOrders, TurnEndsWhenTheLiftEnds) {
   OneVehicle q1;
   q1.place_on_ground();
   q1.fastest_mps = 1.0;

@@ -174,7 +174,7 @@ TEST(GuardStop, PredictsADriftingHover) {
 
 // A vehicle that has only just begun a plan stops at its position and does not continue the plan.
 // This applies if the commanded speed exceeds twice its actual speed by more than 0.1 m/s.
-TEST(GuardStop, StaysWhenThePlanHasJustBegun) {
+TEST(GuardStop, StopsAtItsPositionWhenThePlanHasJustBegun) {
   struct Case {
     double own_mps, asked_mps;
     bool goes_on;
@@ -280,7 +280,7 @@ TEST(GuardStop, KeepsTheHoverWhenLanding) {
 }
 
 // The flight time counts in all airborne states and restarts at 0 in the next flight.
-TEST(GuardStop, KeepsTheFlightTime) {
+TEST(GuardStop, FlightTimeContinuesInAllAirborneStates) {
   OneVehicle one;
   one.tick();
   double flown_s = 0.0;
@@ -302,7 +302,7 @@ TEST(GuardStop, KeepsTheFlightTime) {
 }
 
 // A pose up to 0.05 s old is fresh enough for a motion away from the fence.
-TEST(GuardStop, MovesOffWithASlightlyOldPose) {
+TEST(GuardStop, MovesAwayFromTheFenceWithASlightlyOldPose) {
   OneVehicle one({5.0 - 0.25 - 0.05, 1.0, 1.5});
   one.report.armed = one.sends_heartbeats = false;
   one.run(0.1);
@@ -319,7 +319,7 @@ TEST(GuardStop, MovesOffWithASlightlyOldPose) {
 
 // A hover closer than 0.1 m to the fence moves away at 0.2 m/s to a distance of 0.15 m. It does not
 // move while poses are old or the estimator is bad.
-TEST(GuardStop, MovesOffTheFence) {
+TEST(GuardStop, MovesAwayFromTheFence) {
   enum class Waits { kNot, kForMocap, kForEstimator };
   for (const Waits waits : {Waits::kNot, Waits::kForMocap, Waits::kForEstimator}) {
     OneVehicle one({5.0 - 0.25 - 0.05, 1.0, 1.5});

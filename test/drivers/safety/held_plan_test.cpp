@@ -142,7 +142,7 @@ TEST(PointAt, ComputesSlowTurnsToTwoMillimetres) {
   }
 }
 
-TEST(HoldPlan, KeepsUpToTheMaximumOfSegments) {
+TEST(HoldPlan, AcceptsTheMaximumNumberOfSegments) {
   models::Trajectory way;
   way.start_time = kStart + from_seconds(3.5);
   way.start = {0.1, -0.2, 0.3};
@@ -169,7 +169,7 @@ TEST(HoldPlan, KeepsUpToTheMaximumOfSegments) {
 
 // The storage is reused. Remaining segments of a longer earlier plan must have no effect, even if
 // they are fast, tight, long or not finite.
-TEST(HoldPlan, IgnoresRemainsOfALongerPlan) {
+TEST(HoldPlan, IgnoresOldSegmentsOfALongerPlan) {
   test::Random random(42);
   const SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q1");
   const double nan = std::numeric_limits<double>::quiet_NaN();

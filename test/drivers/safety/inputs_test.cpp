@@ -342,7 +342,7 @@ TEST(FirstLiftInputs, CompareClimbAndTurnRates) {
 }
 
 // The age of the battery value counts from its last change, or from the take-off.
-TEST(FlightInputs, MeasureTheTimeOfAnUnchangedBattery) {
+TEST(FlightInputs, MeasureTheAgeOfTheBatteryValue) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
   bench.fly_up(3.0);

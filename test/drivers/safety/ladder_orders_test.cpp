@@ -78,7 +78,7 @@ TEST_F(LadderOrders, TakeOffEndsOnceItHasBegun) {
   }
 }
 
-TEST_F(LadderOrders, TakeOffIsRefusedWithItsArming) {
+TEST_F(LadderOrders, TakeOffIsRefusedWhenArmingIsRefused) {
   wait_for_its_turn();
   d.in.poses_rejected = d.lim.pose_rejected_hold;  // only the operator clears it
   d.step();
@@ -86,7 +86,7 @@ TEST_F(LadderOrders, TakeOffIsRefusedWithItsArming) {
   expect_nothing_is_wanted("refused");
 }
 
-TEST_F(LadderOrders, EachClearsTheLastRefusal) {
+TEST_F(LadderOrders, NewOrderClearsTheLastRefusal) {
   for (const OperatorAction next :
        {OperatorAction::kArm, OperatorAction::kLand, OperatorAction::kHold}) {
     d = {};
@@ -111,7 +111,7 @@ TEST_F(LadderOrders, EachClearsTheLastRefusal) {
   EXPECT_EQ(d.ladder.refusal, Refusal{});
 }
 
-TEST_F(LadderOrders, FoundVehicleHoldsOrContinuesLanding) {
+TEST_F(LadderOrders, VehicleFoundInTheAirHoldsOrContinuesLanding) {
   for (const bool is_flying : {false, true}) {
     for (const bool is_landing : {false, true}) {
       d = {};

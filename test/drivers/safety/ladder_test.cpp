@@ -22,7 +22,7 @@ class StepLadder : public ::testing::Test {
   SteppedLadder d;
 };
 
-TEST_F(StepLadder, TakesOffIntoAHoldAndFollowsOnCommand) {
+TEST_F(StepLadder, HoldsAfterTakeOffUntilFollow) {
   EXPECT_EQ(d.airborne(false).ladder.state, FlightState::kHold);
   EXPECT_EQ(d.wait(5.0), FlightState::kHold);
   EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kFollow);
@@ -126,7 +126,7 @@ TEST_F(StepLadder, TimesConditionsSeparately) {
 }
 
 // A vehicle that must yield, the later one by name, waits longer by yield_s. Tested twice.
-TEST_F(StepLadder, YieldsForTheStatedTime) {
+TEST_F(StepLadder, HoldsLongerByTheYieldTimeWhenItYields) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
     for (const bool yields : {true, false}) {
@@ -356,7 +356,7 @@ TEST_F(StepLadder, DoesNotLiftWhileMotorsStop) {
 }
 
 // Compares the stopping distance after a stop command with that after a loss of commands.
-TEST(SafetyLimits, GiveStoppingDistances) {
+TEST(SafetyLimits, DetermineTheStoppingDistances) {
   const SafetyLimits lim = limits();  // deceleration 2 m/s²
   EXPECT_NEAR(stopping_distance_m(lim, 1.0), 0.20 + 0.25, 1e-12);
   EXPECT_NEAR(stopping_distance_after_loss_m(lim, 1.0), 0.50 + 0.25, 1e-12);
@@ -388,7 +388,7 @@ TEST(Conditions, DoNotHoldForAHealthyVehicleAndHaveUniqueNames) {
   }
 }
 
-TEST(Conditions, AllAgesHoldWhenNothingWasReceived) {
+TEST(Conditions, OfMessageAgesHoldWhenNothingWasReceived) {
   SafetyInputs in;
   in.pose_age_s = in.heartbeat_age_s = in.telemetry_age_s = kNever;
   in.battery_age_s = in.operator_age_s = in.planner_age_s = kNever;

@@ -51,7 +51,7 @@ TEST(LandingSpot, IsFreeBelowAndClearOfObstacles) {
 
 // In a narrow room without enough clearance, the vehicle still moves aside. Without any free spot
 // it stays.
-TEST(LandingSpot, AcceptsLessRoomInANarrowRoom) {
+TEST(LandingSpot, AcceptsLessClearanceInANarrowRoom) {
   SafetyLimits limits = bench_limits();
   limits.hover_clearance_m = 0.2;
   limits.fence.obstacles.clear();
@@ -106,7 +106,7 @@ TEST(IsWayTaken, CountsStationaryRobotsAtAnyHeight) {
 
 // A robot that flies above may land too, so neither the spot nor the path to it may be below that
 // robot.
-TEST(LandingSpot, AndItsPathAreNotBelowAnotherRobot) {
+TEST(LandingSpot, IsNotBelowAnotherRobotAndNeitherIsItsPath) {
   const SafetyLimits limits = bench_limits();
   test::Random random(22);
   int moved = 0;
@@ -141,7 +141,7 @@ TEST(LandingSpot, AndItsPathAreNotBelowAnotherRobot) {
   EXPECT_GT(moved, 500);
 }
 
-TEST(LandingSpot, AssumesAnUnseenBodyCloser) {
+TEST(LandingSpot, AddsAnUncertaintyToAnUnseenBody) {
   const SafetyLimits limits = bench_limits();
   std::vector<OtherBody> others(1);
   others[0].position_world_m = {limits.landing_clearance_m + 0.3, 0.0, 0.0};
@@ -354,7 +354,7 @@ TEST(FlightGuard, DropsTheNextPlanWhenItLands) {
 
 // During a take-off, near the ground, `land` makes the vehicle descend immediately, even with a
 // body next to it.
-TEST(FlightGuard, EndsATakeOffImmediately) {
+TEST(FlightGuard, LandsImmediatelyDuringTakeOff) {
   for (const double up_to_m : {0.05, 0.1, 0.2, 0.3}) {
     test::FlightBench bench(1);
     bench.fly_up(0.95 - test::FlightBench::kLeadS);
@@ -406,7 +406,7 @@ TEST(FlightGuard, WaitsForABodyBelowWithoutAPose) {
 }
 
 // A single bad estimator report does not end a controlled landing; bad reports for 0.2 s do.
-TEST(FlightGuard, KeepsTheLandingAfterOneBadReport) {
+TEST(FlightGuard, ContinuesTheControlledLandingAfterOneBadReport) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
   test::Vehicle& vehicle = bench.vehicle("Q1");

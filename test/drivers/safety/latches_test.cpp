@@ -52,7 +52,7 @@ std::vector<Condition> made_rows() {
   return rows;
 }
 
-TEST(Latches, MatchTheWholeHistory) {
+TEST(Latches, EqualTheEvaluationOfTheCompleteHistory) {
   const std::vector<Condition> rows = made_rows();
   SafetyLimits limits;
   limits.clear_s = 0.5;

@@ -134,7 +134,7 @@ TEST(LiftQueue, WaitsTheStatedTimeAfterAReport) {
 
 // A monotonic clock may start at 0. A report that was never received must not count as received at
 // time 0.
-TEST(LiftQueue, IsFreeAtTheStartOfTheClock) {
+TEST(LiftQueue, IsNotBlockedAtClockZero) {
   LiftQueue queue(team({"Q1", "Q2"}), "Q1");
   for (const double t_s : {0.2, 0.3, 0.4}) {
     queue.update({}, SafetyLimits{}, Time{} + from_seconds(t_s));
@@ -153,7 +153,7 @@ TEST(LiftQueue, WaitsForThePredecessorFromTheFirstTick) {
   }
 }
 
-TEST(LiftQueue, IsFreeWithoutRobots) {
+TEST(LiftQueue, IsNotBlockedWithoutOtherRobots) {
   LiftQueue queue(team({}), "Q1");
   queue.on_take_off("");
   queue.forget_own();
@@ -182,7 +182,7 @@ TEST(LiftQueue, TreatsALowClimbingBodyAsLifting) {
   }
 }
 
-TEST(LiftQueue, SeesALiftWhateverOthersDo) {
+TEST(LiftQueue, DetectsALiftRegardlessOfOtherBodies) {
   for (const double far_up_m : {0.0, 0.01, 0.8}) {
     for (const int lifting : {1, 2}) {
       const int other = 3 - lifting;
@@ -193,7 +193,7 @@ TEST(LiftQueue, SeesALiftWhateverOthersDo) {
   }
 }
 
-TEST(LiftQueue, UsesTheLowestHeightAsRest) {
+TEST(LiftQueue, UsesTheLowestHeightAsGroundHeight) {
   LiftQueue queue(team({"Q1", "Q2"}), "Q1");
   double t_s = 0.0;
   const auto takes = [&](double height_m, double climb_mps) {
@@ -319,7 +319,7 @@ struct Room {
 
 // The test step goes to the diagonal position at lift_step_m with the most free space. Walls, boxes
 // and bodies each determine the result in some trials.
-TEST(Lift, StepsToTheRoomiestDiagonalAmongRandomBodies) {
+TEST(Lift, StepsToTheFreestDiagonalAmongRandomBodies) {
   test::Random random(33);
   int least[3] = {};
   for (int trial = 0; trial < 500; ++trial) {
@@ -383,7 +383,7 @@ struct Flight {
   }
 };
 
-TEST(Lift, TimesTheRiseAndTheProof) {
+TEST(Lift, MeasuresTheTimeWithoutRiseAndWithoutTestStep) {
   for (const Pose2& rest : {Pose2{0.0, 0.0, 0.0}, Pose2{1.0, -2.0, 2.0}, Pose2{-1.0, 2.0, -2.0}}) {
     for (const double rest_m : {0.0, 0.4, -0.3}) {
       Flight f(rest, rest_m);
@@ -414,7 +414,7 @@ TEST(Lift, TimesTheRiseAndTheProof) {
 
 // The identity can only be verified in the hover, once: not during the climb, after the
 // verification or after end().
-TEST(Lift, ProvesOnlyItsHover) {
+TEST(Lift, IsVerifiedOnlyInTheHover) {
   for (const bool is_proven_first : {true, false}) {
     Flight f({1.0, -2.0, 0.5}, 0.1);
     const auto step = [&](const Eigen::Vector3d& at_m, double yaw_rad) {

@@ -255,7 +255,7 @@ TEST(HalfWindow, IsHalfTheTimeToTheGreatestSpeed) {
   }
 }
 
-TEST_F(FromTheScenario, AnUnknownRobotIsRefused) { EXPECT_THROW(of("Q9"), UsageError); }
+TEST_F(FromTheScenario, RefusesAnUnknownRobot) { EXPECT_THROW(of("Q9"), UsageError); }
 
 // The limits of each ladder must be finite and increase strictly.
 TEST(CheckLimits, RefusesLimitsThatDoNotIncrease) {

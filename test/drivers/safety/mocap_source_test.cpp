@@ -166,7 +166,7 @@ TEST_F(Source, ReportsRefusalsForTwoSeconds) {
 
 // Frames of the accepted source that have an old stamp and a discontinuous number are counted and
 // reported, each time.
-TEST_F(Source, RefusesItsOwnFramesOfAnotherTime) {
+TEST_F(Source, RefusesOldDiscontinuousFramesOfTheAcceptedPublisher) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
   for (std::int64_t time = 1; time <= 2; ++time) {
     const double at_s = 10.0 * static_cast<double>(time);
@@ -185,7 +185,7 @@ TEST_F(Source, RefusesItsOwnFramesOfAnotherTime) {
 
 // A changed clock of the source is accepted until it is set back. It does not apply to other
 // sources.
-TEST_F(Source, AcceptsOneClockAtATime) {
+TEST_F(Source, AcceptsOneClockChangeUntilItIsReverted) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
   EXPECT_EQ(hear(1, 0.1, kHourS, 101), Standing::kAccepted);
   EXPECT_EQ(hear(1, 0.2, kHourS, 5), Standing::kAccepted) << "numbered anew, by that clock";

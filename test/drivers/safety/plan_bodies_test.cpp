@@ -61,7 +61,7 @@ TEST(CheckWay, AvoidsPredictedBodyPositions) {
 }
 
 // The check uses separate time steps for each teammate, so distant ones cost almost nothing.
-TEST(CheckWay, TakesFewStepsWithNinetyNineTeammates) {
+TEST(CheckWay, NeedsFewStepsForNinetyNineTeammates) {
   SafetyLimits lim = limits();
   lim.fence.bounds = {{-400.0, -400.0}, {400.0, 400.0}};
   models::Trajectory beside;

@@ -110,7 +110,7 @@ TEST(CheckWay, AcceptsOnlyPathsThatAreClearInTheModels) {
   EXPECT_GT(accepted, 100);
 }
 
-TEST(CheckWay, IncludesTheHoverAfterTheEnd) {
+TEST(CheckWay, ChecksTheHoverAfterThePlan) {
   const SafetyLimits lim = limits();
   models::Trajectory still;
   still.start_time = kStart;
@@ -270,7 +270,7 @@ TEST(CheckShape, RefusesNonFiniteValues) {
 
 // Message encoding rounds values, so each limit may be exceeded by 1e-6 of its value. This holds in
 // both directions, on both sides, and for segments that change the speed in steps.
-TEST(CheckShape, ToleratesAMillionthOfEachLimit) {
+TEST(CheckShape, ToleratesARelativeExcessOfOneMillionth) {
   SafetyLimits lim = limits();
   lim.vehicle.speed_max_mps = 0.8;
   lim.vehicle.yaw_rate_max_radps = 2.5;
@@ -447,7 +447,7 @@ TEST(CheckWay, FindsAThinWallAtAnySpeed) {
 }
 
 // At a speed of 2 m/s, the steps of the check do not miss a body of 2 mm.
-TEST(CheckWay, FindsTwoMillimetresAtTwoMetresPerSecond) {
+TEST(CheckWay, FindsABodyOfTwoMillimetresAtTwoMetresPerSecond) {
   test::Random random(39);
   SafetyLimits lim = open_limits();
   lim.vehicle.speed_max_mps = 2.0;

@@ -183,7 +183,7 @@ TEST(CheckWay, FindsTheLeastDistanceOfFenceAndObstacle) {
 
 // Thin conflicts: a body of 2 mm on the path, and a head-on teammate with a separation limit of 4
 // mm.
-TEST(CheckWay, FindsConflictsOfTheStatedThickness) {
+TEST(CheckWay, FindsThinConflicts) {
   test::Random random(37);
   SafetyLimits limits = open_limits();
   for (int i = 0; i < 300; ++i) {
@@ -334,7 +334,7 @@ TEST(PlanCheck, IsInvariantUnderSymmetries) {
 }
 
 // A plan flown backwards with the yaw turned by π reaches the same positions at the same times.
-TEST(PlanCheck, TreatsBackwardsAsForwardsTurned) {
+TEST(PlanCheck, GivesTheSameVerdictForBackwardMotionWithTurnedYaw) {
   test::Random random(36);
   for (int i = 0; i < 1000; ++i) {
     const Scene scene = random_scene(random);
@@ -448,7 +448,7 @@ TEST_F(ShapeEdges, FliesBetweenTheGroundAndTheCeiling) {
 
 // The part of the path behind the vehicle is ignored. The test finds the last time at which a
 // conflict is still ahead.
-TEST_F(ShapeEdges, IgnoresTheFlownPart) {
+TEST_F(ShapeEdges, IgnoresTheFlownPartOfThePath) {
   limits = open_limits();
   const HeldPlan plan = held(kStart, {}, {{{1.0, 0.0}, 3.0, 0.0}, models::brake(1.0, 2.0).front()});
   const OtherCourse others[] = {{nullptr, {1.0, 0.3, 1.0}}};  // passed at 0.3 m after 1 s
@@ -471,7 +471,7 @@ TEST_F(ShapeEdges, ChecksEveryBody) {
 }
 
 // Message encoding rounds values, so a violation of up to 1e-6 m is accepted.
-TEST_F(ShapeEdges, ToleratesAMicrometre) {
+TEST_F(ShapeEdges, ToleratesAViolationOfAMicrometre) {
   const auto forgiven_m = [&](const Eigen::Vector2d& edge_m, const Eigen::Vector2d& inward,
                               std::vector<OtherCourse> others = {}) {
     return test::last_accepted(-0.01, 0.01, 1e-10, [&](double beyond_m) {

@@ -146,7 +146,7 @@ TEST_F(Gate, AcceptsANewPlannerAfterTheLease) {
 }
 
 // A clock that was never set may give times before 1970.
-TEST_F(Gate, AcceptsAFirstPlanAtAnyTime) {
+TEST_F(Gate, AcceptsAFirstPlanOnAnyClock) {
   constexpr double kEpochS = -1'700'000'000.0;
   for (const double at_s : {kEpochS - 5.0, kEpochS + 5.0, 0.0}) {
     EXPECT_TRUE(accepts_at_first(news(at_s), at_s)) << at_s;
@@ -167,7 +167,7 @@ TEST_F(Gate, RefusesStaleAndFuturePlans) {
 
 // The gate knows only the path to the second plan, which has not begun, so it cannot check a third
 // plan.
-TEST_F(Gate, RefusesAThirdPlan) {
+TEST_F(Gate, RefusesAPlanAfterOneThatHasNotBegun) {
   for (const double at_s : {0.0, 10.0}) {
     const models::RobotPlan next = news(at_s + 0.5);
     ASSERT_EQ(judge(next, at_s), PlanVerdict::kAccepted);

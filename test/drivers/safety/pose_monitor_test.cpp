@@ -60,7 +60,7 @@ TEST_F(Poses, BeginOnlyInsideTheVolume) {
 
 // In the air the pose gate allows an unknown acceleration of 10 m/s² during the gap. It stays below
 // half of the separation.
-TEST_F(Poses, PassAGateThatGrowsWithTheGap) {
+TEST_F(Poses, GateGrowsWithTheGap) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
   for (const double gap_s : {0.01, 0.1, 0.2, 0.3, 1.0}) {
     const double gate_m = std::min(limits.pose_gate_max_m, 0.25 + 5.0 * gap_s * gap_s);
@@ -160,7 +160,7 @@ TEST_F(Poses, FilterVelocityAndTurnWithFiftyMilliseconds) {
 
 // Identical poses are accepted for the time limit; afterwards the pose age counts from the first of
 // them.
-TEST_F(Poses, AreStuckAfterTheStatedTime) {
+TEST_F(Poses, AreStuckAfterTheTimeLimit) {
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
   for (const BodyContext& context : {kFlies, kHovers}) {
     const double allowed_s =
@@ -242,7 +242,7 @@ TEST_F(Poses, MustBeFinite) {
   }
 }
 
-TEST_F(Poses, PredictTheOriginBeforeTheFirst) {
+TEST_F(Poses, PredictionIsTheOriginBeforeTheFirstPose) {
   EXPECT_FALSE(monitor.has_pose());
   EXPECT_EQ(monitor.age_s(kStart), kNever);
   for (const double horizon_s : {0.0, 0.5, kNever}) {
@@ -252,7 +252,7 @@ TEST_F(Poses, PredictTheOriginBeforeTheFirst) {
 
 // In the air, a continuous path out of the room and back is accepted. On the ground, or for a first
 // pose, it is refused.
-TEST_F(Poses, LeaveTheVolumeOnlyOnAContinuousFlight) {
+TEST_F(Poses, OutsideTheVolumeNeedAContinuousFlight) {
   const double beyond_m = 4.0 + limits.volume_margin_m;
   for (const BodyContext& context : {kFlies, kHovers, kOnGround}) {
     monitor = {};
@@ -282,7 +282,7 @@ TEST_F(Poses, AreRefusedWhileDistrusted) {
 
 // A jump and a flip each have their own verdict, also outside the room. A pose with both counts as
 // a jump.
-TEST_F(Poses, AreRefusedByNameInTheAir) {
+TEST_F(Poses, JumpsAndFlipsHaveSeparateVerdictsInTheAir) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
   const Eigen::Vector3d there_m = here_m + Eigen::Vector3d(1.0, 0.0, 0.0);
   stand(here_m);

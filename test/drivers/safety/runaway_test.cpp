@@ -58,7 +58,7 @@ TEST(Runaway, UpwardsLandsAndStopsMotorsAboveTheCeiling) {
   EXPECT_LT(seen.oldest_pose_s, 0.05) << "what moves out of the room is still the body";
 }
 
-TEST(Runaway, SidewaysIsTheSameInEachDirection) {
+TEST(Runaway, SidewaysLandsInEveryDirection) {
   for (const Eigen::Vector3d& way :
        {Eigen::Vector3d(0.7, 0.0, 0.0), Eigen::Vector3d(-0.7, 0.0, 0.0),
         Eigen::Vector3d(0.0, 0.7, 0.0), Eigen::Vector3d(0.0, -0.7, 0.0)}) {
@@ -100,7 +100,7 @@ TEST(Runaway, HeightErrorCountsAsTrackingError) {
 
 // A climb may take 5 s plus twice its nominal time. A vehicle that is still below its goal then has
 // a tracking error.
-TEST(Runaway, DownwardsInAClimbIsReportedAfterTheTimeLimit) {
+TEST(Runaway, DownwardsInAClimbCausesATrackingErrorAfterTheTimeLimit) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
   bool has_lifted = false;

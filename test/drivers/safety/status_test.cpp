@@ -181,7 +181,7 @@ TEST(TakeOff, AcceptsPlansAfterTheClimb) {
 }
 
 // Without mocap and telemetry, the estimated height decreases at 0.4 of the commanded speed.
-TEST(BlindDescent, EstimatesTwoFifthsOfTheCommandedSpeed) {
+TEST(BlindDescent, EstimatesHeightWithTwoFifthsOfTheCommandedSpeed) {
   FlightBench bench(3);
   bench.fly_up(3.0);
   Vehicle& q1 = bench.vehicle("Q1");

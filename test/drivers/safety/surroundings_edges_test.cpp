@@ -320,7 +320,7 @@ TEST(LandingSpot, KeepsTheStatedDistanceFromBodiesBelow) {
 // A body exactly separation_hold_m from the path does not block it, in any direction. Neither does
 // a closer body at the side of the start, because its distance only increases. Rounding must not
 // change either result.
-TEST(IsWayTaken, IgnoresBodiesFarEnoughOrBehind) {
+TEST(IsWayTaken, IgnoresDistantBodiesAndBodiesAtTheSide) {
   const SafetyLimits limits = bench_limits();
   test::Random random(54);
   for (int i = 0; i < 500; ++i) {

@@ -24,7 +24,7 @@ double clearance_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
          limits.vehicle.radius_m;
 }
 
-TEST(ClearSpot, IsClearAndNearAndEmptyWhenAlreadyClear) {
+TEST(ClearSpot, IsClearAndNearOrEmptyWhenAlreadyClear) {
   const SafetyLimits limits = bench_limits();
   test::Random random(11);
   int moved = 0;
@@ -201,7 +201,7 @@ TEST(LookAround, FindsTheLeastSeparationOfBrakingVehicles) {
 
 // A body that was unseen for longer than the hold limit may be anywhere within a radius that grows
 // up to a limit.
-TEST(LookAround, AssumesAnUnseenBodyCloser) {
+TEST(LookAround, AddsAnUncertaintyToAnUnseenBody) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   const BrakingPath way =

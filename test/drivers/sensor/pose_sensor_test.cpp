@@ -90,7 +90,7 @@ TEST(PoseSensor, DetectsTargetsInRangeViewAndSight) {
   EXPECT_FALSE(sees(2.8, 4.0)) << "behind a box";
 }
 
-TEST(PoseSensor, IgnoresOccludedTargetsAndNeedsItsOwnPose) {
+TEST(PoseSensor, IgnoresOccludedTargetsAndMeasuresNothingWithoutItsOwnPose) {
   const PoseSensor sensor(scenario_with(models::SensorKind::kRangeBearing), "Q1");
   models::MocapFrame frame = frame_with({2.5, 4.3, 0.0});
   frame.bodies[1].occluded = true;
@@ -147,7 +147,7 @@ struct Reports {
 };
 
 // Detections follow a Bernoulli distribution: mean p, variance p (1 − p).
-TEST(PoseSensor, MissesAtTheScenariosRate) {
+TEST(PoseSensor, MissesDetectionsAtTheConfiguredRate) {
   const Reports reports({0.7, 0.0, true});
   EXPECT_NEAR(reports.mean, 0.7, 5.0 * std::sqrt(0.21 / Reports::kLooks));
   EXPECT_NEAR(reports.variance, 0.21, 0.01);

@@ -130,7 +130,7 @@ TEST(SensorNode, InterpolatesToTheExactStepBetweenFrames) {
   EXPECT_EQ(bench.measured.size(), 1u);
 }
 
-TEST(SensorNode, SkipsAndCountsStepsInALongGap) {
+TEST(SensorNode, SkipsAndCountsStepsWithinALongGapBetweenFrames) {
   Bench bench;
   bench.send_frame(Duration{10'000});
   bench.send_frame(Duration{1'710'000});

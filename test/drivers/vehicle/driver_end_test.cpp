@@ -29,7 +29,7 @@ TEST(DriverEnd, DoesNotEndWithoutARequest) {
   EXPECT_FALSE(driver.may_end(kRests, seconds(0)));
 }
 
-TEST(DriverEnd, EndsWhenTheVehicleIsAtRest) {
+TEST(DriverEnd, EndsWhenTheVehicleIsStationaryOnTheGround) {
   Driver driver;
   driver.end.request(1, kStart);
   EXPECT_FALSE(driver.may_end(kFlies, seconds(0)));
@@ -39,7 +39,7 @@ TEST(DriverEnd, EndsWhenTheVehicleIsAtRest) {
   EXPECT_FALSE(driver.end.is_hurried());
 }
 
-TEST(DriverEnd, HurriesAfterASecondRequestOrTimeOut) {
+TEST(DriverEnd, LeavesTheLandingToTheAutopilotAfterASecondRequestOrTimeOut) {
   for (const bool is_asked_again : {true, false}) {
     Driver driver;
     driver.end.request(1, kStart);

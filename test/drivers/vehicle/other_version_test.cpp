@@ -58,7 +58,7 @@ TEST_F(OtherVersion, ForbidsArmingUntilItIsSilent) {
   EXPECT_TRUE(bench_.run_until([&] { return is_armed(); }, 40.0));
 }
 
-TEST_F(OtherVersion, IsOnlyReportedInTheAir) {
+TEST_F(OtherVersion, IsReportedButNotRefusedInFlight) {
   stand();
   bench_.send_command(OperatorAction::kArm);
   ASSERT_TRUE(bench_.run_until([&] { return is_armed(); }, 40.0));

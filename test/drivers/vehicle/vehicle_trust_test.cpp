@@ -152,7 +152,7 @@ TEST_F(VehicleTrust, IgnoresTheMapOfASecondTrial) {
 }
 
 // After a dropout of the first source, the second one must not stay in use.
-TEST_F(VehicleTrust, ReturnsToTheFirstMocapAtOnce) {
+TEST_F(VehicleTrust, ReturnsToTheFirstMocapAfterItsDropout) {
   take_off();
   begin_second_mocap();
   bench.mocap = nullptr;
@@ -178,7 +178,7 @@ TEST_F(VehicleTrust, AcceptsARestartedMocap) {
   EXPECT_TRUE(hovers()) << words_of(bench.statuses.back().reasons);
 }
 
-TEST_F(VehicleTrust, IgnoresAFrameOfTheFarFuture) {
+TEST_F(VehicleTrust, IgnoresAFrameWithAStampFarInTheFuture) {
   take_off();
   for (const std::int64_t run : {kOtherRun, kLabRun}) {
     models::MocapFrame frame = bench.see();

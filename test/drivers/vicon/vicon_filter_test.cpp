@@ -120,7 +120,7 @@ TEST(FrameFilter, CountsGapsRepetitionsAndLateFrames) {
   EXPECT_EQ(bench.filter.counts().server_restarts, 2) << "so many frames are not lost at once";
 }
 
-TEST(FrameFilter, ContinuesWhereNumbersWrap) {
+TEST(FrameFilter, ContinuesWhenFrameNumbersWrap) {
   FilterBench bench;
   for (const std::uint32_t number : {0xFFFFFFFEu, 0xFFFFFFFFu, 0u, 2u}) {
     bench.begin().number = number;
@@ -131,7 +131,7 @@ TEST(FrameFilter, ContinuesWhereNumbersWrap) {
   EXPECT_EQ(bench.filter.counts().server_restarts, 0);
 }
 
-TEST(FrameFilter, AcceptsARestartAFewNumbersBack) {
+TEST(FrameFilter, DetectsARestartFromSlightlyLowerNumbers) {
   FilterBench bench;
   for (const std::uint32_t number : {5u, 0u, 1u, 2u, 3u}) {
     bench.begin().number = number;
@@ -184,7 +184,7 @@ TEST(FrameFilter, MarksAMissingBodyOccludedUntilForgotten) {
   EXPECT_TRUE(bench.out.bodies.empty());
 }
 
-TEST(FrameFilter, RemovesAnUnlistedBodyAtOnce) {
+TEST(FrameFilter, RemovesABodyThatTheServerNoLongerLists) {
   FilterBench bench;
   EXPECT_TRUE(bench.is_accepted(bench.moving_pose()));
   bench.begin().is_complete_list = true;

@@ -265,7 +265,7 @@ TEST(DataStreamSession, ReusesOnlyUnchangedPoses) {
   EXPECT_EQ(server.bodies[0].pose_state, PoseState::kAbsent);
 }
 
-TEST(DataStreamSession, DropsFramesBeforeItsRequestActs) {
+TEST(DataStreamSession, DropsFramesWithoutTheRequestedContent) {
   HandServer server;
   server.send([](wire::vicon::PacketWriter& packet) {
     append(packet, HandServer::subject(7, "A"));

@@ -177,7 +177,7 @@ TEST(FrameFilter, ReportsNoQueueForJitter) {
 
 // The rate of a server that states none decreases. This cannot be distinguished from a slow
 // connection.
-TEST(FrameFilter, LearnsASlowerRateOnANewConnection) {
+TEST(FrameFilter, EstimatesTheRateAgainOnANewConnection) {
   ChangingServer server;
   server.run(500, kPeriod);
   server.run(100, 2 * kPeriod);

@@ -149,7 +149,7 @@ TEST_F(VrpnTrackersOnTheWire, ContinueWhenTheLeaderIsSilent) {
   }
 }
 
-TEST_F(VrpnTrackersOnTheWire, AreOccludedAtOnceWithSharedInstants) {
+TEST_F(VrpnTrackersOnTheWire, AreOccludedAtTheFirstMissingReportOfSynchronousTrackers) {
   run({{"A", ms(10), ms(0)}, {"B", ms(10), ms(0), ms(1'000)}}, ms(2'000));
   EXPECT_EQ(frames(ms(200), ms(2'000)).size(), 180U);
   for (const models::MocapFrame& frame : frames(ms(200), ms(2'000))) {

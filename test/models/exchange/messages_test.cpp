@@ -22,7 +22,7 @@ void expect_names(const std::vector<Kind>& kinds, const std::vector<std::string>
 }
 
 // Logs and viewer pages contain these names, so a change of a name breaks their readers.
-TEST(Names, AreAsStated) {
+TEST(Names, EqualTheDocumentedNames) {
   expect_names<PlanSource>({PlanSource::kSearched, PlanSource::kShifted, PlanSource::kBraking},
                            {"searched", "shifted", "braking"});
   expect_names<FlightState>({FlightState::kIdle, FlightState::kFollow, FlightState::kHold,

@@ -86,7 +86,7 @@ TEST(OccupancyBelief, RefusesAZeroClamp) {
   EXPECT_THROW(OccupancyBelief(kGrid, std::nan("")), UsageError);
 }
 
-TEST(TraceBeam, ExcludesTheOwnCellAndEndsAtAWall) {
+TEST(TraceBeam, ExcludesTheRobotsCellAndEndsAtAWall) {
   OccupancyBelief belief(kGrid, 2.0);
   belief.add_log_odds(4, 9.0);
   const BeamSensor sensor{1, 1.0, 0.0, 10.0, 0.01};

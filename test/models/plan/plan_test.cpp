@@ -39,7 +39,7 @@ Eigen::Vector3d position_m(const Trajectory& trajectory, Time time) {
   return {pose.x_m, pose.y_m, trajectory.height_m};
 }
 
-TEST(At, FollowsTheSegmentsAndThenHovers) {
+TEST(TrajectoryAt, FollowsTheSegmentsAndThenHovers) {
   Trajectory trajectory{
       kStart, {1.0, 2.0, 0.5}, 1.0, {{{3.0, 1.0}, 0.5, 0.0}, {{1.0, -3.0}, 0.5, 0.0}}};
   const Pose2 middle = step_unicycle(trajectory.start, {3.0, 1.0}, 0.5);
@@ -55,20 +55,20 @@ TEST(At, FollowsTheSegmentsAndThenHovers) {
   EXPECT_EQ(at(trajectory, kStart + from_seconds(1e6)).world_from_body, end);
 }
 
-TEST(At, HoversAtStartBeforeStartTime) {
+TEST(TrajectoryAt, HoversAtStartBeforeStartTime) {
   const Trajectory trajectory{kStart, {1.0, 2.0, 0.5}, 1.0, {{{3.0, 1.0}, 0.5, 0.0}}};
   const TrajectoryPoint point = at(trajectory, kStart - Duration{1});
   EXPECT_EQ(point.world_from_body, trajectory.start);
   EXPECT_EQ(point.control, UnicycleControl{});
 }
 
-TEST(At, HoversPermanentlyWithoutSegments) {
+TEST(TrajectoryAt, HoversPermanentlyWithoutSegments) {
   const Trajectory trajectory{kStart, {1.0, 2.0, 0.5}, 1.0, {}};
   EXPECT_EQ(end_time(trajectory), kStart);
   EXPECT_EQ(at(trajectory, kStart + from_seconds(3.0)).world_from_body, trajectory.start);
 }
 
-TEST(At, IsContinuousAndWithinItsControlSpeed) {
+TEST(TrajectoryAt, IsContinuousAndWithinItsControlSpeed) {
   test::Random random(81);
   for (int i = 0; i < 300; ++i) {
     const Trajectory trajectory = random_trajectory(random, 3.0);
@@ -196,7 +196,7 @@ TEST(KeepsSeparation, IncludesTheHeightDifference) {
   EXPECT_FALSE(keeps_separation(low, high, kStart, 0.6 + 1e-9));
 }
 
-TEST(KeepsSeparation, FromAboveIgnoresHeight) {
+TEST(KeepsSeparation, IgnoresHeightIfMeasuredFromAbove) {
   test::Random random(87);
   int differ = 0;
   for (int i = 0; i < 2000; ++i) {

@@ -20,12 +20,12 @@ SensorModel sensor_of(SensorKind kind) {
   return sensor;
 }
 
-TEST(ViewArea, OfRangeAndBearingIsSectorArea) {
+TEST(ViewArea, EqualsSectorAreaForRangeAndBearing) {
   const SensorModel sensor = sensor_of(SensorKind::kRangeBearing);
   EXPECT_DOUBLE_EQ(view_area_m2(sensor, {}), 0.75 * (9.0 - 0.25));
 }
 
-TEST(ViewArea, OfCameraEqualsGridCount) {
+TEST(ViewArea, EqualsGridCountForCamera) {
   SensorModel sensor = sensor_of(SensorKind::kCamera);
   sensor.range_min_m = 0.0;
   sensor.fov_rad = 2.0 * kPi;

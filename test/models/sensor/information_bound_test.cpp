@@ -153,7 +153,7 @@ TEST(InformationBound, IsAttainedAtTheBestViewpoint) {
   }
 }
 
-TEST(InformationBound, EndsAtMinimumRangeForBearing) {
+TEST(InformationBound, IsLimitedByMinimumRangeForBearing) {
   SensorModel sensor;
   sensor.kind = SensorKind::kBearing;
   sensor.range_min_m = 0.2;

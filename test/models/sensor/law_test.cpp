@@ -91,7 +91,7 @@ TEST(SensorLaw, CameraDepthPerMetreMatchesView) {
   }
 }
 
-TEST(SensorLaw, StatesItsMeasurement) {
+TEST(SensorLaw, DescribesTheMeasurementOfEachKind) {
   for (const SensorKind kind : kKinds) {
     const bool range = kind == SensorKind::kRange || kind == SensorKind::kRangeBearing;
     const bool bearing = kind == SensorKind::kBearing || kind == SensorKind::kRangeBearing;

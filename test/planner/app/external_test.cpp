@@ -59,7 +59,7 @@ class ExternalTest : public test::PlannerNodeTest {
   Time published_at_{};
 };
 
-TEST_F(ExternalTest, PublishesAnswerAtOnceWithOwnStop) {
+TEST_F(ExternalTest, PublishesAnswerImmediatelyAndAppendsAStop) {
   start_with([](const auto& question) { return std::vector{drive(question, 0.5, 1.0)}; });
   ASSERT_EQ(questions_.size(), 1U);
   const models::RobotPlan& question = questions_[0];
@@ -90,7 +90,7 @@ TEST_F(ExternalTest, FallsBackInTimeWithoutAnswer) {
 }
 
 // A planner that is woken after the deadline for answers sends no request and uses its own plan.
-TEST_F(ExternalTest, SendsNoQuestionAfterAnswerDeadline) {
+TEST_F(ExternalTest, SendsNoRequestAfterAnswerDeadline) {
   start(external_scenario());
   world_.subscribe<models::RobotPlan>(
       bus::external_request_channel("Q1"),
@@ -115,7 +115,7 @@ TEST_F(ExternalTest, SendsNoQuestionAfterAnswerDeadline) {
   }
 }
 
-TEST_F(ExternalTest, SendsQuestionAtSlotBegin) {
+TEST_F(ExternalTest, SendsRequestAtSlotBegin) {
   start_with([](const auto& question) { return std::vector{drive(question, 0.5, 1.0)}; });
   ASSERT_EQ(questions_.size(), 1U);
   const models::InputRef belief{"BELIEF_Q1", 100, 0};

@@ -109,7 +109,7 @@ TEST_P(PlannerNodeClosing, ReservesAFifthOfSlotUpTo20Ms) {
   }
 }
 
-TEST_F(PlannerNodeTest, NamesOwnMessagesAsOnTheBus) {
+TEST_F(PlannerNodeTest, NamesItsOwnPlanAndProposalAsInputs) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
   start(scenario);
@@ -298,7 +298,7 @@ TEST_F(PlannerNodeTest, PublishesItsCountersByName) {
 
 // If two robots share a slot, the one with the lower index keeps it. The other yields, and then
 // moves to a slot of its own.
-TEST_F(PlannerNodeTest, YieldsSlotToLowerRobot) {
+TEST_F(PlannerNodeTest, YieldsSlotToRobotWithLowerIndex) {
   scenario::Scenario scenario = test::lab_scenario();
   std::swap(scenario.robots[0].name, scenario.robots[2].name);  // Q1 becomes the third robot
   scenario.planner.slots = 2;

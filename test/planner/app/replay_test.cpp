@@ -172,7 +172,7 @@ TEST_F(ReplayTest, ReplaysPlanWithProposals) {
   expect_all_again(2, {"BELIEF_Q1", "PROPOSAL_Q1", "PROPOSAL_Q2"});
 }
 
-TEST_F(ReplayTest, ReproducesPlansByMixtures) {
+TEST_F(ReplayTest, ReproducesPlansThatUseMixtures) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.estimator.samples = true;
   start_both(scenario);
@@ -188,7 +188,7 @@ TEST_F(ReplayTest, ReproducesPlansByMixtures) {
   expect_all_again(1, {"MIXTURE_Q1"});
 }
 
-TEST_F(ReplayTest, ReproducesPlansByMaps) {
+TEST_F(ReplayTest, ReproducesPlansThatUseMaps) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.targets.clear();
   scenario.planner.objective = scenario::PlanObjective::kMapping;
@@ -372,7 +372,7 @@ TEST_F(ReplayTest, WaitsForMissingInputs) {
 }
 
 // Up to 30 messages may wait behind a message with missing inputs.
-TEST_F(ReplayTest, SkipsMessageWith31Waiting) {
+TEST_F(ReplayTest, SkipsMessageWithMissingInputsWhen31OthersWait) {
   start_without_planner(test::lab_scenario());
   log_plan({{"BELIEF_Q1", 100, 0}});
   for (int k = 0; k < 30; ++k) {

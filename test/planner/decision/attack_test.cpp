@@ -140,7 +140,7 @@ TEST(GreedyAttack, RemovesRobotThatMinimisesRemainingValue) {
   EXPECT_GT(stopped, 100);
 }
 
-TEST(AttackOnBestAlone, PrefersLowerIndexAndTakesNoneForZeroAttacks) {
+TEST(AttackOnBestAlone, PrefersLowerIndexAndAttacksNoneForZeroAttacks) {
   for_each_team([](const TeamOracle& oracle, const Choice& choice) {
     std::vector<int> ranked = robots_of(choice);
     std::ranges::sort(

@@ -242,7 +242,7 @@ TEST(LocalSearch, EndsWhenAlphaOverN4Vanishes) {
   EXPECT_TRUE(centralised_local_search(oracle, 1.0, Deadline::nodes(20'000'000)).finished);
 }
 
-TEST(LocalSearch, AdoptsNothingOfEqualValue) {
+TEST(LocalSearch, RejectsChangesOfEqualValue) {
   const TeamProblem problem = test::random_instance(3, {3, 3, 1.0}, {});
   const TeamOracle oracle(problem);
   const ImprovementRule rule(oracle, 1e-30);

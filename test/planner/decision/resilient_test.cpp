@@ -124,7 +124,7 @@ TEST(PlanResiliently, IsBetterOnAverageUnderAttack) {
   EXPECT_GT(resilient, plain);
 }
 
-TEST(AttackOnBestAlone, TakesRobotsWithHighestStandAloneValue) {
+TEST(AttackOnBestAlone, AttacksRobotsWithHighestStandAloneValue) {
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {4, 4, 0.0}, {});
     const TeamOracle oracle(problem);
@@ -175,7 +175,7 @@ TEST(AttackOnBestAlone, AttacksTheBait) {
   }
 }
 
-TEST(AttackOnBestTogether, TakesMostValuableRobotForOneAttack) {
+TEST(AttackOnBestTogether, AttacksMostValuableRobotForOneAttack) {
   for (const InformationMeasure measure :
        {InformationMeasure::kMutual, InformationMeasure::kLogDet}) {
     for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
@@ -264,7 +264,7 @@ TEST(PlanResiliently, EvaluatesInAlgorithmOrder) {
   EXPECT_EQ(calls.size(), 2U);
 }
 
-TEST(PlanResiliently, PlansAloneThenTheRestTogether) {
+TEST(PlanResiliently, PlansBaitAloneThenTheRestTogether) {
   const std::vector<double> values = {2.0, 5.0, 3.0, 4.0};
   std::vector<int> alone;
   std::vector<std::vector<int>> together;

@@ -110,7 +110,7 @@ TEST(LocalSearch, BeginsWithFirstBestSingleCandidate) {
   EXPECT_NEAR(second.value, 5.5, 1e-12);
 }
 
-TEST(LocalSearch, IsOverWithOneCallMoreThanItTakes) {
+TEST(LocalSearch, FinishesWithABudgetOfOneCallMoreThanItNeeds) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {4, 4, 1.0}, {});
     const TeamOracle oracle(problem);
@@ -137,7 +137,7 @@ TEST(LocalSearch, IsOverWithOneCallMoreThanItTakes) {
 
 // In each turn, all candidates of one robot are evaluated. The search ends after a round without a
 // change.
-TEST(CoordinateDescent, EndsAfterATurnThatChangesNothingAndCountsEveryTurn) {
+TEST(CoordinateDescent, EndsAfterARoundWithoutChangeAndCountsEveryTurn) {
   for (const InformationMeasure measure : kMeasures) {
     for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
       const TeamProblem problem = test::random_instance(seed, {5, 5, 2.0}, measure);
@@ -162,7 +162,7 @@ TEST(CoordinateDescent, EndsAfterATurnThatChangesNothingAndCountsEveryTurn) {
   }
 }
 
-TEST(CoordinateDescent, TakesFirstOfEqualsForGivenRobotsOnly) {
+TEST(CoordinateDescent, ChoosesFirstOfEqualsForGivenRobotsOnly) {
   const TeamProblem alike = made_team(2, {{{0, 1.0}}, {{1, 1.0}, {1, 1.5}, {1, 1.5}}});
   const TeamOracle oracle(alike);
   for (const bool lazy : {false, true}) {
@@ -246,7 +246,7 @@ TEST(Greedy, AddsBestCandidateWhileItGains) {
 // ---- Against attacks ----
 
 // Bait robots use their best stand-alone candidates; the others plan together.
-TEST(PlanResiliently, GivesBaitTheirBestWithTwoMessagesEach) {
+TEST(PlanResiliently, BaitRobotsUseTheirBestWithTwoMessagesEach) {
   // Robots 1 and 2 see one target, robots 0 and 3 another.
   const TeamProblem problem = made_team(
       3, {{{0, 1.0}, {1, 0.9}}, {{0, 0.5}, {0, 3.0}}, {{1, 2.0}, {1, 1.0}}, {{0, 1.0}, {2, 0.95}}});

@@ -25,7 +25,7 @@ void for_each_instance(std::uint64_t count, const test::InstanceLimits& limits, 
   }
 }
 
-TEST(TeamSet, IsWorthWhatThePlainRecursionSaysWhateverWasAddedAndDropped) {
+TEST(TeamSet, ValueEqualsPlainRecursionAfterAdditionsAndDeletions) {
   const auto check = [](std::uint64_t seed, const TeamProblem& problem, const TeamOracle& oracle) {
     TeamSet team(oracle);
     std::mt19937_64 rng(seed);
@@ -48,7 +48,7 @@ TEST(TeamSet, IsWorthWhatThePlainRecursionSaysWhateverWasAddedAndDropped) {
   for_each_instance(300, {6, 5, 1.0}, check);
 }
 
-TEST(TeamSet, GainsWhatTheUnionTellsAlsoWhereTheRobotHasAnother) {
+TEST(TeamSet, GainEqualsInformationOfUnionEvenIfRobotHasACandidate) {
   const auto check = [](std::uint64_t seed, const TeamProblem& problem, const TeamOracle& oracle) {
     TeamSet team(oracle);
     team.become(test::random_choice(oracle, seed));
@@ -64,7 +64,7 @@ TEST(TeamSet, GainsWhatTheUnionTellsAlsoWhereTheRobotHasAnother) {
   for_each_instance(200, {4, 5, 1.0}, check);
 }
 
-TEST(TeamSet, IsWorthTheSameToTheBitWhicheverWayItCameAbout) {
+TEST(TeamSet, ValueIsBitIdenticalForAnyOrderOfChanges) {
   const auto check = [](std::uint64_t seed, const TeamProblem&, const TeamOracle& oracle) {
     TeamSet wanders(oracle);
     for (std::uint64_t i = 0; i < 10; ++i) {
@@ -84,7 +84,7 @@ TEST(TeamSet, IsWorthTheSameToTheBitWhicheverWayItCameAbout) {
   for_each_instance(300, {6, 5, 1.0}, check);
 }
 
-TEST(TeamSet, CountsOneCallForEachValueThatIsAskedFor) {
+TEST(TeamSet, CountsOneCallPerComputedValue) {
   const TeamProblem problem = test::random_instance(1, {4, 4, 1.0}, InformationMeasure::kMutual);
   const TeamOracle oracle(problem);
   TeamSet team(oracle);
@@ -145,7 +145,7 @@ TEST(MutualInformation, EqualsClosedFormForStaticTarget) {
   EXPECT_NEAR(team.value(), std::log(1.0 + 2.0 * variance_m2 * information), 1e-12);
 }
 
-TEST(TeamOracle, TakesLooksInOrderAndRangeAlone) {
+TEST(TeamOracle, RefusesUnsortedOrOutOfRangeMeasurements) {
   TeamProblem problem = test::random_instance(2, {2, 2, 0.0}, {});
   const auto target = problem.targets.front();
   problem.targets.assign(2, target);
@@ -170,7 +170,7 @@ TEST(TeamOracle, TakesLooksInOrderAndRangeAlone) {
   EXPECT_FALSE(takes({{0, 1, {}}, {1, 1, {}}, {0, 2, {}}}));
 }
 
-TEST(TeamOracle, TakesCostsAndGainsThatAreFiniteAndNoLessThanNone) {
+TEST(TeamOracle, RefusesNegativeOrInfiniteCostsAndGains) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const auto takes = [](auto&& set) {

@@ -75,7 +75,7 @@ TEST(DriveMap, IsSymmetricInDrivingDirection) {
   EXPECT_GT(blocked, 50);
 }
 
-TEST(DriveMap, LetsTooNearRobotLeaveOnly) {
+TEST(DriveMap, AllowsTooNearRobotOnlyToMoveAway) {
   OccupancyBelief belief(kGrid, 3.0);
   belief.add_log_odds(12 * 30 + 10, 9.0);  // a post
   const DriveMap map(belief, {});
@@ -91,7 +91,7 @@ TEST(DriveMap, LetsTooNearRobotLeaveOnly) {
   EXPECT_TRUE(map.is_free(beside, {0.0, 2.0}, 1.0)) << "it may turn on the spot";
 }
 
-TEST(DriveMap, MeasuresDistanceToUnknown) {
+TEST(DriveMap, MeasuresDistanceToUnknownCells) {
   OccupancyBelief belief(kGrid, 3.0);
   for (int cell = 0; cell < kGrid.size(); ++cell) {
     if (cell % 30 < 20) {
@@ -137,7 +137,7 @@ TEST(DriveMap, IsMirrorSymmetric) {
   EXPECT_GT(on_the_way, 1'000);
 }
 
-TEST(DriveMap, MeasuresDistanceAroundWallsOrNone) {
+TEST(DriveMap, MeasuresDistanceAroundWallsOrReportsNone) {
   OccupancyBelief belief(kGrid, 3.0);
   for (int cell = 0; cell < kGrid.size(); ++cell) {
     const int column = cell % 30;

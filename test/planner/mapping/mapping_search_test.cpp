@@ -172,7 +172,7 @@ struct PlannedBench {
       search.coordinate_descent(bench.starts, std::vector<int>{0, 1, 2, 3});
 };
 
-TEST(MappingSearch, TeamValueIsOrderFreeAndZeroWhenEmpty) {
+TEST(MappingSearch, TeamValueIsIndependentOfOrderAndZeroWhenEmpty) {
   PlannedBench all(4703);
   MappingSearch& search = all.search;
   const std::vector<MapRoute>& routes = all.routes;

@@ -313,7 +313,7 @@ TEST(ViewTable, HasTheStatedDefaults) {
   EXPECT_EQ(options.cutoff_sigmas, 6.0);
 }
 
-TEST(MapCoverage, BestOfCellIsSubmodularAndOrderFree) {
+TEST(MapCoverage, BestOfCellIsSubmodularAndIndependentOfOrder) {
   test::Random random(4505);
   const OccupancyBelief belief = test::random_map(random, kGrid, 0.05);
   ViewTable table(belief, kCircle, options_of(BeamDependence::kBestOfCell));

@@ -239,7 +239,7 @@ TEST(Dominates, IsFalseForAnIndefiniteDifference) {
   EXPECT_GT(said_false, 1000);
 }
 
-TEST(Dominates, HoldsBothWaysBetweenEqualBlocks) {
+TEST(Dominates, IsTrueInBothDirectionsForEqualBlocks) {
   for_random_blocks([](const Case& c, std::mt19937_64&) {
     EXPECT_TRUE(dominates(c.layout, c.block, 0.0, c.block));
   });

@@ -399,7 +399,7 @@ TEST(IsFree, ChecksTheEndOfAStep) {
 }
 
 // For the robot's own arc the chord's sagitta ν ω Δ²/8 is allowed, exactly, in both directions.
-TEST(IsFree, AddsExactlyItsOwnArc) {
+TEST(IsFree, AddsExactlyTheSagittaOfTheRobotsArc) {
   for (const double side : {1.0, -1.0}) {
     SearchProblem problem;
     problem.start_time = kStart;

@@ -351,7 +351,7 @@ TEST(ReducedValueIteration, RefusesInvalidOptions) {
 
 // With one step, one static target and one position sensor, the variance on both axes is (1 +
 // 1/σ²)⁻¹.
-TEST(Score, EqualsHandComputation) {
+TEST(Score, EqualsClosedFormForOneStep) {
   SearchProblem problem;
   problem.horizon_steps = 2;
   models::SensorModel sensor;

@@ -67,7 +67,7 @@ TEST(SightTable, LanesEqualTheModels) {
   EXPECT_GT(unseen_count, 1'000);
 }
 
-TEST(SightTable, SinglesEqualTheModels) {
+TEST(SightTable, SingleQueriesEqualTheModels) {
   std::mt19937_64 rng(42);
   SightTable sight;
   int seen_count = 0;

@@ -146,7 +146,7 @@ TEST(CanStop, DetectsHoverNextToEndOfLongStop) {
 
 // The pieces of a stop are treated as uniform motion with an allowance of a Δ²/8. The robot may
 // stop v²/2a before a hovering teammate, less that allowance only.
-TEST(CanStop, AddsExactlyItsBrakingPath) {
+TEST(CanStop, AddsExactlyTheBrakingAllowance) {
   for (const double brake_mps2 : {0.5, 2.0, 4.0}) {
     SearchProblem problem;
     problem.start_time = from_utime(1'700'000'000'000'000);

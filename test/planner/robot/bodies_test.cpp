@@ -17,9 +17,9 @@ namespace {
 using models::FlightState;
 
 /// Q1 at (−3, 0), height 1.0 m; Q2 at (0, 0), 1.5 m; Q3 at (3, 0), 2.0 m.
-class KeptFrom : public ::testing::Test {
+class PlanObstacles : public ::testing::Test {
  protected:
-  KeptFrom() { show_before(0.1); }
+  PlanObstacles() { show_before(0.1); }
 
   /// Makes the previous frame a copy of the newest one, `before_s` older.
   void show_before(double before_s) {
@@ -67,7 +67,7 @@ class KeptFrom : public ::testing::Test {
   std::int64_t dropped = 0;
 };
 
-TEST_F(KeptFrom, OtherBodiesAtItsHeight) {
+TEST_F(PlanObstacles, IncludeOtherBodiesAtFlightHeight) {
   struct Case {
     const char* what;
     Eigen::Vector3d at_m;
@@ -103,7 +103,7 @@ TEST_F(KeptFrom, OtherBodiesAtItsHeight) {
   }
 }
 
-TEST_F(KeptFrom, MovingBodiesAtTheirPredictedPosition) {
+TEST_F(PlanObstacles, IncludeMovingBodiesAtPredictedPositions) {
   add("PERSON", {-1.0, 1.0, 1.7}, {0.6, -0.8, 0.3});
   const auto others = this->others();
   ASSERT_EQ(others.size(), 1U);
@@ -118,7 +118,7 @@ TEST_F(KeptFrom, MovingBodiesAtTheirPredictedPosition) {
 
 // The velocity of a body is unknown if its name belonged to a different body in the earlier frame,
 // or if the body was occluded in that frame.
-TEST_F(KeptFrom, BodyOfUnknownVelocityAtItsPosition) {
+TEST_F(PlanObstacles, TreatBodyOfUnknownVelocityAsStationary) {
   add("SWAPPED", {-1.0, 1.0, 1.0}, {9.0, 0.0, 0.0});
   add("NEW", {1.0, 1.0, 1.0}, {1.0, 0.0, 0.0});
   inputs.mocap_before->bodies.back().occluded = true;
@@ -128,7 +128,7 @@ TEST_F(KeptFrom, BodyOfUnknownVelocityAtItsPosition) {
   EXPECT_EQ(others().size(), 2U);
 }
 
-TEST_F(KeptFrom, TheNearestBodiesAndCountsTheRest) {
+TEST_F(PlanObstacles, IncludeNearestBodiesAndCountTheRest) {
   for (int i = 0; i < static_cast<int>(kBodiesMax) + 3; ++i) {
     add("P" + std::to_string(i), {3.0 - 0.25 * i, 1.5, 1.0});
   }
@@ -147,7 +147,7 @@ TEST_F(KeptFrom, TheNearestBodiesAndCountsTheRest) {
   EXPECT_TRUE(workspace.search().plan(round.search, Deadline::nodes(200)).found);
 }
 
-TEST_F(KeptFrom, SilentOrOffPlanTeammateAtSeenPosition) {
+TEST_F(PlanObstacles, IncludeSilentOrOffPlanTeammateAtObservedPosition) {
   struct Case {
     const char* what;
     FlightState state;

@@ -17,7 +17,7 @@ namespace {
 // A vehicle that was stopped by its driver holds its set-point and does not return to its plan.
 // Here the set-point is turned away from the plan. In a flight, 49 plans in a row began at the
 // plan's heading and were refused.
-TEST(RobotPlanner, StartsWhereItsVehicleHolds) {
+TEST(RobotPlanner, PlanStartsAtSetPointOfHoldingVehicle) {
   const scenario::Scenario scenario = test::lab_scenario();
   PlanInputs inputs = test::first_inputs(scenario, 0);
   inputs.own_plan = RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500));
@@ -46,7 +46,7 @@ TEST(RobotPlanner, StartsWhereItsVehicleHolds) {
 // The tracking controller returns a vehicle that hovers slightly off its plan. Beyond the
 // tolerance, or with a heading error above 0.4 rad, the next plan begins at the vehicle's
 // set-point.
-TEST(RobotPlanner, StartsOnItsPlanWithinTheTolerance) {
+TEST(RobotPlanner, PlanStartsOnLastPlanWithinTheTolerance) {
   const scenario::Scenario scenario = test::lab_scenario();
   RobotPlanner planner(scenario, "Q1");
   PlanInputs inputs = test::first_inputs(scenario, 0);
@@ -83,7 +83,7 @@ TEST(RobotPlanner, StartsOnItsPlanWithinTheTolerance) {
 }
 
 // In successive rounds the vehicle is held and turned, flies, and is held and turned again.
-TEST(RobotPlanner, StartsWhereItsVehicleHoldsInEachRound) {
+TEST(RobotPlanner, PlanStartsAtSetPointOfHoldingVehicleInEachRound) {
   const scenario::Scenario scenario = test::lab_scenario();
   const RoundSchedule schedule(scenario.planner, 0, 3);
   RobotPlanner planner(scenario, "Q1");
@@ -148,7 +148,7 @@ class CommitmentOfADriver : public ::testing::Test {
 // Within the tolerance the vehicle counts as on its plan. Beyond it, the vehicle is off its plan
 // but continues it. Beyond three tolerances its commitment is a hover at its observed position. The
 // limits are equal in all directions.
-TEST_F(CommitmentOfADriver, ContinuesUpToThreeTolerances) {
+TEST_F(CommitmentOfADriver, ContinuesThePlanUpToThreeTolerances) {
   const double tolerance_m = scenario_.planner.tracking_tolerance_m;
   for (int bearing = 0; bearing < 8; ++bearing) {
     const double to_rad = 0.25 * kPi * bearing;
@@ -169,7 +169,7 @@ TEST_F(CommitmentOfADriver, ContinuesUpToThreeTolerances) {
 }
 
 // A frame does not count if it is older than the start of the plan or does not show the vehicle.
-TEST_F(CommitmentOfADriver, IsComparedWithTheSeenPose) {
+TEST_F(CommitmentOfADriver, IsComparedWithTheObservedPose) {
   const auto is_on_plan = [&] {
     const Commitment commitment = this->commitment();
     return !commitment.is_off_plan &&
@@ -192,7 +192,7 @@ TEST_F(CommitmentOfADriver, IsComparedWithTheSeenPose) {
 
 // A vehicle without a plan hovers at its observed pose. If the vehicle is not observed either, its
 // motion is unknown.
-TEST_F(CommitmentOfADriver, HoversAtItsSeenPoseWithoutAPlan) {
+TEST_F(CommitmentOfADriver, HoversAtTheObservedPoseWithoutAPlan) {
   see({0.3, -0.4, 1.0});
   inputs_.own_plan.reset();
   const Commitment commitment = this->commitment();
@@ -231,7 +231,7 @@ TEST_F(CommitmentOfADriver, ComparesHoldWithPlanAtStatusTime) {
 
 // In a flight, a vehicle at 1 m passed over one that was climbing to 2 m. Only the final height of
 // the climb was kept clear.
-TEST(RobotPlanner, KeepsClearOfHeightsThatAClimbOrLandingPasses) {
+TEST(RobotPlanner, KeepsClearOfHeightsPassedInAClimbOrLanding) {
   const scenario::Scenario scenario = test::lab_scenario();
   const auto kept_at_m = [&](const std::string& own, models::FlightState state, double here_m) {
     PlanInputs inputs = test::first_inputs(scenario, own == "Q1" ? 0 : 2);

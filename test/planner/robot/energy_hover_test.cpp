@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Teams, EnergyAtRest,
 
 // A robot with an energy cost may hover. If the wall ahead is nearer than the tightest arc, no
 // primitive is feasible, and without a turn the robot would hover permanently.
-TEST_P(EnergyAtRest, IsPaidForTurnsNearAWall) {
+TEST_P(EnergyAtRest, TurnsNearAWallDespiteTheEnergyCost) {
   set_price_nats(1e-6);
   for (const Pose2& start :
        {Pose2{0.0, 2.0 - nearest_m_ - 0.06, kPi / 2},
@@ -108,7 +108,7 @@ TEST_P(EnergyAtRest, StopsTurningOnceItFacesFreeSpace) {
 }
 
 // A robot that is too near to a teammate stops turning once it faces free space.
-TEST_P(EnergyAtRest, HoversNextToTeammateOnceItCouldLeave) {
+TEST_P(EnergyAtRest, StopsTurningNextToTeammateOnceItFacesFreeSpace) {
   set_price_nats(1e6);
   const Eigen::Vector2d teammate_m = scenario_.robots[1].start.position_m();
   scenario_.robots[0].height_m = scenario_.robots[1].height_m;

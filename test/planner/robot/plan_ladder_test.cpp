@@ -85,7 +85,7 @@ TEST(BlankPlan, HasNoMotionOrCertificate) {
 }
 
 // The plan contains the certificate of the search. A plan that is too near to a wall is refused.
-TEST_F(Ladder, FliesSearchResult) {
+TEST_F(Ladder, UsesTheSearchResultIfSafe) {
   SearchResult result;
   result.controls = {0, 1};
   result.cost = 1.0;
@@ -126,7 +126,7 @@ TEST_F(Ladder, FliesSearchResult) {
 }
 
 // A proposal is used only if it was searched and is still safe. The plan keeps its certificate.
-TEST_F(Ladder, FliesItsProposal) {
+TEST_F(Ladder, UsesItsProposalIfSearchedAndSafe) {
   models::RobotPlan proposal;
   proposal.source = models::PlanSource::kSearched;
   proposal.cost = -3.0;
@@ -196,7 +196,7 @@ TEST_F(Ladder, HoversOrFallsBack) {
 
 // A planner that gets no processor time brakes if that is safe. If a teammate passes the stop
 // position, the planner continues the last plan.
-TEST_F(Ladder, StopsAtOnceIfSafe) {
+TEST_F(Ladder, StopsImmediatelyIfSafe) {
   {
     PlanLadder ladder = begin(5.0);
     const models::RobotPlan stopped = ladder.stopped();

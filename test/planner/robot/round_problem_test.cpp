@@ -159,7 +159,7 @@ TEST(ProblemOfRound, MatchesScenario) {
 }
 
 // The seed differs for each robot, round and scenario, and is reproducible.
-TEST(ProblemOfRound, DrawsItsOwnRandomNumbers) {
+TEST(ProblemOfRound, HasADifferentSeedPerRobotRoundAndScenario) {
   scenario::Scenario scenario = test::lab_scenario();
   std::set<std::uint64_t> seeds;
   for (const std::uint64_t seed : {std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{1} << 32U}) {
@@ -280,7 +280,7 @@ TEST(ProblemOfRound, CountsUnusableBeliefs) {
 
 // A grid is used if it is the scenario's or, where robots have neighbourhoods, a part of it, with
 // one stamp per cell.
-TEST(ProblemOfRound, ExploresByTheGridOfItsScenario) {
+TEST(ProblemOfRound, UsesExplorationGridOfTheScenarioOnly) {
   scenario::Scenario scenario = test::lab_scenario();
   const auto whole =
       models::GridGeometry::covering(scenario.world.bounds, scenario.estimator.grid_resolution_m);
@@ -314,7 +314,7 @@ TEST(ProblemOfRound, ExploresByTheGridOfItsScenario) {
   }
 }
 
-TEST(ProblemOfRound, MapsByTheGridOfItsScenario) {
+TEST(ProblemOfRound, UsesMapGridOfTheScenarioOnly) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.objective = scenario::PlanObjective::kMapping;
   Workspace workspace(scenario);

@@ -71,7 +71,7 @@ TEST(RoundSchedule, RefusesAnUnknownRobot) {
 // Round 9 of 1.5 s begins at 13.5 s and ends at 15 s. The budget of 0.6 s ends 0.1 s before that.
 // It contains three slots, or three proposal slots in its first half and three slots in its second
 // half.
-TEST(RoundSchedule, CutsTheBudgetAtTheEndOfTheRound) {
+TEST(RoundSchedule, PlacesSlotsBeforeTheEndOfTheRound) {
   scenario::PlannerSpec spec;
   spec.step_s = 0.5;
   spec.execute_steps = 3;
@@ -114,7 +114,7 @@ TEST(RoundSchedule, CutsTheBudgetAtTheEndOfTheRound) {
 }
 
 // Compares the result with a search over all slots and proposal slots around the time.
-TEST(RoundSchedule, FindsTheNextOfBothKinds) {
+TEST(RoundSchedule, FindsTheNextSlotAndProposalSlot) {
   std::mt19937_64 rng(4);
   for (const int attacks_max : {0, 1}) {
     scenario::PlannerSpec spec;

@@ -52,7 +52,7 @@ struct Case {
   int next;
 };
 
-TEST_F(SharedSlotsTest, BelongToLowestReceivedRobot) {
+TEST_F(SharedSlotsTest, BelongToLowestRobotWithAReceivedPlan) {
   const Workspace workspace(scenario_);
   const std::vector<Case> cases = {
       {0, 0, {-1, -1, -1}, false, 0},  // no robot has used the slot
@@ -120,7 +120,7 @@ TEST_F(SharedSlotsTest, AreYieldedByRobotWithoutSlot) {
   EXPECT_EQ(RobotPlanner(scenario_, "Q3").next_place(inputs), std::nullopt);
 }
 
-TEST(MaySearch, IsTrueForTheLowestRobotOfASlot) {
+TEST(MaySearch, IsTrueForTheLowestRobotIndexOfASlot) {
   const std::vector<SlotHolder> holders = {{3, 0}, {5, 1}, {9, 2}};
   for (int robot = 0; robot < 12; ++robot) {
     for (int slot = 0; slot < 4; ++slot) {

@@ -248,7 +248,7 @@ TEST(Workspace, SharingDoesNotChangeResults) {
 }
 
 // A teammate on the ground publishes plans but does not fly them yet.
-TEST(RobotPlanner, KeepsPositionOfNonFollowingTeammateFree) {
+TEST(RobotPlanner, KeepsClearOfTeammateThatDoesNotFollowItsPlan) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.world.obstacles.clear();
   scenario.robots.resize(2);

@@ -127,7 +127,7 @@ TEST(PartsMax, IsSevenPerTargetUpToItsLimit) {
 }
 
 // The workspace creates its own search once; make_search() returns a separate one.
-TEST(Workspace, SharesItsSearches) {
+TEST(Workspace, CreatesItsOwnSearchOnce) {
   Workspace workspace(test::lab_scenario());
   workspace.prefault();  // no search exists yet
   Search& search = workspace.search();

@@ -166,7 +166,7 @@ TEST(LowerBound, IsAtMostTheOptimum) {
 }
 
 // With δ = ∞ all nodes are δ-crossing, so pruning depends on ε only.
-TEST(Reduced, TestsRedundancyWhenAllPosesCross) {
+TEST(Reduced, PrunesByEpsilonOnlyWhenDeltaIsInfinite) {
   ReducedValueIteration search(small_capacity());
   int opened = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {

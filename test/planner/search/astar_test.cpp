@@ -184,7 +184,7 @@ TEST(BestFirst, IsBitIdenticalUnderNodeBudgetAfterOtherPlans) {
   }
 }
 
-TEST(BestFirst, StoppedByTheClockIsReproducedByNodes) {
+TEST(BestFirst, SearchStoppedByClockIsReproducedByNodeBudget) {
   BestFirstSearch search(small_capacity());
   int stopped = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {

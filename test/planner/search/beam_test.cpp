@@ -91,7 +91,7 @@ TEST(RefiningBeam, IsBitIdenticalOverAThousandRepetitions) {
   }
 }
 
-TEST(RefiningBeam, StoppedByTheClockIsReproducedByNodes) {
+TEST(RefiningBeam, SearchStoppedByClockIsReproducedByNodeBudget) {
   RefiningBeam search(small_capacity());
   int stopped = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {

@@ -120,15 +120,15 @@ TEST_P(Equivariance, HoldsForMirroring) {
 }
 
 /// Rotation and reordering of targets change the last bits of sums.
-class EquivarianceButForBits : public Equivariance {};
+class EquivarianceUpToRounding : public Equivariance {};
 
-TEST_P(EquivarianceButForBits, HoldsForRotation) {
+TEST_P(EquivarianceUpToRounding, HoldsForRotation) {
   expect_alike([](const SearchProblem& problem, std::uint64_t seed) {
     return transformed(problem, seed % 2 == 0, 0.1 + 0.1 * static_cast<double>(seed));
   });
 }
 
-TEST_P(EquivarianceButForBits, HoldsForTargetOrder) {
+TEST_P(EquivarianceUpToRounding, HoldsForTargetOrder) {
   expect_alike([](SearchProblem problem, std::uint64_t) {
     std::reverse(problem.targets.begin(), problem.targets.end());
     return problem;
@@ -149,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(Planner, Equivariance, ::testing::ValuesIn(all_but({"la
                          [](const auto& each) { return each.param; });
 // Paths without measurements have equal costs up to the last bit. AEGIS keeps the first of them
 // that it finds, within (ε, δ), so it is excluded.
-INSTANTIATE_TEST_SUITE_P(Planner, EquivarianceButForBits,
+INSTANTIATE_TEST_SUITE_P(Planner, EquivarianceUpToRounding,
                          ::testing::ValuesIn(all_but({"lawn_mower", "aegis"})),
                          [](const auto& each) { return each.param; });
 

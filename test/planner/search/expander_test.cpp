@@ -57,7 +57,7 @@ TEST(Expander, CovariancesEqualTheModels) {
 }
 
 // Products of determinants must neither overflow nor underflow.
-TEST(Expander, KeepsRangeForSharpMeasurements) {
+TEST(Expander, NeitherOverflowsNorUnderflowsForSharpMeasurements) {
   for (const models::TargetKind kind :
        {models::TargetKind::kRandomWalk, models::TargetKind::kDoubleIntegrator}) {
     SearchProblem problem;

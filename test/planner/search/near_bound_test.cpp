@@ -388,7 +388,7 @@ class PassedOver : public ::testing::Test {
 
 // A robot leaves a target. The bound counts a return after one, two or three steps only if the
 // controls allow it: a hover, 1 m forth and back, a triangle, or none of these.
-TEST_F(PassedOver, ReturnsOnlyAfterStepsOfControls) {
+TEST_F(PassedOver, CountsAReturnOnlyIfControlsLeadBack) {
   const double never = bound_with({{1.0, 0.0}});
   const double after_two = bound_with({{1.0, 0.0}, {1.0, kPi}});
   const double third_rad = 2.0 * kPi / 3.0;
@@ -407,7 +407,7 @@ TEST_F(PassedOver, ReturnsOnlyAfterStepsOfControls) {
 
 // With more than a dozen controls, three-step returns are not computed. The bound then allows a
 // return to any position.
-TEST_F(PassedOver, HasManyControlsReachAnyPoseInThreeSteps) {
+TEST_F(PassedOver, AllowsAnyReturnWithMoreThanTwelveControls) {
   std::vector<models::UnicycleControl> controls(12, {1.0, 0.0});
   const double few = bound_with(controls);
   EXPECT_EQ(bound_with({{1.0, 0.0}}), few);

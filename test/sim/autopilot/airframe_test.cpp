@@ -69,7 +69,7 @@ TEST(Airframe, ReachesCommandedAccelerationInEveryDirection) {
   }
 }
 
-TEST(Airframe, KeepsItsTiltThrustAndDescentLimits) {
+TEST(Airframe, LimitsTiltThrustAndDescentRate) {
   const AirframeParameters p = still_air();
   Airframe tilted = in_the_air(p);
   run(tilted, 1.0, {30.0, -40.0, 0.0});
@@ -92,7 +92,7 @@ TEST(Airframe, KeepsItsTiltThrustAndDescentLimits) {
   EXPECT_GT(off.velocity_mps().z(), 1.0);
 }
 
-TEST(Airframe, HasItsTurnAndThrustLags) {
+TEST(Airframe, DelaysTurnAndThrustByTheirLags) {
   const AirframeParameters p = still_air();
   for (const double side : {1.0, -1.0}) {
     Airframe body = in_the_air(p, side * 3.0);
@@ -124,7 +124,7 @@ TEST(Airframe, HasItsTurnAndThrustLags) {
   EXPECT_GT(nose.z(), 0.4) << "it looks down where it accelerates";
 }
 
-TEST(Airframe, StaysOnGroundUntilLiftAndWhereItFalls) {
+TEST(Airframe, IsStationaryOnTheGroundBeforeLiftAndAfterAFall) {
   AirframeParameters windy = still_air();
   windy.wind_mean_mps = {5.0, -4.0, 0.0};
   Airframe body(windy, 1, kPlace, 0.5);
@@ -151,7 +151,7 @@ TEST(Airframe, StaysOnGroundUntilLiftAndWhereItFalls) {
 
 // With v̇ = d (w − v) and a wind with standard deviation w and decay rate β, the variance of the
 // speed is w² d/(d + β).
-TEST(Airframe, IsMovedByGustsOfTheStatedStrength) {
+TEST(Airframe, GustsCauseTheExpectedSpeedVariance) {
   AirframeParameters p;
   p.wind_sigma_mps = 0.5;
   p.wind_memory_s = 0.5;
@@ -341,7 +341,7 @@ TEST(PoseEstimator, RefusesFarPosesUntilTimeout) {
   EXPECT_NEAR(belief.off_m(), 0.81, 1e-9);
 }
 
-TEST(PoseEstimator, HasNoHistoryBeforeFirstMove) {
+TEST(PoseEstimator, IgnoresAPoseBeforeTheFirstStep) {
   PoseEstimator estimator(traits_of(0.0));
   estimator.fuse(kStart, kStart, kHere, 0);
   EXPECT_EQ(estimator.poses(), 0);

@@ -29,7 +29,7 @@ using test::target_of;
 
 constexpr Time kBoot = test::kBenchBoot;
 
-TEST(EmulatorTalk, StartsWithItsWorldPosition) {
+TEST(EmulatorMessages, StartsWithItsWorldPosition) {
   const EmulatorBench bench(AutopilotDialect::kPx4);
   EXPECT_LT(
       (bench.emulator.world_from_body().translation_m - Eigen::Vector3d(1.0, 2.0, 0.25)).norm(),
@@ -313,7 +313,7 @@ TEST(EmulatorMessages, ArdupilotAcceptsPosesInOneFrameOnly) {
                      std::numeric_limits<double>::infinity()));
 }
 
-TEST(EmulatorTalk, AcceptsFiniteVisionEstimates) {
+TEST(EmulatorMessages, AcceptsFiniteVisionEstimates) {
   EmulatorBench bench(AutopilotDialect::kPx4);
   bench.run(0.1);
   mavlink::VisionPositionEstimate vision;

@@ -78,7 +78,7 @@ TEST(PoseEstimator, IsExactWithLatePosesInMotion) {
 }
 
 // ArduPilot checks the connection to its ground station three times per second.
-TEST(AutopilotProfile, ChecksStationAtTheRealRate) {
+TEST(AutopilotProfile, ChecksStationAsOftenAsTheFirmware) {
   EXPECT_DOUBLE_EQ(3.0 * profile_of(AutopilotDialect::kArdupilot).station_check_s, 1.0);
 }
 

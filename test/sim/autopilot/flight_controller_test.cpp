@@ -64,7 +64,7 @@ TEST(FlightController, IsInvariantToRotationAndReflection) {
 }
 
 // The vehicle reaches each kind of set-point without exceeding its limits.
-TEST(FlightController, ReachesItsTargetWithinItsLimits) {
+TEST(FlightController, ReachesItsSetPointWithinItsLimits) {
   for (const AutopilotDialect dialect : kBoth) {
     Pilot pilot(dialect);
     pilot.take_off(1.5);
@@ -110,7 +110,7 @@ TEST(FlightController, ReachesItsTargetWithinItsLimits) {
 }
 
 // A position set-point with a feed-forward velocity is followed without lag.
-TEST(FlightController, FollowsAMovingTarget) {
+TEST(FlightController, FollowsAMovingSetPoint) {
   for (const AutopilotDialect dialect : kBoth) {
     Pilot pilot(dialect);
     pilot.take_off(1.5);

@@ -29,7 +29,7 @@ void fly_on(Pilot& pilot, const Eigen::Vector3d& velocity_mps) {
 
 // The vehicle lands at the point that it would reach at its initial velocity within the stopping
 // time of its profile. Tested in both directions.
-TEST(FlightController, LandsAfterTheStatedStoppingTime) {
+TEST(FlightController, LandsAtThePositionReachedAfterTheStoppingTime) {
   for (const AutopilotDialect dialect : kBoth) {
     for (const double side : {1.0, -1.0}) {
       Pilot pilot(dialect);
@@ -47,7 +47,7 @@ TEST(FlightController, LandsAfterTheStatedStoppingTime) {
 
 // Without a position estimate the vehicle stops where it can, descends there, and does not fly
 // back.
-TEST(FlightController, LandsBlindAtItsStop) {
+TEST(FlightController, LandsWithoutPositionWhereItStops) {
   AutopilotSettings set = settings();
   set.lands_on_pose_loss = false;
   for (const double side : {1.0, -1.0}) {

@@ -151,14 +151,14 @@ TEST(RecordedArdupilot, RefusesToArmForTheSameReasons) {
   EXPECT_EQ(answers(emulated), answers(real));
 }
 
-TEST(RecordedArdupilot, HasTheRecordedArmingAndDisarmTimes) {
+TEST(RecordedArdupilot, ArmsAndDisarmsAtTheRecordedTimes) {
   const Pair& pair = drill("ardupilot_arming");
   EXPECT_NEAR(pair.emulated.mark("idle"), pair.real.mark("idle"), 1.5);  // s since power-up
   EXPECT_GT(pair.real.mark("idle"), 22.0);
   expect_delay(pair, "idle", "text", "Disarming motors", 0.2);
 }
 
-TEST(RecordedArdupilot, HasAPositionBeforeAnOrigin) {
+TEST(RecordedArdupilot, ReportsAPositionBeforeItHasAnOrigin) {
   const Pair& pair = drill("ardupilot_arming");
   for (const Recording* recording : {&pair.real, &pair.emulated}) {
     EXPECT_LT(recording->first("position", "")->time_s, recording->mark("origin"));

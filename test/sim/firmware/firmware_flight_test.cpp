@@ -61,7 +61,7 @@ void wait_for(FirmwareFlight& flight, std::int64_t steps) {
   }
 }
 
-TEST(FirmwareFlight, EachSensorIsAnsweredBeforeTheNextAndTheBodyFlies) {
+TEST(FirmwareFlight, WaitsForTheAnswerToEachSensorSample) {
   auto shared = std::make_shared<ImmediateFirmware::Shared>();
   shared->throttle = 0.8;
   FirmwareFlight flight({}, {}, 1, {}, std::make_unique<ImmediateFirmware>(shared));

@@ -260,7 +260,7 @@ TEST(MultirotorForces, GustsHaveTheStatedStrengthAndTimeConstant) {
   }
 }
 
-TEST(MultirotorForces, AStepEqualsItsShortSteps) {
+TEST(MultirotorForces, LongStepEqualsSeveralShortSteps) {
   const MultirotorParameters p = still_air();
   Multirotor once(p, 1, {1.0, 2.0, 0.5});
   Multirotor often(p, 1, {1.0, 2.0, 0.5});

@@ -50,7 +50,7 @@ TEST(Multirotor, RestsForAMinuteAndMeasuresGravity) {
   EXPECT_TRUE(body.is_on_ground());
 }
 
-TEST(Multirotor, KeepsItsHeightRateAtHoverThrottle) {
+TEST(Multirotor, ChangesItsClimbRateOnlyByDragAtHoverThrottle) {
   Multirotor body = hovering(still_air());
   const double before_mps = body.velocity_world_mps().z();
   body.step(all(hover_throttle(still_air())), 1.0);

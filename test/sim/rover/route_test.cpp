@@ -111,7 +111,7 @@ TEST(RouteMap, FindsTheCheapestRouteOrNone) {
 }
 
 // Start and goal are in the same cell, so there is no intermediate point.
-TEST(RouteMap, ReturnsANearGoalDirectly) {
+TEST(RouteMap, ReturnsAGoalInTheSameCellDirectly) {
   const RouteMap map(room());
   const auto path = map.route({1.51, 1.51}, {1.57, 1.58}, kRadiusM, {});
   ASSERT_EQ(path.size(), 1u);

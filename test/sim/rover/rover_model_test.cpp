@@ -68,7 +68,7 @@ TEST(RoverModel, MovesAlongTheChordOfItsArc) {
 
 // A commanded rover drives on for one period and then stops within v²/2b. Its turn ends during the
 // stop.
-TEST(StoppingPath, IsOnePeriodAndTheBrakingPath) {
+TEST(StoppingPath, ConsistsOfOnePeriodAndTheBrakingPath) {
   for (const double period_s : {0.05, 0.12, 0.15}) {
     const StoppingPath path({{}, 1.0, 0.0}, {1.0, 0.0}, {}, period_s);
     EXPECT_NEAR(path.points_m().back().x(), period_s + 0.25, 1e-9) << period_s;

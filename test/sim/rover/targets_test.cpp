@@ -98,7 +98,7 @@ TEST(TargetStarts, UseTheScenariosStartsFirst) {
 // One target is fixed in a corner, `from_m` from both walls. The other one must start in the
 // opposite corner. Clearances of 10 cm to walls and 0.3 m to the target do not fit, but half or a
 // quarter of these do.
-TEST(TargetStarts, AreCloserOrRefusedWithoutSpace) {
+TEST(TargetStarts, HaveLessClearanceOrAreRefusedInASmallRoom) {
   struct Row {
     double from_m, least_m, most_m;
   };
@@ -139,7 +139,7 @@ TEST(Drifters, RefuseInvalidMotion) {
 
 // Without noise targets are stationary. With noise each target moves independently, within the
 // limits given by its own radius.
-TEST(Drifters, StopAMillimetreFromEachOtherAndWalls) {
+TEST(Drifters, KeepAMillimetreFromEachOtherAndWalls) {
   models::World world;
   world.bounds = {{0.0, 0.0}, {1.2, 1.2}};
   const std::vector<Disc> starts{{{0.25, 0.25}, 0.1}, {{0.8, 0.8}, 0.25}};
@@ -244,7 +244,7 @@ TEST(RoverFleet, HasTheStatedSpeedsAndPauses) {
 
 // Rovers of different sizes in a small room do not touch a wall or each other. Each has its own
 // radius.
-TEST(RoverFleet, OfDifferentSizesTouchNothing) {
+TEST(RoverFleet, RoversOfDifferentSizesTouchNothing) {
   const models::World world = room_of(3.0, {}).world;
   const std::vector<RoverFleet::Start> starts{
       {{-0.5, 3.5, 0.0}, 0.1}, {{1.0, 5.0, 0.0}, 0.3}, {{-0.4, 5.4, 1.0}, 0.2}};

@@ -171,7 +171,7 @@ TEST(VrpnPeer, SendsEachBodyWithTheCaptureTime) {
   }
 }
 
-TEST(VrpnPeer, SendsHiddenBodiesInItsStyle) {
+TEST(VrpnPeer, SendsOccludedBodiesInTheConfiguredStyle) {
   EmulatedFrame seen = frame_of(1.0);
   seen.bodies[1].is_occluded = false;
   VrpnClient absent(OcclusionStyle::kAbsent);

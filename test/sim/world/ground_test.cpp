@@ -76,7 +76,7 @@ TEST(Ground, LimitsDriftToTwoMetresPerSecond) {
   EXPECT_NEAR(fastest_mps, 2.0, 1e-9);
 }
 
-TEST(Ground, KeepsGivenPositions) {
+TEST(Ground, UsesGivenPositions) {
   scenario::Scenario scenario = lab_with(scenario::TargetMotion::kStill);
   scenario.targets[3].start = Pose2{2.0, 7.0, -2.0};
   Ground ground(scenario, 3);
@@ -278,7 +278,7 @@ TEST(WorldSimulation, CommandsOneOrAllRobots) {
 
 // An external vehicle flies just below or exactly at the height limit. Rovers avoid the ground
 // below it only in the first case.
-TEST(WorldSimulation, KeepsTheGroundFreeUnderLowVehicles) {
+TEST(WorldSimulation, RoversAvoidTheGroundBelowVehiclesUnderTheHeightLimit) {
   for (const bool is_low : {true, false}) {
     scenario::Scenario scenario = test::lab_scenario();
     scenario.robots[1].start = {2.0, 4.0, 0.0};

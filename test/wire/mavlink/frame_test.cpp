@@ -185,7 +185,7 @@ TEST(Pack, KeepsOneByteOfAMessageOfZeros) {
 
 // The numbers of common.xml and minimal.xml. A round trip between our own ends would not detect a
 // wrong number.
-TEST(Vocabulary, HasTheNumbersOfTheDefinitions) {
+TEST(Vocabulary, HasTheNumbersOfTheMavlinkDefinitions) {
   EXPECT_EQ(command::kLand, 21);
   EXPECT_EQ(command::kTakeOff, 22);
   EXPECT_EQ(command::kSetMode, 176);
@@ -213,7 +213,7 @@ TEST(Vocabulary, HasTheNumbersOfTheDefinitions) {
 }
 
 // Bits 0 to 11 of a target's type_mask: place, velocity, acceleration, force, yaw, yaw rate.
-TEST(Vocabulary, HasTheIgnoreBitsOfTheDefinitions) {
+TEST(Vocabulary, HasTheIgnoreBitsOfTheMavlinkDefinitions) {
   EXPECT_EQ(mask::kIgnorePosition, 0b111);
   EXPECT_EQ(mask::kIgnoreVelocity, 0b111 << 3);
   EXPECT_EQ(mask::kIgnoreAcceleration, 0b111 << 6);

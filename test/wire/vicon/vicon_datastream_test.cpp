@@ -153,7 +153,7 @@ TEST(NextPacket, DetectsAWrongStreamAtItsFirstWrongByte) {
   EXPECT_EQ(next_packet(empty).bytes, 8u);
 }
 
-TEST(BlockCursor, StopsAtABlockBeyondItsPacket) {
+TEST(BlockCursor, StopsAtABlockThatExceedsThePacket) {
   const auto body = from_hex("05000000 04000000 01020304 | 09000000 ff000000 00");
   BlockCursor cursor(body);
   const auto first = cursor.next();
@@ -254,7 +254,7 @@ TEST(NextPacket, LimitsPacketsToTwoMebibytes) {
   }
 }
 
-TEST(Decode, ReadsAnyOtherByteAsFalse) {
+TEST(Decode, ReadsBooleansFromAnyByte) {
   RequestFrame request;
   ApplicationInfo application;
   for (int byte = 0; byte < 256; ++byte) {

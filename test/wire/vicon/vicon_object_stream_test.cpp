@@ -136,7 +136,7 @@ TEST(DecodeObjectBlock, SkipsUnknownItemsAndReads24ByteNames) {
   EXPECT_EQ(block.objects[0].name(), std::string(24, 'x'));
 }
 
-TEST(DecodeObjectBlock, KeepsObjectsBeforeATruncation) {
+TEST(DecodeObjectBlock, ReturnsTheObjectsBeforeATruncation) {
   ObjectBlock block = worked_block();
   block.objects.push_back(block.objects[0]);
   block.objects[1].set_name("quad2");

@@ -86,7 +86,7 @@ TEST(VrpnMessage, PoseMatchesTheReferenceBytes) {
   EXPECT_FALSE(decode_vrpn_pose(framed.body.first(56)));
 }
 
-TEST(VrpnMessage, NamesArePaddedOutsideTheirLength) {
+TEST(VrpnMessage, LengthOfANameExcludesItsPadding) {
   std::vector<std::uint8_t> bytes;
   append_vrpn_name(bytes, kVrpnSenderDescription, 9, "quad1");
   // The payload is 4 + 5 + NUL = 10 bytes, padded to 16.
@@ -349,7 +349,7 @@ TEST(IdentifyDatagram, DistinguishesTheStreams) {
 }
 
 // The name of each server type contains a distinct word.
-TEST(Speakers, HaveTheirNames) {
+TEST(Speakers, HaveDistinctNames) {
   const std::vector<std::pair<ServerType, std::string>> words{
       {ServerType::kUnknown, "unknown"},
       {ServerType::kTooFewBytes, "sends too few bytes"},
