@@ -205,7 +205,7 @@ TEST(OccupancyFusion, HasNoHitNearMaximumRange) {
 
 // With large noise, a cell before the hit is marked free only if its centre is closer than the
 // reading.
-TEST(OccupancyFusion, MarksCellsWithNearerCentresFree) {
+TEST(OccupancyFusion, MarksCellsCloserThanTheHitFree) {
   const BeamSensor noisy{1, 1.0, 0.0, 1.5, 0.1};
   for (const auto& [range_m, of_middle] : {std::pair(0.39, 0.0), std::pair(0.41, -1.0)}) {
     OccupancyBelief belief(kLine, 9.0);  // centres at 0.2, 0.4, … m from the vehicle

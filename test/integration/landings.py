@@ -17,8 +17,9 @@ and follow, and stays alive. When all are in the air the EVENT happens:
 
 At the end every vehicle must be on the ground and disarmed, by the simulator's own TRUTH and by the
 status of its driver (or, where its autopilot lands alone, be named), no process may be left, and exit
-code and report must agree with that. During a cut no process may be ended. TYPES is the folder of the
-.lcm files. To be run in its own network: in_network.sh landings.py ...
+code and report must agree with that. During a cut no process may be ended. A trial whose vehicles do not
+take off (a busy host is refused) is flown again, at most twice as often as asked. TYPES is the folder
+of the .lcm files. To be run in its own network: in_network.sh landings.py ...
 """
 
 import argparse
@@ -41,6 +42,10 @@ GROUND_M = 0.1
 AIRBORNE = {1, 2, 3}  # follow, hold, land
 FOLLOW, HOLD = 1, 2
 IDLE, KILLED = 0, 4
+
+
+class NotFlown(Exception):
+    """The vehicles did not take off, for example because a driver found its host busy."""
 
 
 class Witness:
@@ -145,6 +150,12 @@ class Trial:
 
     def fly(self):
         """Returns when all are in the air and one of them follows its plan."""
+        try:
+            self.take_off()
+        except AssertionError as error:
+            raise NotFlown(error) from error
+
+    def take_off(self):
         self.until(lambda: "TRUTH" in self.witness.newest and self.all_in({IDLE, KILLED}), "vehicles")
         # Motors that idle for long stop: `hold`, which is repeated for 0.75 s, starts again. If the motors
         # were stopped, the first `arm` only ends that state.
@@ -180,7 +191,7 @@ class Trial:
         time.sleep(1.0)
         self.until(self.is_down, "landing after a cut")
         assert "sent no sign of life" not in self.words(), self.words()
-        self.fly()  # operable again
+        self.take_off()  # operable again
         self.up.send_signal(signal.SIGTERM)
 
     def happen(self):
@@ -275,13 +286,21 @@ def main():
         from vantage_lcm.truth_t import truth_t
         failed = 0
         for event in arguments.events:
-            for _ in range(arguments.times):
+            flown, tries = 0, 0
+            while flown < arguments.times and tries < 2 * arguments.times + 3:
+                tries += 1
                 with tempfile.TemporaryDirectory() as folder:
                     try:
                         Trial(arguments, folder, event, (truth_t, vehicle_t)).run()
+                        flown += 1
+                    except NotFlown as reason:
+                        print(f"{event}: not flown, tried again: {reason}", flush=True)
                     except (AssertionError, StopIteration, subprocess.TimeoutExpired) as error:
+                        flown += 1
                         failed += 1
                         print(f"{event}: FAILED: {error}", flush=True)
+            print(f"{event}: flown {flown} times, {tries - flown} not flown, {failed} failed so far", flush=True)
+            failed += arguments.times - flown
         return 1 if failed else 0
 
 

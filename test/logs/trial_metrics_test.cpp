@@ -380,7 +380,7 @@ TEST(TrialSummary, HasThePublishedKeysFirstAndInOrder) {
   EXPECT_TRUE(json["entropy"].is_number());
 }
 
-TEST(TrialMetrics, IgnoresBeliefsAfterTheirStepsEvaluation) {
+TEST(TrialMetrics, IgnoresBeliefsThatArriveAfterTheirStepWasEvaluated) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(5.0));

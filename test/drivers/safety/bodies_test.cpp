@@ -34,7 +34,7 @@ double stop_m(const OtherBody& body, double own_mps, const SafetyLimits& limits)
 // A person walks head-on towards the vehicle. The predicted distance is reduced by the vehicle's
 // stopping distance v T + v²/2a, by the person's path at constant speed, and by the greatest
 // deviation of the person from that straight path.
-TEST(LookAround, PredictsAPersonUntilTheVehicleStops) {
+TEST(ComputeSurroundings, PredictsAPersonUntilTheVehicleStops) {
   const SafetyLimits limits = bench_limits();
   for (const double own_mps : {0.0, 0.5, 1.0}) {
     for (const double person_mps : {0.0, 0.5, 1.0, 1.5}) {
@@ -47,7 +47,7 @@ TEST(LookAround, PredictsAPersonUntilTheVehicleStops) {
   }
 }
 
-TEST(LookAround, UsesTheDecelerationOfARobot) {
+TEST(ComputeSurroundings, UsesTheDecelerationOfARobot) {
   const SafetyLimits limits = bench_limits();
   for (const double brake_mps2 : {0.5, 2.0, 4.0}) {
     OtherBody body = person_at(3.0, -1.0);
@@ -61,7 +61,7 @@ TEST(LookAround, UsesTheDecelerationOfARobot) {
 
 // A person extends from the markers down to the ground; a rover on the floor is entirely below the
 // vehicle.
-TEST(LookAround, TreatsAPersonAsReachingTheGround) {
+TEST(ComputeSurroundings, TreatsAPersonAsReachingTheGround) {
   const SafetyLimits limits = bench_limits();
   const double at_rest_m = 0.5 * limits.other_turn_mps2 * limits.reaction_s * limits.reaction_s;
   for (const double above_m : {0.0, 0.3, 0.8}) {
@@ -76,7 +76,7 @@ TEST(LookAround, TreatsAPersonAsReachingTheGround) {
 
 // Until the vehicle has stopped, a person that mocap has lost may move in any direction at the last
 // speed.
-TEST(LookAround, AssumesAnOccludedPersonKeepsWalking) {
+TEST(ComputeSurroundings, AssumesAnOccludedPersonKeepsWalking) {
   const SafetyLimits limits = bench_limits();
   for (const double unseen_s : {0.1, 0.5, 0.9}) {
     OtherBody body = person_at(4.0, 0.0);
@@ -128,7 +128,7 @@ TEST(LandingSpot, AvoidsThePathOfAPerson) {
 }
 
 // A person whose path crosses the vehicle's path during the motion blocks that path.
-TEST(IsWayTaken, CountsACrossingPerson) {
+TEST(IsPathBlocked, CountsACrossingPerson) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
   const Eigen::Vector3d to_m(1.2, 0.0, 1.0);  // takes 2 s

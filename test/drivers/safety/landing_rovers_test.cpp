@@ -46,7 +46,7 @@ TEST(LandingSpot, IsOnTheNearestFreeRing) {
 
 // Stationary robots are ignored because they wait for their turn; moving robots and all other
 // bodies count.
-TEST(NearSoon, IgnoresStationaryRobotsOnly) {
+TEST(PredictedDistance, IgnoresStationaryRobotsOnly) {
   const Eigen::Vector3d here_m(1.0, 2.0, 0.0);
   const double never_m = std::numeric_limits<double>::infinity();
   const auto near_m = [&](int robot, double vx_mps) {

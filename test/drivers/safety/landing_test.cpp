@@ -65,7 +65,7 @@ TEST(LandingSpot, AcceptsLessClearanceInANarrowRoom) {
   EXPECT_EQ(landing_spot(hover_m, others, limits), hover_m);
 }
 
-TEST(IsWayTaken, CountsBodiesWithPriority) {
+TEST(IsPathBlocked, CountsBodiesWithPriority) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
   const Eigen::Vector3d to_m(1.0, 0.0, 1.0);
@@ -82,7 +82,7 @@ TEST(IsWayTaken, CountsBodiesWithPriority) {
 }
 
 // A stationary robot lands at its position and does not yield, whatever its priority.
-TEST(IsWayTaken, CountsStationaryRobotsAtAnyHeight) {
+TEST(IsPathBlocked, CountsStationaryRobotsAtAnyHeight) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
   const Eigen::Vector3d to_m(1.0, 0.0, 1.0);

@@ -31,7 +31,7 @@ HeldPlan lane() {
   return held(way);
 }
 
-TEST(CheckWay, AvoidsPredictedBodyPositions) {
+TEST(CheckPath, AvoidsPredictedBodyPositions) {
   struct Case {
     const char* what;
     Eigen::Vector3d at_m;
@@ -61,7 +61,7 @@ TEST(CheckWay, AvoidsPredictedBodyPositions) {
 }
 
 // The check uses separate time steps for each teammate, so distant ones cost almost nothing.
-TEST(CheckWay, NeedsFewStepsForNinetyNineTeammates) {
+TEST(CheckPath, NeedsFewStepsForNinetyNineTeammates) {
   SafetyLimits lim = limits();
   lim.fence.bounds = {{-400.0, -400.0}, {400.0, 400.0}};
   models::Trajectory beside;

@@ -63,7 +63,7 @@ TEST(PointAt, AgreesWithTheModelsTrajectory) {
 
 // The reference is a brute-force check that samples the path every millisecond with the same
 // distance functions.
-TEST(CheckWay, AgreesWithSamplesEveryMillisecond) {
+TEST(CheckPath, AgreesWithSamplesEveryMillisecond) {
   test::Random random(4);
   const SafetyLimits lim = limits();
   int refused = 0;
@@ -96,7 +96,7 @@ TEST(CheckWay, AgreesWithSamplesEveryMillisecond) {
 
 // The shared models compute the swept clearance by another method. They must accept every plan that
 // flight safety accepts.
-TEST(CheckWay, AcceptsOnlyPathsThatAreClearInTheModels) {
+TEST(CheckPath, AcceptsOnlyPathsThatAreClearInTheModels) {
   test::Random random(5);
   const SafetyLimits lim = limits();
   int accepted = 0;
@@ -110,7 +110,7 @@ TEST(CheckWay, AcceptsOnlyPathsThatAreClearInTheModels) {
   EXPECT_GT(accepted, 100);
 }
 
-TEST(CheckWay, ChecksTheHoverAfterThePlan) {
+TEST(CheckPath, ChecksTheHoverAfterThePlan) {
   const SafetyLimits lim = limits();
   models::Trajectory still;
   still.start_time = kStart;
@@ -125,7 +125,7 @@ TEST(CheckWay, ChecksTheHoverAfterThePlan) {
   EXPECT_EQ(check_path(held(still), kStart, lim, {}), PlanVerdict::kAccepted);
 }
 
-TEST(CheckWay, KeepsBelowTheCeilingAndAboveTheGround) {
+TEST(CheckPath, KeepsBelowTheCeilingAndAboveTheGround) {
   const SafetyLimits lim = limits();
   models::Trajectory way;
   way.start_time = kStart;
@@ -369,7 +369,7 @@ HeldPlan hover(double start_s, double x_m, double y_m) {
 
 // Every path is checked to its end, to the centimetre, for any start times. This also holds if a
 // teammate has been at rest for a long time.
-TEST(CheckWay, ChecksEveryPathToItsEnd) {
+TEST(CheckPath, ChecksEveryPathToItsEnd) {
   SafetyLimits lim = open_limits();
   lim.plan_separation_m = 0.5;
   const HeldPlan over = hover(-100.0, 50.0, 0.0);
@@ -408,7 +408,7 @@ TEST(CheckWay, ChecksEveryPathToItsEnd) {
 }
 
 // A teammate in motion is at the current point of its plan. The flown part of its plan is ignored.
-TEST(CheckWay, IgnoresTheFlownPartOfTeammatePlans) {
+TEST(CheckPath, IgnoresTheFlownPartOfTeammatePlans) {
   SafetyLimits lim = open_limits();
   lim.plan_separation_m = 0.5;
   const HeldPlan passes = drive(0.0, 0.3);  // 0.3 m away at x = 1 m, 0.5 m away at 1.4 m
@@ -428,7 +428,7 @@ TEST(CheckWay, IgnoresTheFlownPartOfTeammatePlans) {
 
 // At any speed of the vehicle, a thin wall across the path is a conflict and one next to the path
 // is not.
-TEST(CheckWay, FindsAThinWallAtAnySpeed) {
+TEST(CheckPath, FindsAThinWallAtAnySpeed) {
   for (const double speed_mps : {0.3, 1.0, 2.0, 3.0, 6.0}) {
     SafetyLimits lim = open_limits();
     lim.vehicle.speed_max_mps = speed_mps;
@@ -447,7 +447,7 @@ TEST(CheckWay, FindsAThinWallAtAnySpeed) {
 }
 
 // At a speed of 2 m/s, the steps of the check do not miss a body of 2 mm.
-TEST(CheckWay, FindsABodyOfTwoMillimetresAtTwoMetresPerSecond) {
+TEST(CheckPath, FindsABodyOfTwoMillimetresAtTwoMetresPerSecond) {
   test::Random random(39);
   SafetyLimits lim = open_limits();
   lim.vehicle.speed_max_mps = 2.0;

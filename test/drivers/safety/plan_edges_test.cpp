@@ -113,7 +113,7 @@ void for_each_plan(unsigned seed, int count, const Look& look) {
 
 // Crossing, head-on and overtaking plans are accepted if the required separation is at most the
 // least separation found by sampling, otherwise refused.
-TEST(CheckWay, FindsTheLeastSeparationOfTwoPlansThatPassClosely) {
+TEST(CheckPath, FindsTheLeastSeparationOfTwoPlansThatPassClosely) {
   test::Random random(31);
   SafetyLimits limits = open_limits();
   for (int i = 0; i < 600; ++i) {
@@ -140,7 +140,7 @@ TEST(CheckWay, FindsTheLeastSeparationOfTwoPlansThatPassClosely) {
   }
 }
 
-TEST(CheckWay, FindsTheLeastDistanceOfABodyWithoutAPlan) {
+TEST(CheckPath, FindsTheLeastDistanceOfABodyWithoutAPlan) {
   SafetyLimits limits = open_limits();
   const auto check = [&](int, test::Random& random, const HeldPlan& plan, Time now) {
     const Eigen::Vector3d body_m =
@@ -154,7 +154,7 @@ TEST(CheckWay, FindsTheLeastDistanceOfABodyWithoutAPlan) {
   for_each_plan(32, 300, check);
 }
 
-TEST(CheckWay, FindsTheLeastDistanceOfFenceAndObstacle) {
+TEST(CheckPath, FindsTheLeastDistanceOfFenceAndObstacle) {
   SafetyLimits limits = bench_limits();
   const auto check = [&](int i, test::Random& random, const HeldPlan& plan, Time now) {
     const Eigen::Vector2d near_m =
@@ -183,7 +183,7 @@ TEST(CheckWay, FindsTheLeastDistanceOfFenceAndObstacle) {
 
 // Thin conflicts: a body of 2 mm on the path, and a head-on teammate with a separation limit of 4
 // mm.
-TEST(CheckWay, FindsThinConflicts) {
+TEST(CheckPath, FindsThinConflicts) {
   test::Random random(37);
   SafetyLimits limits = open_limits();
   for (int i = 0; i < 300; ++i) {

@@ -37,7 +37,7 @@ BrakingPath stop_from(const Eigen::Vector3d& p_m, const Eigen::Vector3d& v_mps,
 
 // Two vehicles with equal speed pass each other in opposite directions. The relative motion is a
 // straight line.
-TEST(LookAround, FindsTheSeparationOfAHeadOnPass) {
+TEST(ComputeSurroundings, FindsTheSeparationOfAHeadOnPass) {
   const SafetyLimits limits = bench_limits();
   test::Random random(51);
   for (int i = 0; i < 300; ++i) {
@@ -70,7 +70,7 @@ TEST(LookAround, FindsTheSeparationOfAHeadOnPass) {
 
 // The path relative to a braking vehicle is curved. It is divided into 16 chords of less than 45
 // ms, which deviate from it by at most half a millimetre.
-TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
+TEST(ComputeSurroundings, FindsTheLeastSeparationToHalfAMillimetre) {
   const SafetyLimits limits = bench_limits();
   const auto speed_mps = [](test::Random& random) -> Eigen::Vector3d {
     const double heading_rad = random.uniform(-kPi, kPi);
@@ -102,7 +102,7 @@ TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
 
 // On a straight path in a convex room, the least distance to walls and ceiling is at one end of the
 // path. The same holds with an additional wall across the room.
-TEST(LookAround, FindsTheLeastDistanceToWallsAtAnEnd) {
+TEST(ComputeSurroundings, FindsTheLeastDistanceToWallsAtAnEnd) {
   SafetyLimits limits = limits_in({{-8.0, 3.0}, {4.5, 9.0}});
   limits.fence.ceiling_m = 2.6;
   limits.fence.obstacles.push_back({{{-10.0, -5.0}, {-5.0, 17.0}}, 2.5});
@@ -130,7 +130,7 @@ TEST(LookAround, FindsTheLeastDistanceToWallsAtAnEnd) {
 }
 
 // A post as thick as 1/16 of the path length is found at every position along the path.
-TEST(LookAround, FindsAPostNextToThePath) {
+TEST(ComputeSurroundings, FindsAPostNextToThePath) {
   SafetyLimits limits = limits_in({{-8.0, -8.0}, {8.0, 8.0}});
   const Eigen::Vector3d here_m(1.0, -2.0, 1.0);
   for (const double v_mps : {0.5, -1.0}) {
@@ -147,7 +147,7 @@ TEST(LookAround, FindsAPostNextToThePath) {
 
 // Several bodies pass at different times. The nearest one determines the result, in any order of
 // the list.
-TEST(NearSoon, ReturnsTheNearestBody) {
+TEST(PredictedDistance, ReturnsTheNearestBody) {
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   std::vector<OtherBody> others(3);
   others[0].position_world_m = {1.0, 2.0, 0.0};
@@ -320,7 +320,7 @@ TEST(LandingSpot, KeepsTheStatedDistanceFromBodiesBelow) {
 // A body exactly separation_hold_m from the path does not block it, in any direction. Neither does
 // a closer body at the side of the start, because its distance only increases. Rounding must not
 // change either result.
-TEST(IsWayTaken, IgnoresDistantBodiesAndBodiesAtTheSide) {
+TEST(IsPathBlocked, IgnoresDistantBodiesAndBodiesAtTheSide) {
   const SafetyLimits limits = bench_limits();
   test::Random random(54);
   for (int i = 0; i < 500; ++i) {
@@ -340,7 +340,7 @@ TEST(IsWayTaken, IgnoresDistantBodiesAndBodiesAtTheSide) {
 
 // All robots, including the one with index 0, count at any height. Other bodies count if they reach
 // the height of the path or more.
-TEST(IsWayTaken, CountsRobotsAtAnyHeightAndOthersUnlessBelow) {
+TEST(IsPathBlocked, CountsRobotsAtAnyHeightAndOthersUnlessBelow) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(1.0, -1.0, 1.0);
   const auto is_taken = [&](int robot, double above_m) {
@@ -359,7 +359,7 @@ TEST(IsWayTaken, CountsRobotsAtAnyHeightAndOthersUnlessBelow) {
 }
 
 // Robots at constant velocity block a climb if they come close within two seconds.
-TEST(IsClimbTaken, CountsRobotsWithinTwoSeconds) {
+TEST(IsClimbBlocked, CountsRobotsWithinTwoSeconds) {
   const SafetyLimits limits = bench_limits();
   for (const double speed_mps : {0.0, 0.4, 1.0}) {
     const double from_m = test::last_accepted(5.0, 0.0, 1e-9, [&](double x_m) {

@@ -118,7 +118,7 @@ TEST(FlightGuard, ContinuesAfterASmallPoseJump) {
 }
 
 // Regression: a vehicle that climbed late collided with one that flew above it.
-TEST(IsClimbTaken, CountsRobotsAboveNowOrSoon) {
+TEST(IsClimbBlocked, CountsRobotsAboveNowOrSoon) {
   const SafetyLimits limits;
   const Eigen::Vector3d here_m(0.0, 0.0, 0.3);
   const auto is_taken = [&](double x_m, double z_m, double vx_mps, int robot = 1) {
@@ -174,7 +174,7 @@ double stepped_closest_m(Eigen::Vector3d p_m, Eigen::Vector3d v_mps, Eigen::Vect
   return least_m;
 }
 
-TEST(LookAround, FindsTheLeastSeparationOfBrakingVehicles) {
+TEST(ComputeSurroundings, FindsTheLeastSeparationOfBrakingVehicles) {
   const SafetyLimits limits = bench_limits();
   test::Random random(41);
   for (int i = 0; i < 200; ++i) {
@@ -201,7 +201,7 @@ TEST(LookAround, FindsTheLeastSeparationOfBrakingVehicles) {
 
 // A body that was unseen for longer than the hold limit may be anywhere within a radius that grows
 // up to a limit.
-TEST(LookAround, AddsAnUncertaintyToAnUnseenBody) {
+TEST(ComputeSurroundings, AddsAnUncertaintyToAnUnseenBody) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   const BrakingPath way =
@@ -218,7 +218,7 @@ TEST(LookAround, AddsAnUncertaintyToAnUnseenBody) {
   }
 }
 
-TEST(LookAround, ReportsTheNearestBodyAndItsPriority) {
+TEST(ComputeSurroundings, ReportsTheNearestBodyAndItsPriority) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   const BrakingPath way =
@@ -243,7 +243,7 @@ TEST(LookAround, ReportsTheNearestBodyAndItsPriority) {
   }
 }
 
-TEST(LookAround, FindsTheLeastDistanceToTheRoomWhileBraking) {
+TEST(ComputeSurroundings, FindsTheLeastDistanceToTheRoomWhileBraking) {
   const SafetyLimits limits = bench_limits();
   test::Random random(42);
   for (int i = 0; i < 1000; ++i) {
@@ -482,7 +482,7 @@ TEST(Surroundings, HaveTheStatedMargins) {
 
 // Only robots within a range of heights block a climb. Both ends of the range are found by
 // bisection.
-TEST(IsClimbTaken, HasTheStatedHeightLimits) {
+TEST(IsClimbBlocked, HasTheStatedHeightLimits) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(0.0, -1.0, 0.3);
   const auto is_taken = [&](double z_m) {

@@ -47,7 +47,7 @@ TEST(LabelPlacer, PutsALabelAtTheNearestFreePosition) {
 }
 
 // It rather covers something than that it leaves the page.
-TEST(LabelPlacer, StaysOnAFullPage) {
+TEST(LabelPlacer, KeepsLabelsInsideACrowdedPage) {
   const Eigen::AlignedBox2d page(Eigen::Vector2d(0, 0), Eigen::Vector2d(100, 60));
   LabelPlacer placer(page);
   placer.avoid(page);

@@ -406,7 +406,7 @@ TEST(LabelPlacer, AvoidsOverlapWhilePossible) {
   }
 }
 
-TEST(LabelPlacer, StaysOnThePage) {
+TEST(LabelPlacer, KeepsLabelsInsideThePage) {
   const Eigen::AlignedBox2d page(Eigen::Vector2d(0, 0), Eigen::Vector2d(400, 300));
   LabelPlacer placer(page);
   EXPECT_TRUE(page.contains(placer.place({399.0, 1.0}, {30.0, 14.0})));

@@ -230,7 +230,7 @@ TEST(ParseScenario, RefusesOtherDocuments) {
   EXPECT_EQ(refusal_of("name: " + std::string(100'000, '[')), "lab.yaml:1: nested deeper than 32");
 }
 
-TEST(ParseScenario, RefusesInOneShortLine) {
+TEST(ParseScenario, ErrorIsOneShortLine) {
   EXPECT_EQ(refusal_of("\"na\\nme\": x\n" + kWorld).find("lab.yaml:1: na\\x0Ame: unknown key; "),
             0U);
   EXPECT_EQ(refusal_of("name: \"a\\eb\"\n" + kWorld + kRobot + kTargets),

@@ -151,7 +151,7 @@ TEST(RecordedArdupilot, RefusesToArmForTheSameReasons) {
   EXPECT_EQ(answers(emulated), answers(real));
 }
 
-TEST(RecordedArdupilot, ArmsAndDisarmsAtTheRecordedTimes) {
+TEST(EmulatedArdupilot, ArmsAndDisarmsAtTheRecordedTimes) {
   const Pair& pair = drill("ardupilot_arming");
   EXPECT_NEAR(pair.emulated.mark("idle"), pair.real.mark("idle"), 1.5);  // s since power-up
   EXPECT_GT(pair.real.mark("idle"), 22.0);

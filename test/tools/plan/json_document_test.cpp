@@ -194,7 +194,7 @@ TEST(ParseJson, RefusesYaml) {
   }
 }
 
-TEST(ParseJson, RefusesInOneShortLineOfText) {
+TEST(ParseJson, ErrorIsOneShortLine) {
   const std::string text(100'000, 'x');
   for (const std::string& broken :
        {"[\"" + text, "[\"" + text + "\xFF", "[\"" + text + "\n\"]", "[" + text + "]",
