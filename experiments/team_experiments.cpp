@@ -173,10 +173,11 @@ Sweep tracking_communication(const Extent& extent) {
     sweep.cases.push_back(
         {std::to_string(range_m), {.file = "field.yaml", .communication_range_m = range_m}});
   }
-  sweep.trends = {{kRmse, "RMSE of a robot", "m", "falls with the communication range"},
-                  {kEntropy, "entropy of a robot", "nats", "falls with the communication range"},
-                  {kDiscovery, "time until a robot discovers a target", "s",
-                   "falls with the communication range"}};
+  sweep.trends = {
+      {kRmse, "RMSE of a robot", "m", "falls with the communication range"},
+      {kEntropy, "entropy of a robot's beliefs", "nats", "falls with the communication range"},
+      {kDiscovery, "time until a robot discovers a target", "s",
+       "falls with the communication range"}};
   sweep.choices =
       choices_with("100 m stands for the published ∞: it exceeds the field's diagonal.");
   return sweep_of(std::move(sweep), extent);
@@ -198,8 +199,9 @@ Sweep tracking_time(const Extent& extent) {
                             .targets = 25,
                             .duration_s = 300.0}});
   }
-  sweep.trends = {{kRmse, "RMSE of a robot", "m", "falls with the planning time"},
-                  {kEntropy, "entropy of a robot", "nats", "falls with the planning time"}};
+  sweep.trends = {
+      {kRmse, "RMSE of a robot", "m", "falls with the planning time"},
+      {kEntropy, "entropy of a robot's beliefs", "nats", "falls with the planning time"}};
   sweep.choices =
       choices_with("The values of T_ARVI are illegible in the source. Here: 0.05 to 1 s.");
   return sweep_of(std::move(sweep), extent);
@@ -223,7 +225,7 @@ Sweep tracking_noise(const Extent& extent) {
   }
   sweep.is_improving = false;
   sweep.trends = {{kRmse, "RMSE of a robot", "m", "rises with the noise"},
-                  {kEntropy, "entropy of a robot", "nats", "rises with the noise"}};
+                  {kEntropy, "entropy of a robot's beliefs", "nats", "rises with the noise"}};
   sweep.choices = choices_with(
       "The swept values and T_max are illegible in the source. Here: (0.15 m, 5°) doubled three "
       "times, 500 s.");

@@ -115,9 +115,9 @@ std::optional<Event> event_of(const models::HostReport* before, const models::Ho
           return known.name == process.name && is_given_up(known);
         });
     if (is_given_up(process) && !was_known) {
-      return Event{
-          report.stamp.time, LogLevel::kError, "health",
-          fmt::format("{} on {} was given up ({})", process.name, report.host, process.last_end)};
+      return Event{report.stamp.time, LogLevel::kError, "health",
+                   fmt::format("{} on {} is no longer restarted ({})", process.name, report.host,
+                               process.last_end)};
     }
   }
   return std::nullopt;

@@ -225,7 +225,7 @@ std::vector<FittedMotion> fit_motion(std::span<const std::vector<TargetCourse>> 
   for (const MotionSample* sample : {&fitted, &held_back}) {
     for (const MotionMoments& moments : sample->moments[0]) {
       require(moments.samples > 0,
-              "fit-motion: too few target positions; the fitted and the held-back part "
+              "fit-motion: too few target positions; the fitted and the held-out part "
               "of the time each need more than 8 s");
     }
   }

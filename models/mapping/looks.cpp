@@ -36,7 +36,7 @@ Looks sum_of(std::span<const std::span<const std::int16_t>> all) {
 OccupancyBelief belief_of(const GridGeometry& geometry, std::span<const std::int16_t> looks,
                           const MappingSpec& spec) {
   require(looks.size() == static_cast<std::size_t>(geometry.size()),
-          "a map must have one look count per cell");
+          "a map must have one observation count per cell");
   OccupancyBelief belief(geometry, log_odds_of(spec.settled_probability));
   const double look_log_odds = log_odds_of(spec.look_probability);
   for (int cell = 0; cell < geometry.size(); ++cell) {

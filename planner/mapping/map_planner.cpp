@@ -51,7 +51,7 @@ MapPlanner::MapPlanner(const scenario::Scenario& scenario)
 MapPlan MapPlanner::plan(const SearchProblem& problem, const models::Looks& looks,
                          const std::vector<FixedTeammate>& teammates, const Deadline& deadline) {
   const auto cells = static_cast<std::size_t>(geometry_.size());
-  require(looks.empty() || looks.size() == cells, "map planner: must have one look count per cell");
+  require(looks.empty() || looks.size() == cells, "map planner: must have one observation count per cell");
   const models::OccupancyBelief belief =
       models::belief_of(geometry_, looks.empty() ? models::Looks(cells, 0) : looks, spec_);
   ViewTable views(belief, planned_, {});

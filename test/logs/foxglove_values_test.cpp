@@ -363,14 +363,14 @@ TEST(EventOf, ReportsAnAbandonedProcessOnce) {
   EXPECT_FALSE(event_of(nullptr, report));
   models::HostReport before = report;
   report.processes[1].phase = SupervisedPhase::kGivenUp;
-  const std::string first = "planner Q1 on AIR was given up (signal 9)";
+  const std::string first = "planner Q1 on AIR is no longer restarted (signal 9)";
   expect_event(event_of(nullptr, report), LogLevel::kError, "health", first);
   expect_event(event_of(&before, report), LogLevel::kError, "health", first);
   before = report;
   EXPECT_FALSE(event_of(&before, report));
   report.processes[2].phase = SupervisedPhase::kGivenUp;
   expect_event(event_of(&before, report), LogLevel::kError, "health",
-               "planner Q2 on AIR was given up (exit 1)");
+               "planner Q2 on AIR is no longer restarted (exit 1)");
 }
 
 TEST(HealthStory, ReportsOneBadSecondWithoutDuration) {

@@ -71,7 +71,7 @@ std::string yaml_of(const models::TargetModel& model) {
 }
 
 void print(const std::vector<logs::FittedMotion>& fits) {
-  std::string head = fmt::format("{:<18} {:>8} {:>10}", "model", "fitted", "held back");
+  std::string head = fmt::format("{:<18} {:>8} {:>10}", "model", "fitted", "held out");
   for (const double horizon_s : logs::kHorizons_s) {
     head += fmt::format(" {:>7}", fmt::format("{:g} s", horizon_s));
   }
@@ -89,7 +89,7 @@ void print(const std::vector<logs::FittedMotion>& fits) {
   print_line("");
   for (const logs::FittedMotion& fit : fits) {
     print_line(fmt::format("target_model: {}{}", yaml_of(fit.model),
-                           &fit == best ? "  # best on the held-back time" : ""));
+                           &fit == best ? "  # best on the held-out part of the recording" : ""));
   }
 }
 
@@ -119,8 +119,8 @@ nlohmann::ordered_json fits_to_json(const std::vector<logs::FittedMotion>& fits)
 bool draw(const std::vector<logs::FittedMotion>& fits, const std::string& picture) {
   const std::string script = std::filesystem::path(picture).replace_extension(".gp");
   const Result<std::string> drawn = draw_plot(
-      motion_plot_script(fits, "displacement of the targets in the held-back time", picture),
-      script, picture);
+      motion_plot_script(fits, "displacement of the targets in the held-out part", picture), script,
+      picture);
   if (!drawn.ok()) {
     print_line("vantage: " + drawn.error().message, stderr);
   }
@@ -176,7 +176,7 @@ void add_log_fit_motion_command(CLI::App& log, Runner& chosen) {
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
       "Each model predicts a target's position 0.5 to 8 s ahead from its position and velocity.\n"
-      "'fitted' and 'held back' are the mean log likelihood of a position in nats (higher is\n"
+      "'fitted' and 'held out' are the mean log likelihood of a position in nats (higher is\n"
       "better), in the time used for the fit and in the rest. The other columns are the NEES of\n"
       "predictions this far ahead in the rest; a consistent model has 2.\n"
       "Examples:\n"

@@ -93,7 +93,7 @@ std::vector<std::pair<std::string, std::optional<double>>> figures_of(
       {"RMSE of the team, m", summary.rmse_m},
       {"RMSE of a robot, m", robot.rmse_m},
       {"entropy of the team, nat", summary.entropy_nats},
-      {"entropy of a robot, nat", robot.entropy_nats},
+      {"entropy of a robot's beliefs, nat", robot.entropy_nats},
       {"NEES of a robot", robot.consistency.mean_nees},
       {"median NEES of a robot", robot.consistency.median_nees},
       {"share in the 95 % ellipse", robot.consistency.coverage_95}};

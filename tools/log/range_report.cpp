@@ -164,7 +164,7 @@ std::vector<std::string> to_lines(const RangeReport& report) {
   }
   if (report.held_back) {
     out.push_back(fmt::format(
-        "test on held-back ranges: {} innovations with mean NEES {:.2f} (expected 1), {} beyond "
+        "test on held-out ranges: {} innovations with mean NEES {:.2f} (expected 1), {} beyond "
         "4 sigma",
         report.held_back->honest, report.held_back->nees, report.held_back->outliers));
   }

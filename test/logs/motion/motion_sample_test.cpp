@@ -217,7 +217,7 @@ TEST(FitMotion, RequiresEightSecondsOfEachPart) {
     return std::vector<std::vector<TargetCourse>>{{course_of(0, steps, wobble)}};
   };
   EXPECT_EQ(why_not(logs(268), 0.7),
-            "fit-motion: too few target positions; the fitted and the held-back part of the time "
+            "fit-motion: too few target positions; the fitted and the held-out part of the time "
             "each need more than 8 s");
   EXPECT_EQ(why_not(logs(269), 0.7), "") << "81 steps are held back";
   EXPECT_NE(why_not(logs(268), 0.3), "");
