@@ -7,6 +7,7 @@
 #include "estimator/posterior_moments.hpp"
 #include "estimator/view_limits.hpp"
 #include "models/sensor/law.hpp"
+#include "models/target/law.hpp"
 
 namespace vantage::estimator {
 
@@ -138,8 +139,8 @@ bool shift_position(Information& belief, const PositionPrior& prior,
 std::optional<Information> propagate(const models::TargetModel& model, double step_s,
                                      const Information& information, Time last_seen, Time from,
                                      Time to) {
-  // For a static target the inversion would change nothing but add rounding errors.
-  if (to == from || model.kind == models::TargetKind::kStatic) {
+  // For a constant state the inversion would change nothing but add rounding errors.
+  if (to == from || model.kind.law().is_constant) {
     return information;
   }
   const std::optional<models::Gaussian> belief = models::to_gaussian(information);
@@ -237,9 +238,8 @@ std::optional<Information> discover(const scenario::EstimatorSpec& spec,
   models::Gaussian found{models::StateVector::Zero(dim), models::StateMatrix::Zero(dim, dim)};
   found.mean.head(n) = seen->mean_m;
   found.covariance.topLeftCorner(n, n) = seen->covariance_m2;
-  if (spec.target_model.kind == models::TargetKind::kDampedOscillator) {
-    found.covariance.diagonal().tail<2>() =
-        spec.target_model.surroundings.velocity_sigma_mps.cwiseAbs2();
+  if (const auto velocity_variance = spec.target_model.kind.law().velocity_variance) {
+    found.covariance.diagonal().tail<2>() = velocity_variance(spec.target_model);
   } else {
     found.covariance.diagonal().tail(dim - n).setConstant(spec.prior_velocity_sigma_mps *
                                                           spec.prior_velocity_sigma_mps);

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "core/angle.hpp"
+#include "models/target/law.hpp"
 
 // P position rows, N state rows, Z measurement rows. All matrices have a maximum size that is known
 // at compile time, so they do not use the heap.
@@ -72,7 +73,7 @@ Gaussian predict(const Gaussian& belief, const StateMatrix& A, const StateMatrix
 
 Gaussian predict(const Gaussian& belief, const TargetModel& model, double dt_s) {
   Gaussian predicted = predict(belief, model.transition(dt_s), model.process_noise(dt_s));
-  if (model.kind == TargetKind::kDampedOscillator) {
+  if (model.kind.law().center_m != nullptr) {
     predicted.mean = model.expected(belief.mean, dt_s);
   }
   return predicted;
@@ -80,7 +81,7 @@ Gaussian predict(const Gaussian& belief, const TargetModel& model, double dt_s) 
 
 Gaussian predict_unseen(const Gaussian& belief, const TargetModel& model, double dt_s,
                         double unseen_s, double step_s) {
-  if (model.kind != TargetKind::kGrowingUncertainty) {
+  if (model.kind.law().unseen_noise == nullptr) {
     return predict(belief, model, dt_s);
   }
   return predict(belief, model.transition(dt_s),

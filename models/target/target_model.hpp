@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "core/linear.hpp"
+#include "models/target/kind.hpp"
 
 namespace vantage::models {
 
@@ -13,15 +14,6 @@ inline constexpr int kMaxTargetDim = 4;
 using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, kUnaligned, kMaxTargetDim, 1>;
 using StateMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, kUnaligned, kMaxTargetDim, kMaxTargetDim>;
-
-enum class TargetKind {
-  kStatic,              ///< y' = y
-  kRandomWalk,          ///< y' = y + w, W = qτ I
-  kDoubleIntegrator,    ///< (y₁, y₂, ẏ₁, ẏ₂) with white acceleration of density q
-  kGrowingUncertainty,  ///< y' = y + w, W = q k I; k: number of steps since the target was last
-                        ///< seen, at the start of the step
-  kDampedOscillator,    ///< (y₁, y₂, ẏ₁, ẏ₂), confined to an area; see Surroundings
-};
 
 /// Parameters of a damped oscillator on each axis: ÿ = −(σ_v²/σ_p²)(y − c) − γ ẏ + white noise of
 /// density 2 γ σ_v². Its stationary distribution has position N(c, σ_p²) and velocity N(0, σ_v²),
@@ -35,23 +27,20 @@ struct Surroundings {
   bool operator==(const Surroundings&) const = default;
 };
 
-/// Linear motion of one target, y' = c + A (y − c) + w, w ~ N(0, W); c = 0 except for a damped
-/// oscillator. The position is the first `position_dim` components of the state.
-/// Source: dissertation ch. 2 H, 3.4, 4.2, F.3; oscillator: Uhlenbeck, Ornstein, On the theory of
-/// the Brownian motion (1930), part II.
+/// Linear motion of one target, y' = c + A (y − c) + w, w ~ N(0, W); see TargetLaw for A, c and W
+/// of each kind. The position is the first `position_dim` components of the state. Source:
+/// dissertation ch. 2 H, 3.4, 4.2, F.3.
 struct TargetModel {
   TargetKind kind = TargetKind::kRandomWalk;
   int position_dim = 2;  ///< 2 or 3; models with a velocity are planar
   double q = 0.0;  ///< process noise: m²/s for a random walk, m²/s³ for a double integrator, m² for
-                   ///< growing
+                   ///< growing uncertainty; other kinds do not use it
   Surroundings surroundings = {};  ///< damped oscillator only
 
   bool operator==(const TargetModel&) const = default;
 
-  /// True if the state has a velocity: double integrator and damped oscillator.
-  [[nodiscard]] bool has_velocity() const {
-    return kind == TargetKind::kDoubleIntegrator || kind == TargetKind::kDampedOscillator;
-  }
+  /// True if the state has a velocity.
+  [[nodiscard]] bool has_velocity() const;
   /// Returns the rows of the state: 4 with a velocity, else position_dim.
   [[nodiscard]] int dim() const;
   /// Returns A, dim × dim.
@@ -60,9 +49,10 @@ struct TargetModel {
   [[nodiscard]] StateVector expected(const StateVector& y, double dt_s) const;
   /// Returns W, dim × dim. `steps_unseen` only affects growing uncertainty.
   [[nodiscard]] StateMatrix process_noise(double dt_s, int steps_unseen = 1) const;
-  /// Returns W of growing uncertainty from `from_steps` to `to_steps` after the target was last
-  /// seen: q (g(to) − g(from)) I. g(k) = Σ j over integers j < k, interpolated linearly between
-  /// integers, so that partial steps add up. Precondition: 0 ≤ from_steps ≤ to_steps.
+  /// Returns W from `from_steps` to `to_steps` after the target was last seen, for a kind whose
+  /// noise depends on that time (TargetLaw::unseen_noise). Growing uncertainty: q (g(to) − g(from))
+  /// I, g(k) = Σ j over integers j < k, interpolated linearly between integers, so that partial
+  /// steps add up. Precondition: 0 ≤ from_steps ≤ to_steps.
   [[nodiscard]] StateMatrix grown_noise(double from_steps, double to_steps) const;
   /// Returns the model used in planning. Growing uncertainty becomes a random walk with the noise
   /// of the next step, because the planned measurements decide when the growth ends. Other models

@@ -41,11 +41,13 @@ struct AxisMotion {
   double position = 0.0;
   double cross = 0.0;
   double velocity = 0.0;
+
+  bool operator==(const AxisMotion&) const = default;
 };
 
 /// One step of prediction: the distinct entries of the target model's A and W. A freely moving
-/// target (A = [1 step_s; 0 1] on both axes) has one W for both axes. A damped oscillator
-/// (`is_bound`) has its own A and W on each axis.
+/// target (A = [1 step_s; 0 1] on both axes) has one W for both axes. Any other motion, such as
+/// that of a damped oscillator (`is_bound`), has its own A and W on each axis.
 struct StepMotion {
   double step_s = 0.5;
   double position = 0.0;  ///< added to the diagonal of P

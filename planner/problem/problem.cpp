@@ -1,9 +1,11 @@
 #include "planner/problem/problem.hpp"
 
 #include <cmath>
+#include <string>
 
 #include "core/check.hpp"
 #include "core/infinity.hpp"
+#include "models/target/law.hpp"
 
 namespace vantage::planner {
 
@@ -29,16 +31,8 @@ void require_valid(const models::SensorModel& sensor) {
 
 void require_valid(const SearchTarget& target) {
   const models::TargetModel& model = target.model;
-  demand(model.position_dim == 2 || (model.position_dim == 3 && !model.has_velocity()),
-         "search: position_dim must be 2, or 3 for a model without velocity");
-  demand(is_not_negative(model.q), "search: a target's q must be ≥ 0");
-  if (model.kind == models::TargetKind::kDampedOscillator) {
-    const models::Surroundings& around = model.surroundings;
-    for (Eigen::Index i = 0; i < 2; ++i) {
-      demand(std::isfinite(around.center_m(i)) && is_positive(around.position_sigma_m(i)) &&
-                 is_positive(around.velocity_sigma_mps(i)) && is_positive(around.damping_per_s(i)),
-             "search: a damped oscillator's center must be finite, its sigmas and damping > 0");
-    }
+  if (const auto rule = models::broken_rule(model)) {
+    throw UsageError("search: target model: " + std::string(*rule));
   }
   const models::StateMatrix& covariance = target.prior.covariance;
   demand(target.prior.mean.size() == target.model.dim() &&

@@ -5,6 +5,7 @@
 
 #include "core/check.hpp"
 #include "models/sensor/law.hpp"
+#include "models/target/law.hpp"
 #include "planner/search/astar.hpp"
 #include "planner/search/beam.hpp"
 
@@ -130,7 +131,7 @@ const Algorithm& algorithm_called(std::string_view name) {
 
 std::string_view default_algorithm(const SearchProblem& problem) {
   const auto stands_still = [](const SearchTarget& target) {
-    return target.model.kind == models::TargetKind::kStatic;
+    return target.model.kind.law().is_constant;
   };
   const auto only_ranges = [](const models::SensorModel& sensor) {
     const models::SensorLaw& law = sensor.kind.law();

@@ -81,8 +81,7 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
       }
     }
     has_fixed_.push_back(fixed ? 1 : 0);
-    const bool still =
-        stays && (target.model.q == 0.0 || target.model.kind == models::TargetKind::kStatic);
+    const bool still = stays && target.model.process_noise(problem.step_s).isZero(0.0);
     only_own_looks_.push_back(still && !fixed ? 1 : 0);
   }
   ways_.reset(sight_world(problem), points_);  // no detours if sensors see over obstacles

@@ -1,5 +1,6 @@
 #include <map>
 #include <random>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -12,7 +13,7 @@
 #include "models/belief/gaussian.hpp"
 #include "models/motion/unicycle.hpp"
 #include "models/sensor/sensor.hpp"
-#include "models/target/target_model.hpp"
+#include "models/target/law.hpp"
 #include "models/world/world.hpp"
 #include "python/binding/bind.hpp"
 
@@ -20,42 +21,18 @@ namespace vantage::python {
 namespace {
 
 using models::Gaussian;
-using models::SensorKind;
 using models::SensorModel;
-using models::TargetKind;
 using models::TargetModel;
 using models::Viewpoint;
 using models::World;
 
 template <class Kind>
-std::string word_of_kind(Kind kind, const std::map<std::string, Kind>& kinds) {
-  for (const auto& [name, each] : kinds) {
-    if (each == kind) {
-      return name;
-    }
+std::map<std::string, Kind> by_name(std::span<const Kind> kinds) {
+  std::map<std::string, Kind> named;
+  for (const Kind kind : kinds) {
+    named.emplace(kind.name(), kind);
   }
-  return "";
-}
-
-const std::map<std::string, TargetKind>& target_kinds() {
-  static const std::map<std::string, TargetKind> kKinds{
-      {"static", TargetKind::kStatic},
-      {"random_walk", TargetKind::kRandomWalk},
-      {"double_integrator", TargetKind::kDoubleIntegrator},
-      {"growing_uncertainty", TargetKind::kGrowingUncertainty},
-      {"damped_oscillator", TargetKind::kDampedOscillator}};
-  return kKinds;
-}
-
-const std::map<std::string, SensorKind>& sensor_kinds() {
-  static const std::map<std::string, SensorKind> kKinds = [] {
-    std::map<std::string, SensorKind> kinds;
-    for (const SensorKind kind : models::all_sensor_kinds()) {
-      kinds.emplace(kind.name(), kind);
-    }
-    return kinds;
-  }();
-  return kKinds;
+  return named;
 }
 
 Viewpoint viewpoint_of(const Doubles& from) {
@@ -171,17 +148,14 @@ TargetModel("damped_oscillator", center_m, position_sigma_m, velocity_sigma_mps,
       .def(py::init([](const std::string& kind, double q, int position_dim, const Doubles& center_m,
                        const Doubles& position_sigma_m, const Doubles& velocity_sigma_mps,
                        const Doubles& damping_per_s) {
-             require(q >= 0.0, "q: must be ≥ 0");
-             require(position_dim == 2 || position_dim == 3, "position_dim: must be 2 or 3");
-             TargetModel model{kind_of(kind, target_kinds()), position_dim, q};
-             require(!model.has_velocity() || position_dim == 2,
-                     "position_dim: must be 2 for a model with a velocity, is 3");
-             model.surroundings = {point_of(center_m), point_of(position_sigma_m),
-                                   point_of(velocity_sigma_mps), point_of(damping_per_s)};
-             require(model.surroundings.position_sigma_m.minCoeff() > 0.0 &&
-                         model.surroundings.velocity_sigma_mps.minCoeff() > 0.0 &&
-                         model.surroundings.damping_per_s.minCoeff() > 0.0,
-                     "sigmas and damping: must be > 0");
+             TargetModel model{kind_of(kind, by_name(models::all_target_kinds())),
+                               position_dim,
+                               q,
+                               {point_of(center_m), point_of(position_sigma_m),
+                                point_of(velocity_sigma_mps), point_of(damping_per_s)}};
+             if (const auto rule = models::broken_rule(model)) {
+               throw UsageError(std::string(*rule));
+             }
              return model;
            }),
            py::arg("kind") = "random_walk", py::kw_only(), py::arg("q") = 0.0,
@@ -189,8 +163,7 @@ TargetModel("damped_oscillator", center_m, position_sigma_m, velocity_sigma_mps,
            py::arg("position_sigma_m") = std::vector<double>{1.0, 1.0},
            py::arg("velocity_sigma_mps") = std::vector<double>{1.0, 1.0},
            py::arg("damping_per_s") = std::vector<double>{1.0, 1.0})
-      .def_property_readonly(
-          "kind", [](const TargetModel& m) { return word_of_kind(m.kind, target_kinds()); })
+      .def_property_readonly("kind", [](const TargetModel& m) { return m.kind.name(); })
       .def_readonly("q", &TargetModel::q)
       .def_readonly("position_dim", &TargetModel::position_dim)
       .def_property_readonly("dim", &TargetModel::dim, "n, dimension of the state.")
@@ -218,7 +191,7 @@ from body x; range_bearing: (m, rad); camera: pixels.)");
   sensor
       .def(py::init([](const std::string& kind, const py::kwargs& fields) {
              SensorModel model;
-             model.kind = kind_of(kind, sensor_kinds());
+             model.kind = kind_of(kind, by_name(models::all_sensor_kinds()));
              py::object self = py::cast(model);
              for (const auto& [name, value] : fields) {
                if (!py::hasattr(self, name)) {
@@ -229,8 +202,7 @@ from body x; range_bearing: (m, rad); camera: pixels.)");
              return py::cast<SensorModel>(self);
            }),
            py::arg("kind") = "range_bearing")
-      .def_property_readonly(
-          "kind", [](const SensorModel& s) { return word_of_kind(s.kind, sensor_kinds()); })
+      .def_property_readonly("kind", [](const SensorModel& s) { return s.kind.name(); })
       .def_readwrite("range_max_m", &SensorModel::range_max_m)
       .def_readwrite("range_min_m", &SensorModel::range_min_m)
       .def_readwrite("fov_rad", &SensorModel::fov_rad, "Full opening angle.")

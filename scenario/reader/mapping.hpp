@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,6 +42,15 @@ class Mapping {
     if (const std::optional<Value> found = find(key)) {
       value = found->word(vocabulary);
     }
+  }
+  /// Reads the name() of one of `kinds`.
+  template <class Kind>
+  void word(std::string_view key, Kind& value, std::span<const Kind> kinds) {
+    std::vector<std::pair<std::string_view, Kind>> vocabulary;
+    for (const Kind kind : kinds) {
+      vocabulary.emplace_back(kind.name(), kind);
+    }
+    word(key, value, vocabulary);
   }
   /// If there is a mapping under `key`, calls `read` with it and returns true.
   bool section(std::string_view key, const std::function<void(Mapping&)>& read);

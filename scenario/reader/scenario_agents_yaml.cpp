@@ -77,11 +77,7 @@ void check_sensor(Mapping& from, const SensorModel& sensor) {
 }
 
 void read_sensor(Mapping& from, SensorModel& sensor, models::DetectionModel& detection) {
-  std::vector<std::pair<std::string_view, SensorKind>> kinds;
-  for (const SensorKind kind : models::all_sensor_kinds()) {
-    kinds.emplace_back(kind.name(), kind);
-  }
-  from.word("kind", sensor.kind, kinds);
+  from.word("kind", sensor.kind, models::all_sensor_kinds());
   from.number("range_max_m", sensor.range_max_m, above_to(0.0, kLengthMaxM));
   from.number("range_min_m", sensor.range_min_m, at_least(0.0));
   from.angle("fov", sensor.fov_rad, above_to(0.0, 360.0));

@@ -123,21 +123,12 @@ void read_surroundings(Mapping& from, const models::World& world,
 }
 
 void read_target_model(Mapping& from, const models::World& world, models::TargetModel& model) {
-  using models::TargetKind;
-  from.word("kind", model.kind,
-            {{"static", TargetKind::kStatic},
-             {"random_walk", TargetKind::kRandomWalk},
-             {"double_integrator", TargetKind::kDoubleIntegrator},
-             {"growing_uncertainty", TargetKind::kGrowingUncertainty},
-             {"damped_oscillator", TargetKind::kDampedOscillator}});
+  from.word("kind", model.kind, models::all_target_kinds());
   from.integer("position_dim", model.position_dim, 2, 3);
   from.number("q", model.q, at_least(0.0));
   read_surroundings(from, world, model.surroundings);
   if (model.has_velocity() && model.position_dim != 2) {
-    from.refuse("position_dim",
-                fmt::format("must be 2 for a {}, is 3", model.kind == TargetKind::kDoubleIntegrator
-                                                            ? "double integrator"
-                                                            : "damped oscillator"));
+    from.refuse("position_dim", fmt::format("must be 2 for kind {}, is 3", model.kind.name()));
   }
 }
 

@@ -14,6 +14,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 #include "test/support/own_sensor.hpp"
+#include "test/support/own_target.hpp"
 
 namespace vantage::estimator {
 namespace {
@@ -27,9 +28,10 @@ using vantage::test::is_near;
 const models::Surroundings kLabSurroundings{{0.5, -0.5}, {1.75, 0.83}, {0.4, 0.25}, {0.3, 0.5}};
 
 TEST(Propagate, TwoPartsEqualOnePart) {
-  for (const TargetKind kind :
-       {TargetKind::kStatic, TargetKind::kRandomWalk, TargetKind::kDoubleIntegrator,
-        TargetKind::kGrowingUncertainty, TargetKind::kDampedOscillator}) {
+  const auto all = models::all_target_kinds();
+  std::vector<TargetKind> kinds(all.begin(), all.end());
+  kinds.push_back(test::drag());
+  for (const TargetKind kind : kinds) {
     const models::TargetModel model{kind, 2, 0.3, kLabSurroundings};
     const Eigen::Index n = model.dim();
     const auto belief = models::to_information({models::StateVector::LinSpaced(n, -1.0, 2.0),

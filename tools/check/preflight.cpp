@@ -13,6 +13,7 @@
 #include "drivers/safety/limits.hpp"
 #include "drivers/safety/plan_check.hpp"
 #include "models/plan/plan.hpp"
+#include "models/target/law.hpp"
 #include "models/world/world.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 #include "scenario/search_name.hpp"
@@ -288,18 +289,16 @@ void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
 void note_static_model_of_moving_targets(const Scenario& scenario,
                                          std::vector<std::string>& notes) {
   const models::TargetModel& believed = scenario.estimator.target_model;
-  const bool is_believed_to_stand =
-      believed.kind == models::TargetKind::kStatic ||
-      (believed.kind != models::TargetKind::kDampedOscillator && believed.q == 0.0);
+  const models::TargetLaw& law = believed.kind.law();
+  const bool is_believed_to_stand = law.is_constant || (law.uses_q && believed.q == 0.0);
   if (!is_believed_to_stand || scenario.targets.empty() ||
       scenario.target_truth.motion == scenario::TargetMotion::kStill) {
     return;
   }
-  const std::string_view way = believed.kind == models::TargetKind::kStatic ? "kind static" : "q 0";
   notes.push_back(fmt::format(
       "beliefs will be far too certain: the targets move, but the estimator assumes that they are "
       "stationary (estimator.target_model: {}); use the model that `vantage log fit-motion` finds",
-      way));
+      law.is_constant ? fmt::format("kind {}", law.name) : "q 0"));
 }
 
 }  // namespace

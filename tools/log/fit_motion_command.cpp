@@ -14,6 +14,7 @@
 #include "core/write_file.hpp"
 #include "logs/file/message_visit.hpp"
 #include "logs/motion/motion_fit.hpp"
+#include "models/target/law.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 #include "tools/log/log_plot.hpp"
@@ -57,17 +58,17 @@ std::vector<logs::TargetCourse> courses_of(const logs::IndexedLog& log,
 
 /// Returns the model as YAML for a scenario file.
 std::string yaml_of(const models::TargetModel& model) {
-  if (model.kind != models::TargetKind::kDampedOscillator) {
-    return fmt::format("{{kind: {}, q: {:.3g}}}", kind_word(model), model.q);
+  if (!model.kind.law().uses_oscillator) {
+    return fmt::format("{{kind: {}, q: {:.3g}}}", model.kind.name(), model.q);
   }
   const models::Surroundings& around = model.surroundings;
   const auto pair = [](const Eigen::Vector2d& of) {
     return fmt::format("[{:.3g}, {:.3g}]", of.x(), of.y());
   };
   return fmt::format(
-      "{{kind: damped_oscillator, position_sigma_m: {}, velocity_sigma_mps: {}, damping_per_s: "
-      "{}}}",
-      pair(around.position_sigma_m), pair(around.velocity_sigma_mps), pair(around.damping_per_s));
+      "{{kind: {}, position_sigma_m: {}, velocity_sigma_mps: {}, damping_per_s: {}}}",
+      model.kind.name(), pair(around.position_sigma_m), pair(around.velocity_sigma_mps),
+      pair(around.damping_per_s));
 }
 
 void print(const std::vector<logs::FittedMotion>& fits) {
@@ -78,7 +79,7 @@ void print(const std::vector<logs::FittedMotion>& fits) {
   print_line(head);
   const logs::FittedMotion* best = &fits.front();
   for (const logs::FittedMotion& fit : fits) {
-    std::string line = fmt::format("{:<18} {:>8.3f} {:>10.3f}", kind_word(fit.model),
+    std::string line = fmt::format("{:<18} {:>8.3f} {:>10.3f}", fit.model.kind.name(),
                                    fit.fitted.nats, fit.held_back.nats);
     for (const double nees : fit.held_back.nees) {
       line += fmt::format(" {:>7.2f}", nees);
@@ -97,11 +98,11 @@ nlohmann::ordered_json fits_to_json(const std::vector<logs::FittedMotion>& fits)
   nlohmann::ordered_json json;
   json["horizons_s"] = logs::kHorizons_s;
   for (const logs::FittedMotion& fit : fits) {
-    nlohmann::ordered_json one = {{"kind", kind_word(fit.model)},
+    nlohmann::ordered_json one = {{"kind", fit.model.kind.name()},
                                   {"fitted_nats", fit.fitted.nats},
                                   {"held_back_nats", fit.held_back.nats},
                                   {"held_back_nees", fit.held_back.nees}};
-    if (fit.model.kind == models::TargetKind::kDampedOscillator) {
+    if (fit.model.kind.law().uses_oscillator) {
       const models::Surroundings& around = fit.model.surroundings;
       const auto pair = [](const Eigen::Vector2d& of) { return std::vector{of.x(), of.y()}; };
       one["center_m"] = pair(around.center_m);

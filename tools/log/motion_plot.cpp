@@ -8,17 +8,6 @@
 
 namespace vantage::tools {
 
-std::string kind_word(const models::TargetModel& model) {
-  switch (model.kind) {
-    case models::TargetKind::kDoubleIntegrator:
-      return "double_integrator";
-    case models::TargetKind::kDampedOscillator:
-      return "damped_oscillator";
-    default:
-      return "random_walk";
-  }
-}
-
 std::string motion_plot_script(const std::vector<logs::FittedMotion>& fits,
                                const std::string& title, const std::string& picture_path) {
   std::string out;
@@ -49,7 +38,7 @@ std::string motion_plot_script(const std::vector<logs::FittedMotion>& fits,
     out += " using 1:2 with points pt 7 ps 1.2 lt 1 title 'measured'";
     for (std::size_t m = 0; m < fits.size(); ++m) {
       out += fmt::format(", '' using 1:{} with lines lw 2 lt {} title {}", m + 3, m + 2,
-                         gnuplot_text(kind_word(fits[m].model)));
+                         gnuplot_text(std::string(fits[m].model.kind.name())));
     }
     out += "\n";
   }

@@ -7,9 +7,6 @@
 
 namespace vantage::tools {
 
-/// Returns the kind of a fitted model as in a scenario file.
-std::string kind_word(const models::TargetModel& model);
-
 /// Returns a gnuplot script with its data that draws into `picture_path`. The plot shows the
 /// root mean square displacement of targets over the prediction horizon, as measured in the
 /// held-out part of the logs and as predicted by each model. Pure.

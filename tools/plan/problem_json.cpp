@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "models/target/law.hpp"
 #include "planner/search/expander.hpp"
 #include "scenario/reader/mapping.hpp"
 #include "tools/plan/json_document.hpp"
@@ -120,20 +121,37 @@ void read_sensor(Mapping& keys, models::SensorModel& sensor) {
   }
 }
 
+/// The target models of problem files: those without parameters but q. "_2d" follows their name.
+std::vector<std::pair<std::string_view, models::TargetKind>> planar_kinds() {
+  static const std::vector<std::string> kNames = [] {
+    std::vector<std::string> names;
+    for (const models::TargetKind kind : models::all_target_kinds()) {
+      names.push_back(std::string(kind.name()) + "_2d");
+    }
+    return names;
+  }();
+  std::vector<std::pair<std::string_view, models::TargetKind>> kinds;
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    const models::TargetKind kind = models::all_target_kinds()[i];
+    if (!kind.law().uses_oscillator && kind.law().unseen_noise == nullptr) {
+      kinds.emplace_back(kNames[i], kind);
+    }
+  }
+  return kinds;
+}
+
 /// Reads the model and the prior covariance that all targets share.
 planner::SearchTarget read_target_model(Mapping& keys) {
   planner::SearchTarget target;
   models::TargetModel& model = target.model;
-  keys.word("target_model", model.kind,
-            {{"static_2d", models::TargetKind::kStatic},
-             {"double_integrator_2d", models::TargetKind::kDoubleIntegrator}});
+  keys.word("target_model", model.kind, planar_kinds());
   double q = 0.0;
   keys.number("q", q, scenario::from_to(0.0, kFar_m));
-  if (model.kind == models::TargetKind::kDoubleIntegrator) {
+  if (model.kind.law().uses_q) {
     keys.require("q");
     model.q = q;
   } else if (q != 0.0) {
-    keys.refuse("q", fmt::format("must be 0 for static_2d targets, which do not move; is {}", q));
+    keys.refuse("q", fmt::format("must be 0 for {}_2d targets, is {}", model.kind.name(), q));
   }
   target.prior.covariance = models::StateMatrix::Zero(model.dim(), model.dim());
   if (const std::optional<Value> prior = keys.find_required("prior_cov_diag")) {

@@ -5,6 +5,7 @@
 
 #include "models/target/target_model.hpp"
 #include "test/support/near.hpp"
+#include "test/support/own_target.hpp"
 
 namespace vantage::models {
 namespace {
@@ -22,6 +23,7 @@ const TargetModel kModels[] = {
     {TargetKind::kGrowingUncertainty, 3, 0.3},
     {TargetKind::kDampedOscillator, 2, 0.0, kSwings},
     {TargetKind::kDampedOscillator, 2, 0.0, kOnTheEdge},
+    {test::drag(), 2, 0.3},
 };
 
 // Returns the stationary covariance of an oscillator: N(c, σ_p²), N(0, σ_v²).
@@ -32,8 +34,8 @@ StateMatrix stationary(const Surroundings& around) {
 }
 
 TEST(TargetModel, HasTheDimensionOfItsState) {
-  const int expected[] = {2, 3, 2, 3, 4, 3, 4, 4};
-  for (int i = 0; i < 8; ++i) {
+  const int expected[] = {2, 3, 2, 3, 4, 3, 4, 4, 4};
+  for (int i = 0; i < 9; ++i) {
     EXPECT_EQ(kModels[i].dim(), expected[i]);
     EXPECT_EQ(kModels[i].transition(0.5).rows(), expected[i]);
     EXPECT_EQ(kModels[i].process_noise(0.5).cols(), expected[i]);

@@ -9,6 +9,7 @@
 #include "planner/problem/belief_table.hpp"
 #include "test/planner/problem/random_problem.hpp"
 #include "test/support/near.hpp"
+#include "test/support/own_target.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -80,8 +81,9 @@ TEST(BlockKernels, PredictLikeTheModels) {
   for_random_blocks([](const Case& c, std::mt19937_64& rng) {
     models::TargetModel model;
     model.kind = c.layout != BlockLayout::kMoving ? models::TargetKind::kRandomWalk
-                 : pick(rng, 0, 1) == 0           ? models::TargetKind::kDoubleIntegrator
-                                                  : models::TargetKind::kDampedOscillator;
+                 : pick(rng, 0, 2) == 0           ? models::TargetKind::kDoubleIntegrator
+                 : pick(rng, 0, 1) == 0           ? models::TargetKind::kDampedOscillator
+                                                  : test::drag();
     model.surroundings = test::random_surroundings(rng);
     model.position_dim = position_dim(c.layout);
     model.q = uniform(rng, 0.0, 1.0);

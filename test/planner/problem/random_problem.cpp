@@ -5,6 +5,8 @@
 
 #include <Eigen/QR>
 
+#include "test/support/own_target.hpp"
+
 namespace vantage::test {
 namespace {
 
@@ -34,10 +36,14 @@ models::SensorModel random_sensor(std::mt19937_64& rng) {
 
 planner::SearchTarget random_target(std::mt19937_64& rng) {
   planner::SearchTarget target;
-  target.model.kind = static_cast<models::TargetKind>(pick(rng, 0, 3));
+  target.model.kind = models::all_target_kinds()[static_cast<std::size_t>(pick(rng, 0, 3))];
   const bool moves = target.model.kind == models::TargetKind::kDoubleIntegrator;
   target.model.position_dim = moves || pick(rng, 0, 2) > 0 ? 2 : 3;
   target.model.q = target.model.kind == models::TargetKind::kStatic ? 0.0 : uniform(rng, 0.0, 0.05);
+  constexpr double kDragAbove = 0.035;  // so that a third of the moving targets has a user's law
+  if (moves && target.model.q > kDragAbove) {
+    target.model.kind = drag();
+  }
   const int n = target.model.dim();
   target.prior.mean = models::StateVector::Zero(n);
   target.prior.mean(0) = uniform(rng, -5.0, 5.0);

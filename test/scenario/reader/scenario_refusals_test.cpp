@@ -280,16 +280,18 @@ TEST(ParseScenario, RefusesContradictingKeys) {
   EXPECT_EQ(refusal_of(good + kRobot), "accepted");
   EXPECT_EQ(refusal_of(good + kRobot + "mocap: 5\n"),
             "lab.yaml:5: mocap: must be a mapping of keys to values");
-  EXPECT_EQ(refusal_of(good + kRobot +
-                       "estimator:\n  target_model: {kind: double_integrator,\n"
-                       "    position_dim: 3}\n"),
-            "lab.yaml:7: estimator.target_model.position_dim: must be 2 for a double integrator, "
-            "is 3");
-  EXPECT_EQ(refusal_of(good + kRobot +
-                       "estimator:\n  target_model: {kind: damped_oscillator,\n"
-                       "    position_dim: 3}\n"),
-            "lab.yaml:7: estimator.target_model.position_dim: must be 2 for a damped oscillator, "
-            "is 3");
+  EXPECT_EQ(
+      refusal_of(good + kRobot +
+                 "estimator:\n  target_model: {kind: double_integrator,\n"
+                 "    position_dim: 3}\n"),
+      "lab.yaml:7: estimator.target_model.position_dim: must be 2 for kind double_integrator, "
+      "is 3");
+  EXPECT_EQ(
+      refusal_of(good + kRobot +
+                 "estimator:\n  target_model: {kind: damped_oscillator,\n"
+                 "    position_dim: 3}\n"),
+      "lab.yaml:7: estimator.target_model.position_dim: must be 2 for kind damped_oscillator, "
+      "is 3");
   EXPECT_EQ(refusal_of(good + "robot_defaults: {primitives: lab, sensor: {kind: range}}\n"
                               "robots:\n"
                               "  - {name: A, start: {x_m: 2, y_m: 2}}\n"
