@@ -3,21 +3,9 @@
 #include <string>
 
 #include "scenario/device_source.hpp"
+#include "scenario/mocap_protocol.hpp"
 
 namespace vantage::scenario {
-
-/// Protocol of a mocap server.
-enum class MocapProtocol {
-  kDataStream,    ///< Vicon DataStream, TCP: Tracker, Nexus, Blade, Shogun, Evoke
-  kObjectStream,  ///< Vicon Tracker's UDP object stream
-  kVrpn,          ///< VRPN over TCP
-};
-
-/// Returns the protocol's name in scenario files and flags: "datastream", "object_stream" or
-/// "vrpn".
-const char* name_of(MocapProtocol protocol);
-/// Returns the protocol's default port: 801 (DataStream), 51001 (object stream) or 3883 (VRPN).
-int default_port(MocapProtocol protocol);
 
 /// Transmission mode of a DataStream.
 enum class StreamMode {
@@ -49,7 +37,7 @@ struct MocapSpec {
   double gate_speed_mps = 10.0;   ///< a pose that implies a higher speed is rejected; 0: off
   double gate_turn_radps = 20.0;  ///< a pose that implies a higher turn rate is rejected; 0: off
 
-  [[nodiscard]] int actual_port() const { return port > 0 ? port : default_port(protocol); }
+  [[nodiscard]] int actual_port() const { return port > 0 ? port : protocol.default_port(); }
 };
 
 }  // namespace vantage::scenario

@@ -3,15 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "drivers/vicon/datastream_session.hpp"
-#include "drivers/vicon/object_stream_session.hpp"
-#include "drivers/vicon/vrpn_session.hpp"
+#include "drivers/vicon/session_table.hpp"
 #include "wire/vicon/identify.hpp"
 
 namespace vantage::drivers::vicon {
 namespace {
-
-using scenario::MocapProtocol;
 
 constexpr Duration kBackOffMin = std::chrono::milliseconds(100);
 constexpr Duration kBackOffMax = std::chrono::seconds(2);
@@ -21,19 +17,6 @@ constexpr Duration kOpeningMax = std::chrono::seconds(3);
 constexpr Duration kSilenceMax = std::chrono::seconds(3);
 constexpr Duration kNoFrameHint = std::chrono::seconds(2);
 constexpr std::size_t kFirstBytes = 64;
-
-std::unique_ptr<Session> make_session(const scenario::MocapSpec& spec, FrameSink sink) {
-  const bool is_y_up = spec.up_axis == scenario::UpAxis::kY;
-  switch (spec.protocol) {
-    case MocapProtocol::kObjectStream:
-      return std::make_unique<ObjectStreamSession>(is_y_up, std::move(sink));
-    case MocapProtocol::kVrpn:
-      return std::make_unique<VrpnSession>(is_y_up, std::move(sink));
-    case MocapProtocol::kDataStream:
-      break;
-  }
-  return std::make_unique<DataStreamSession>(spec.mode, spec.up_axis, std::move(sink));
-}
 
 /// Ratio of the largest distance from the prediction to the separation; less than half.
 constexpr double kGateShare = 0.45;
@@ -51,16 +34,9 @@ GateSettings gate_of(const scenario::MocapSpec& spec, double separation_m) {
 
 /// Returns the remedy for a server of another product at this port.
 std::string remedy_for(wire::vicon::ServerType server_type) {
-  switch (server_type) {
-    case wire::vicon::ServerType::kDataStream:
-      return "; set mocap.protocol: datastream, or another mocap.port";
-    case wire::vicon::ServerType::kVrpn:
-      return "; set mocap.protocol: vrpn, or another mocap.port";
-    case wire::vicon::ServerType::kObjectStream:
-      return "; set mocap.protocol: object_stream, or another mocap.port";
-    default:
-      return "; check mocap.host and mocap.port";
-  }
+  const auto spoken = protocol_of(server_type);
+  return spoken ? std::string("; set mocap.protocol: ") + spoken->name() + ", or another mocap.port"
+                : "; check mocap.host and mocap.port";
 }
 
 }  // namespace
@@ -68,9 +44,10 @@ std::string remedy_for(wire::vicon::ServerType server_type) {
 ViconDriver::ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish,
                          double separation_m)
     : spec_(spec),
-      is_datagram_(spec.protocol == MocapProtocol::kObjectStream),
+      is_datagram_(spec.protocol.is_datagram()),
       filter_(gate_of(spec, separation_m), from_seconds(spec.latency_s), std::move(publish)),
-      session_(make_session(spec, [this](const SeenFrame& frame) { on_frame(frame); })),
+      session_(session_row(spec.protocol)
+                   .open(spec, [this](const SeenFrame& frame) { on_frame(frame); })),
       back_off_(kBackOffMin),
       status_("not yet connected") {
   first_bytes_.reserve(kFirstBytes);
@@ -146,10 +123,7 @@ void ViconDriver::receive(Moment arrival, wire::vicon::Bytes bytes) {
   using wire::vicon::ServerType;
   const ServerType server_type = is_datagram_ ? wire::vicon::identify_datagram(bytes)
                                               : wire::vicon::identify_stream(first_bytes_);
-  const ServerType expected = spec_.protocol == MocapProtocol::kVrpn ? ServerType::kVrpn
-                              : spec_.protocol == MocapProtocol::kDataStream
-                                  ? ServerType::kDataStream
-                                  : ServerType::kObjectStream;
+  const ServerType expected = session_row(spec_.protocol).server_type;
   const std::string problem =
       server_type == expected ? std::string("sends bytes that its protocol does not allow")
                               : std::string("is ") + wire::vicon::name_of(server_type) + ", not " +

@@ -10,10 +10,10 @@
 #include "models/plan/plan.hpp"
 #include "models/sensor/law.hpp"
 #include "scenario/reader/scenario_detection_yaml.hpp"
+#include "scenario/vehicle_kinds.hpp"
 
 namespace vantage::scenario {
 namespace {
-using models::SensorKind;
 using models::SensorModel;
 
 constexpr std::size_t kRobotsMax = 10'000;
@@ -225,6 +225,19 @@ void read_rover(Mapping& from, RoverSpec& rover) {
   }
 }
 
+/// Reader of the section of one kind of vehicle (scenario/vehicle_kinds).
+struct VehicleReader {
+  std::string_view section;
+  void (*read)(Mapping& section, RobotSpec& robot);
+};
+
+constexpr VehicleReader kVehicleReaders[] = {
+    {"autopilot", [](Mapping& section,
+                     RobotSpec& robot) { read_autopilot(section, robot.autopilot.emplace()); }},
+    {"rover",
+     [](Mapping& section, RobotSpec& robot) { read_rover(section, robot.rover.emplace()); }},
+};
+
 Eigen::Vector3d start_in_space_m(const RobotSpec& robot) {
   return {robot.start.x_m, robot.start.y_m, robot.height_m};
 }
@@ -296,8 +309,9 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   from.section("energy",
                [&](Mapping& energy) { read_energy(energy, scenario.world, robot.energy); });
   read_device(from, robot.device);
-  from.section("autopilot",
-               [&](Mapping& autopilot) { read_autopilot(autopilot, robot.autopilot.emplace()); });
+  for (const VehicleReader& reader : kVehicleReaders) {
+    from.section(reader.section, [&](Mapping& section) { reader.read(section, robot); });
+  }
   from.section("firmware",
                [&](Mapping& firmware) { read_firmware(firmware, robot.firmware.emplace()); });
   if (robot.firmware && !robot.autopilot) {
@@ -316,9 +330,11 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
                 "must contain the key_file of a real vehicle: without it anyone on its network "
                 "can command it; docs/guide/quadrotors.md explains how to set the key");
   }
-  from.section("rover", [&](Mapping& rover) { read_rover(rover, robot.rover.emplace()); });
-  if (robot.rover && robot.autopilot) {
-    from.refuse("rover", "a robot can have `autopilot` or `rover`, not both: remove one of them");
+  for (const VehicleKind& kind : all_vehicle_kinds()) {
+    if (kind.url(robot) != nullptr && &kind != vehicle_kind(robot)) {
+      from.refuse(kind.section,
+                  "a robot can have only one of " + vehicle_sections(", ") + ": remove the others");
+    }
   }
   from.finish();
 

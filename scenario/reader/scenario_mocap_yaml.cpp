@@ -13,10 +13,7 @@ namespace {
 constexpr std::array<int, 3> kBlockBytes{256, 512, 1024};
 
 void read_connection(Mapping& from, MocapSpec& mocap) {
-  from.word("protocol", mocap.protocol,
-            {{"datastream", MocapProtocol::kDataStream},
-             {"object_stream", MocapProtocol::kObjectStream},
-             {"vrpn", MocapProtocol::kVrpn}});
+  from.word("protocol", mocap.protocol, all_mocap_protocols());
   from.text("host", mocap.host);
   from.integer("port", mocap.port, 1, 65535);
   from.word("mode", mocap.mode,

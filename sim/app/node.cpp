@@ -7,9 +7,7 @@
 #include "bus/convert/channels.hpp"
 #include "core/check.hpp"
 #include "models/exchange/counts.hpp"
-#include "sim/app/wire_firmware.hpp"
-#include "sim/app/wire_quadrotor.hpp"
-#include "sim/app/wire_rover.hpp"
+#include "sim/app/wire_kinds.hpp"
 
 namespace vantage::sim {
 namespace {
@@ -37,18 +35,7 @@ std::vector<std::unique_ptr<WireVehicle>> wires_of(const scenario::Scenario& sce
       throw StartupError("robot " + robot.name + " has device 'wire', which needs real time" +
                          kRemedy);
     }
-    if (robot.rover) {
-      const auto boot = static_cast<std::uint32_t>(to_utime(start) / 1'000'000);
-      wires.push_back(std::make_unique<WireRover>(robot, boot, start));
-    } else if (robot.firmware) {
-      wires.push_back(
-          std::make_unique<WireFirmware>(robot, scenario.wind.value_or(scenario::WindSpec{}),
-                                         scenario.firmware_instance(robot), scenario.seed + i));
-    } else {
-      const auto system_id = static_cast<std::uint8_t>(i % 250 + 1);
-      wires.push_back(std::make_unique<WireQuadrotor>(robot, scenario.wind, system_id,
-                                                      scenario.seed + i, start));
-    }
+    wires.push_back(make_wire_vehicle(scenario, i, start));
   }
   return wires;
 }

@@ -57,7 +57,7 @@ struct SocketServer::Client {
 
 SocketServer::SocketServer(const ServerSettings& settings, const std::string& host, int port)
     : settings_(settings), port_(port), object_stream_(settings) {
-  if (settings.protocol != scenario::MocapProtocol::kObjectStream) {
+  if (!settings.protocol.is_datagram()) {
     listen_at(host, port);
     return;
   }
@@ -229,7 +229,7 @@ void SocketServer::wait(std::chrono::nanoseconds timeout) {
 }
 
 void SocketServer::publish(const EmulatedFrame& frame) {
-  if (settings_.protocol == scenario::MocapProtocol::kObjectStream) {
+  if (settings_.protocol.is_datagram()) {
     for (const std::vector<std::uint8_t>& datagram : object_stream_.encode(frame)) {
       // ECONNREFUSED is not an error: an object stream may have no listener.
       const ssize_t sent = send(datagrams_, datagram.data(), datagram.size(), MSG_NOSIGNAL);

@@ -71,9 +71,9 @@ TEST(TrialMode, IsThatOfMostRealDevice) {
 }
 
 TEST(MocapProtocol, HasTheNamesAndPortsOfItsMakers) {
-  EXPECT_STREQ(name_of(MocapProtocol::kDataStream), "datastream");
-  EXPECT_STREQ(name_of(MocapProtocol::kObjectStream), "object_stream");
-  EXPECT_STREQ(name_of(MocapProtocol::kVrpn), "vrpn");
+  EXPECT_STREQ(MocapProtocol::kDataStream.name(), "datastream");
+  EXPECT_STREQ(MocapProtocol::kObjectStream.name(), "object_stream");
+  EXPECT_STREQ(MocapProtocol::kVrpn.name(), "vrpn");
   MocapSpec mocap;
   EXPECT_EQ(mocap.actual_port(), 801);
   mocap.protocol = MocapProtocol::kObjectStream;

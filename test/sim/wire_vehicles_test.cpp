@@ -10,7 +10,9 @@
 #include <unistd.h>
 
 #include "core/check.hpp"
+#include "scenario/vehicle_kinds.hpp"
 #include "sim/app/wire_firmware.hpp"
+#include "sim/app/wire_kinds.hpp"
 #include "sim/app/wire_quadrotor.hpp"
 #include "sim/app/wire_rover.hpp"
 #include "test/sim/lab_scenario.hpp"
@@ -235,6 +237,35 @@ TEST(WireRover, ReportsItsRequirements) {
   } catch (const StartupError& error) {
     EXPECT_EQ(std::string(error.what()),
               "robot Q2 has device 'wire': it needs a `rover` with a `url`");
+  }
+}
+
+// Without an address, the emulator of the right kind states its requirement.
+TEST(MakeWireVehicle, HasAnEmulatorForEachKind) {
+  scenario::Scenario scenario = test::lab_scenario();
+  const auto why = [&] {
+    try {
+      make_wire_vehicle(scenario, 1, kStart);
+    } catch (const StartupError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  scenario::RobotSpec& robot = scenario.robots[1];
+  robot.autopilot.reset();
+  robot.rover.reset();
+  EXPECT_EQ(why(), "robot Q2 has device 'wire': it needs `autopilot` or `rover` with a `url`");
+  for (const scenario::VehicleKind& kind : scenario::all_vehicle_kinds()) {
+    robot.autopilot.reset();
+    robot.rover.reset();
+    if (kind.section == "autopilot") {
+      robot.autopilot.emplace();
+    } else if (kind.section == "rover") {
+      robot.rover.emplace();
+    }
+    ASSERT_EQ(scenario::vehicle_kind(robot), &kind);
+    EXPECT_NE(why().find("`" + std::string(kind.section) + "`"), std::string::npos) << why();
+    EXPECT_EQ(why().find("has no emulator"), std::string::npos);
   }
 }
 

@@ -17,6 +17,7 @@
 #include "models/world/world.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 #include "scenario/search_name.hpp"
+#include "scenario/vehicle_kinds.hpp"
 #include "sim/rover/starts.hpp"
 #include "tools/up/process_plan.hpp"
 
@@ -274,7 +275,8 @@ void note_late_plans(const Scenario& scenario, std::vector<std::string>& notes) 
 void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
   const bool is_felt =
       std::any_of(scenario.robots.begin(), scenario.robots.end(), [](const auto& robot) {
-        return robot.device != scenario::DeviceSource::kReal && !robot.rover;
+        const scenario::VehicleKind* kind = scenario::vehicle_kind(robot);
+        return robot.device != scenario::DeviceSource::kReal && (kind == nullptr || kind->flies);
       });
   if (scenario.wind && !is_felt) {
     notes.push_back(

@@ -20,7 +20,7 @@ struct DoctorArguments {
   std::string device;
   std::string host;
   std::vector<int> ports;
-  int udp_port = scenario::default_port(scenario::MocapProtocol::kObjectStream);
+  int udp_port = scenario::MocapProtocol::kObjectStream.default_port();
   double listen_s = 2.0;
   bool as_json = false;
 };
@@ -53,8 +53,8 @@ int run(const DoctorArguments& arguments) {
     throw StartupError("doctor: unknown device '" + arguments.device +
                        "'; the only device is 'vicon'");
   }
-  const std::vector<int> usual{scenario::default_port(scenario::MocapProtocol::kDataStream),
-                               scenario::default_port(scenario::MocapProtocol::kVrpn)};
+  const std::vector<int> usual{scenario::MocapProtocol::kDataStream.default_port(),
+                               scenario::MocapProtocol::kVrpn.default_port()};
   const std::vector<ViconPort> ports =
       examine_vicon(arguments.host, arguments.ports.empty() ? usual : arguments.ports,
                     arguments.udp_port, from_seconds(arguments.listen_s), stop_requested);

@@ -14,6 +14,7 @@
 #include "core/process.hpp"
 #include "drivers/vicon/descriptor.hpp"
 #include "drivers/vicon/driver.hpp"
+#include "drivers/vicon/session_table.hpp"
 #include "drivers/vicon/socket_link.hpp"
 
 namespace vantage::tools {
@@ -68,17 +69,6 @@ void probe(sockaddr_in address, ViconPort& port, const Stop& stop) {
     }
     heard += static_cast<std::size_t>(bytes);
     port.server_type = wire::vicon::identify_stream(wire::vicon::Bytes(buffer).first(heard));
-  }
-}
-
-std::optional<MocapProtocol> protocol_of(ServerType server_type) {
-  switch (server_type) {
-    case ServerType::kDataStream:
-      return MocapProtocol::kDataStream;
-    case ServerType::kVrpn:
-      return MocapProtocol::kVrpn;
-    default:
-      return std::nullopt;
   }
 }
 
@@ -163,11 +153,11 @@ std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<
     }
     ViconPort port;
     port.port = number;
-    port.expected = number == scenario::default_port(MocapProtocol::kVrpn)
-                        ? MocapProtocol::kVrpn
-                        : MocapProtocol::kDataStream;
+    port.expected = number == MocapProtocol::kVrpn.default_port() ? MocapProtocol::kVrpn
+                                                                  : MocapProtocol::kDataStream;
     probe(address, port, stop);
-    if (const auto protocol = protocol_of(port.server_type)) {
+    const auto protocol = drivers::vicon::protocol_of(port.server_type);
+    if (protocol && !protocol->is_datagram()) {
       spec.protocol = *protocol;
       spec.port = number;
       port.observed = observe(spec, listen, stop);

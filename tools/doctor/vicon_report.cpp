@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "drivers/vicon/session_table.hpp"
 #include "tools/doctor/vicon_doctor.hpp"
 
 namespace vantage::tools {
@@ -11,8 +12,8 @@ using scenario::MocapProtocol;
 using wire::vicon::ServerType;
 
 std::string place_of(const std::string& host, const ViconPort& port) {
-  return port.expected == MocapProtocol::kObjectStream ? fmt::format("UDP port {}", port.port)
-                                                       : fmt::format("{}:{}", host, port.port);
+  return port.expected.is_datagram() ? fmt::format("UDP port {}", port.port)
+                                     : fmt::format("{}:{}", host, port.port);
 }
 
 bool has_seen_bodies(const Observation& observed) {
@@ -22,7 +23,7 @@ bool has_seen_bodies(const Observation& observed) {
 
 std::string first_line(const std::string& host, const ViconPort& port) {
   const std::string place = place_of(host, port);
-  if (port.expected == MocapProtocol::kObjectStream && port.answer != Answer::kAccepted) {
+  if (port.expected.is_datagram() && port.answer != Answer::kAccepted) {
     const std::string status = port.observed ? port.observed->status : std::string();
     return status.find(" is ") != std::string::npos || status.find("cannot") != std::string::npos
                ? status
@@ -95,16 +96,13 @@ std::vector<std::string> describe(const std::string& host, const std::vector<Vic
         "for other ports use --port");
     return out;
   }
-  const MocapProtocol protocol = best->server_type == ServerType::kVrpn ? MocapProtocol::kVrpn
-                                 : best->server_type == ServerType::kDataStream
-                                     ? MocapProtocol::kDataStream
-                                     : MocapProtocol::kObjectStream;
-  const std::string host_key =
-      protocol == MocapProtocol::kObjectStream ? std::string() : ", host: " + host;
+  const MocapProtocol protocol =
+      drivers::vicon::protocol_of(best->server_type).value_or(MocapProtocol::kObjectStream);
+  const std::string host_key = protocol.is_datagram() ? std::string() : ", host: " + host;
   const std::string port_key =
-      best->port == scenario::default_port(protocol) ? "" : fmt::format(", port: {}", best->port);
+      best->port == protocol.default_port() ? "" : fmt::format(", port: {}", best->port);
   out.push_back(fmt::format("for the scenario: mocap: {{device: real, protocol: {}{}{}}}",
-                            name_of(protocol), host_key, port_key));
+                            protocol.name(), host_key, port_key));
   return out;
 }
 

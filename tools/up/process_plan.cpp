@@ -14,6 +14,7 @@
 
 #include "core/address.hpp"
 #include "core/result.hpp"
+#include "scenario/vehicle_kinds.hpp"
 #include "trial/robot_processes.hpp"
 #include "wire/autopilot/parameter_rules.hpp"
 
@@ -162,10 +163,11 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
                     " is real, but mocap is simulated and cannot measure it: "
                     "set mocap.device to 'real'");
     }
-    const bool has_autopilot = robot.autopilot && !robot.autopilot->url.empty();
-    if (has_driver(robot) && !has_autopilot && !robot.rover) {
+    const scenario::VehicleKind* kind = scenario::vehicle_kind(robot);
+    if (has_driver(robot) && (kind == nullptr || kind->url(robot)->empty())) {
       out.push_back("robot " + robot.name + " has device '" + (is_real ? "real" : "wire") +
-                    "' but no address: add `autopilot: {url: …}` or `rover: {url: …}`");
+                    "' but no address: add " + scenario::vehicle_sections(" or ") +
+                    " with a `url`");
     }
     if (robot.firmware && !robot.firmware->binary.empty()) {
       const auto port = driver_port(robot);
@@ -238,7 +240,8 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
     }
   }
   if (scenario.mocap.device != DeviceSource::kDirect && runs(scenario::kMocapPart)) {
-    out.push_back(ours("vicon", "vantage-vicon", kDriverPatienceS));
+    const std::string driver = scenario.mocap.protocol.driver();
+    out.push_back(ours(driver, "vantage-" + driver, kDriverPatienceS));
     out.back().is_essential = true;
     give_priority(out.back());
   }
@@ -250,8 +253,9 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
   }
   for (const std::string& robot : robots_with_driver(scenario)) {
     if (runs(robot)) {
-      const std::string program = scenario.find_robot(robot)->rover ? "rover" : "quadrotor";
-      add_for(program, robot, kDriverPatienceS).vehicle = robot;
+      const scenario::VehicleKind* kind = scenario::vehicle_kind(*scenario.find_robot(robot));
+      const std::string driver(kind != nullptr ? kind->driver : "quadrotor");
+      add_for(driver, robot, kDriverPatienceS).vehicle = robot;  // a driver without address says so
       give_priority(out.back());
     }
   }

@@ -40,11 +40,10 @@ struct Arguments {
 constexpr double kOcclusionPeriod_s = 10.0;
 
 void add_options(CLI::App& app, Arguments& arguments) {
-  using scenario::MocapProtocol;
-  const std::map<std::string, MocapProtocol> protocols{
-      {"datastream", MocapProtocol::kDataStream},
-      {"object_stream", MocapProtocol::kObjectStream},
-      {"vrpn", MocapProtocol::kVrpn}};
+  std::map<std::string, scenario::MocapProtocol> protocols;
+  for (const scenario::MocapProtocol protocol : scenario::all_mocap_protocols()) {
+    protocols.emplace(protocol.name(), protocol);
+  }
   const std::map<std::string, OcclusionStyle> styles{{"absent", OcclusionStyle::kAbsent},
                                                      {"zero", OcclusionStyle::kZero},
                                                      {"repeated", OcclusionStyle::kRepeated}};
@@ -113,12 +112,11 @@ int serve(const Arguments& arguments) {
   const bus::SystemClock clock;
   const Time start = clock.now();
   const std::unique_ptr<Source> source = make_source(arguments, start);
-  const bool is_sender = arguments.settings.protocol == scenario::MocapProtocol::kObjectStream;
-  const int port =
-      arguments.port > 0 ? arguments.port : scenario::default_port(arguments.settings.protocol);
+  const bool is_sender = arguments.settings.protocol.is_datagram();
+  const int port = arguments.port > 0 ? arguments.port : arguments.settings.protocol.default_port();
   SocketServer server(arguments.settings, is_sender ? arguments.to : arguments.host, port);
   std::fprintf(stderr, "vantage-vicon-emulator: %s %s port %d, %g Hz\n",
-               name_of(arguments.settings.protocol), is_sender ? "to" : "at", server.port(),
+               arguments.settings.protocol.name(), is_sender ? "to" : "at", server.port(),
                arguments.settings.rate_hz);
   const std::int64_t start_ns = monotonic_ns();
   EmulatedFrame frame;

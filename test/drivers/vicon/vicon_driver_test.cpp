@@ -174,7 +174,7 @@ TEST_P(ViconFlight, ArrivesUnchangedWithoutLoss) {
 INSTANTIATE_TEST_SUITE_P(Protocols, ViconFlight,
                          testing::Values(MocapProtocol::kDataStream, MocapProtocol::kObjectStream,
                                          MocapProtocol::kVrpn),
-                         [](const auto& protocol) { return std::string(name_of(protocol.param)); });
+                         [](const auto& protocol) { return std::string(protocol.param.name()); });
 
 }  // namespace
 }  // namespace vantage::drivers::vicon

@@ -98,7 +98,7 @@ TEST_P(ViconServerFuzz, KeepsItsInvariants) {
 }
 
 std::string name_of(const ::testing::TestParamInfo<MocapProtocol>& protocol) {
-  return name_of(protocol.param);
+  return protocol.param.name();
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, ViconFuzz,

@@ -169,7 +169,7 @@ TEST_P(ViconLink, AllocatesNothingForKnownBodies) {
 INSTANTIATE_TEST_SUITE_P(Protocols, ViconLink,
                          testing::Values(MocapProtocol::kDataStream, MocapProtocol::kObjectStream,
                                          MocapProtocol::kVrpn),
-                         [](const auto& protocol) { return std::string(name_of(protocol.param)); });
+                         [](const auto& protocol) { return std::string(protocol.param.name()); });
 
 /// A DataStream server that sends the packets of the test one by one.
 struct HandServer {

@@ -197,7 +197,7 @@ TEST_P(ViconSocket, ReconnectsAfterAServerRestart) {
 INSTANTIATE_TEST_SUITE_P(Protocols, ViconSocket,
                          testing::Values(MocapProtocol::kDataStream, MocapProtocol::kObjectStream,
                                          MocapProtocol::kVrpn),
-                         [](const auto& protocol) { return std::string(name_of(protocol.param)); });
+                         [](const auto& protocol) { return std::string(protocol.param.name()); });
 
 TEST(ViconNode, ReportsAnotherServerType) {
   SocketBench bench(MocapProtocol::kVrpn);

@@ -1,9 +1,9 @@
 #include "test/fuzz/vicon/harness.hpp"
 
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -59,8 +59,8 @@ struct Client {
 };
 
 Client& client_of(MocapProtocol protocol) {
-  static std::array<std::unique_ptr<Client>, 3> clients;
-  auto& client = clients.at(static_cast<std::size_t>(protocol));
+  static std::map<MocapProtocol, std::unique_ptr<Client>> clients;
+  auto& client = clients[protocol];
   if (!client || ++client->inputs > 1000) {
     client = std::make_unique<Client>(protocol);
   }

@@ -276,8 +276,8 @@ TEST(ScenarioRules, RoversHaveUdpUrlsAndNoAutopilot) {
             "f:6: robots[0].rover.url: must begin with udp:// or udpout://, is 'tcp://h:1'");
   EXPECT_EQ(answer_to_robot(", rover: {url: \"udp://:1\"}, autopilot: {dialect: px4, url: "
                             "\"udp://:2\"}"),
-            "f:6: robots[0].rover: a robot can have `autopilot` or `rover`, not both: remove one "
-            "of them");
+            "f:6: robots[0].rover: a robot can have only one of `autopilot`, `rover`: remove the "
+            "others");
 }
 
 TEST(ScenarioRules, MaximumRangeExceedsMinimumRange) {

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <span>
+
+namespace vantage::scenario {
+
+/// Properties of a mocap protocol: a row of the table in mocap_protocol.cpp.
+struct MocapProtocolRow {
+  const char* name;    ///< value of mocap.protocol in scenario files
+  int default_port;    ///< TCP, or UDP if is_datagram
+  bool is_datagram;    ///< the server sends datagrams to this host; nobody connects
+  const char* driver;  ///< process and health prefix of the driver: vantage-<driver>, <driver>.…
+};
+
+/// Protocol of a mocap server, a pointer to its row.
+class MocapProtocol {
+ public:
+  constexpr explicit MocapProtocol(const MocapProtocolRow& row) : row_(&row) {}
+  [[nodiscard]] constexpr const char* name() const { return row_->name; }
+  [[nodiscard]] constexpr int default_port() const { return row_->default_port; }
+  [[nodiscard]] constexpr bool is_datagram() const { return row_->is_datagram; }
+  [[nodiscard]] constexpr const char* driver() const { return row_->driver; }
+
+  friend constexpr bool operator==(MocapProtocol a, MocapProtocol b) { return a.row_ == b.row_; }
+  /// Order of the table.
+  friend constexpr bool operator<(MocapProtocol a, MocapProtocol b) { return a.row_ < b.row_; }
+
+  static const MocapProtocol kDataStream;    ///< Vicon, TCP: Tracker, Nexus, Blade, Shogun, Evoke
+  static const MocapProtocol kObjectStream;  ///< Vicon Tracker's UDP object stream
+  static const MocapProtocol kVrpn;          ///< VRPN over TCP
+
+ private:
+  const MocapProtocolRow* row_;
+};
+
+/// Returns all protocols that scenarios may name, in display order.
+std::span<const MocapProtocol> all_mocap_protocols();
+
+}  // namespace vantage::scenario

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "scenario/scenario.hpp"
+
+namespace vantage::scenario {
+
+/// A kind of vehicle that a driver controls: a row of the table in vehicle_kinds.cpp. Its section
+/// of the scenario is read in scenario/reader/scenario_agents_yaml, its device is emulated by
+/// sim/app/wire_kinds.
+struct VehicleKind {
+  std::string_view section;  ///< key of a robot's settings for it, such as "autopilot"
+  std::string_view driver;   ///< vantage-<driver> drives it
+  bool flies;
+  /// Returns the address of the robot's vehicle; null if the robot has no such section.
+  const std::string* (*url)(const RobotSpec& robot);
+};
+
+/// Returns all kinds of vehicles, in display order.
+std::span<const VehicleKind> all_vehicle_kinds();
+
+/// Returns the kind of the robot's vehicle; null if the robot has no section of any kind.
+const VehicleKind* vehicle_kind(const RobotSpec& robot);
+
+/// Returns the sections of all kinds: "`autopilot`" and so on, joined by `separator`.
+std::string vehicle_sections(std::string_view separator);
+
+}  // namespace vantage::scenario
