@@ -21,6 +21,7 @@
 #include "scenario/host_spec.hpp"
 #include "scenario/mocap_spec.hpp"
 #include "scenario/security_spec.hpp"
+#include "scenario/team_algorithm.hpp"
 
 // Content of a scenario file as values. scenario/reader/scenario_yaml reads it from YAML.
 
@@ -140,12 +141,6 @@ enum class PlanObjective {
 inline constexpr std::array<std::string_view, 10> kSearchWords = {
     "arvi",  "beam",   "rvi",   "fvi",         "greedy",
     "astar", "wastar", "aegis", "random_walk", "lawn_mower"};
-
-/// Method by which the robots of a team agree on their plans.
-enum class TeamAlgorithm {
-  kCoordinateDescent,  ///< robots plan in turn, each given the newest plans of the others
-  kLocalSearch,        ///< robots propose changes of a team solution (docs/decisions/0006)
-};
 
 struct PlannerSpec {
   PlanObjective objective = PlanObjective::kTracking;

@@ -111,7 +111,7 @@ void PlannerNode::listen_to_status_of(const std::string& name) {
 
 void PlannerNode::listen_to(const std::string& name) {
   listen_to_status_of(name);
-  if (spec_.team_algorithm == scenario::TeamAlgorithm::kLocalSearch) {
+  if (spec_.team_algorithm.exchanges_solutions()) {
     subscribe_to<models::TeamProposal>(bus::team_proposal_channel(name), name,
                                        [this](const auto& m) { hear(m); });
   }
@@ -246,7 +246,7 @@ void PlannerNode::tick(Time now) {
   if (now - attack_heard_ > models::kAttackTimeout) {
     inputs_.attack.reset();
   }
-  if (slot_.is_proposal && spec_.team_algorithm == scenario::TeamAlgorithm::kLocalSearch) {
+  if (slot_.is_proposal && spec_.team_algorithm.exchanges_solutions()) {
     begin_exchange(now);
   } else if (slot_.is_proposal) {
     propose(now);

@@ -12,7 +12,7 @@ RoundSchedule::RoundSchedule(const scenario::PlannerSpec& spec, int robot_index,
       budget_(from_seconds(spec.team_budget_s)),
       is_shared_(spec.slots > 0 && robot_count > spec.slots),
       slots_(is_shared_ ? spec.slots : robot_count),
-      is_exchange_(spec.team_algorithm == scenario::TeamAlgorithm::kLocalSearch),
+      is_exchange_(spec.team_algorithm.exchanges_solutions()),
       has_proposals_(is_exchange_ || spec.attacks_max > 0) {
   require(robot_count >= 1 && robot_index >= 0 && robot_index < robot_count,
           "planning round: robot_index must be in [0, robot_count)");

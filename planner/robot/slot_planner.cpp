@@ -25,7 +25,7 @@ std::unique_ptr<SlotPlanner> make_slot_planner(Workspace& workspace, std::size_t
     return std::make_unique<ExternalPlanner>(scenario, robot);
   }
   if (planner.objective != scenario::PlanObjective::kMapping) {
-    if (planner.team_algorithm == scenario::TeamAlgorithm::kLocalSearch) {
+    if (planner.team_algorithm.exchanges_solutions()) {
       return std::make_unique<AgreedPlanner>(workspace, robot);
     }
     if (algorithm_called(planner.algorithm).makes_candidates && planner.attacks_max == 0 &&

@@ -205,7 +205,7 @@ void bind_team(py::module_& module) {
       "team_algorithms",
       [] {
         py::dict out;
-        for (const TeamAlgorithm& each : team_algorithms()) {
+        for (const planner::DecisionAlgorithm& each : team_algorithms()) {
           out[py::str(std::string(each.name))] = std::string(each.what);
         }
         return out;
@@ -226,10 +226,10 @@ void bind_team(py::module_& module) {
         request.nodes = nodes;
         request.candidates.epsilon = epsilon;
         request.candidates.delta_m = delta_m;
-        request.attacks_max = attacks_max;
-        request.order = order;
-        request.rounds_max = rounds_max;
-        request.alpha = alpha;
+        request.options.attacks_max = attacks_max;
+        request.options.order = order;
+        request.options.rounds_max = rounds_max;
+        request.options.alpha = alpha;
         request.energy = energies_of(energy, problems.size());
         return decided(std::move(problems), std::move(request), planner);
       },

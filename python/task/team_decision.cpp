@@ -9,11 +9,6 @@
 
 #include "core/check.hpp"
 #include "core/index.hpp"
-#include "planner/decision/coordinate_descent.hpp"
-#include "planner/decision/distributed_local_search.hpp"
-#include "planner/decision/exhaustive.hpp"
-#include "planner/decision/local_search.hpp"
-#include "planner/decision/local_search_session.hpp"
 #include "planner/decision/paths_bound.hpp"
 #include "planner/decision/resilient.hpp"
 #include "planner/decision/team_bound.hpp"
@@ -26,24 +21,18 @@
 namespace vantage::python {
 namespace {
 
+using planner::DecisionAlgorithm;
 using planner::SearchProblem;
 using planner::SearchResult;
-using planner::TeamDecision;
 using planner::TeamOracle;
 using planner::TeamProblem;
 
-constexpr std::string_view kRain = "rain";
-constexpr std::string_view kExhaustive = "exhaustive";
 // Maximum number of sets that are evaluated one by one; evaluating that number takes some seconds.
 constexpr double kMostSets = 1e6;
 
-bool has(const TeamAlgorithm& algorithm, std::string_view option) {
-  return std::ranges::find(algorithm.options, option) != algorithm.options.end();
-}
-
-std::string names_of(const std::function<bool(const TeamAlgorithm&)>& is_meant) {
+std::string names_of(const std::function<bool(const DecisionAlgorithm&)>& is_meant) {
   std::string names;
-  for (const TeamAlgorithm& each : team_algorithms()) {
+  for (const DecisionAlgorithm& each : team_algorithms()) {
     if (is_meant(each)) {
       names.append(names.empty() ? "" : ", ").append(each.name);
     }
@@ -51,8 +40,8 @@ std::string names_of(const std::function<bool(const TeamAlgorithm&)>& is_meant) 
   return names;
 }
 
-const TeamAlgorithm& called(const std::string& name) {
-  const auto found = std::ranges::find(team_algorithms(), name, &TeamAlgorithm::name);
+const DecisionAlgorithm& called(const std::string& name) {
+  const auto found = std::ranges::find(team_algorithms(), name, &DecisionAlgorithm::name);
   if (found == team_algorithms().end()) {
     throw UsageError(fmt::format("algorithm: must be one of {}, got {}",
                                  names_of([](const auto&) { return true; }), name));
@@ -72,27 +61,27 @@ void require_order(const std::vector<int>& order, int robots) {
 }
 
 void require_sense(const TeamRequest& request, int robots) {
-  const TeamAlgorithm& algorithm = called(request.algorithm);
+  const DecisionAlgorithm& algorithm = called(request.algorithm);
   const auto only = [&](std::string_view option, bool is_given) {
     require(
-        !is_given || has(algorithm, option),
+        !is_given || algorithm.uses(option),
         fmt::format("{}: is an option of {}, not of {}", option,
-                    names_of([&](const auto& each) { return has(each, option); }), algorithm.name));
+                    names_of([&](const auto& each) { return each.uses(option); }), algorithm.name));
   };
-  only("attacks_max", request.attacks_max != 0);
-  only("order", !request.order.empty());
-  only("rounds_max", request.rounds_max != 1);
-  only("alpha", request.alpha != 1.0);
+  only("attacks_max", request.options.attacks_max != 0);
+  only("order", !request.options.order.empty());
+  only("rounds_max", request.options.rounds_max != 1);
+  only("alpha", request.options.alpha != 1.0);
   only("energy", !request.energy.empty());
   only("planner", request.search != nullptr);
-  require(request.attacks_max >= 0 && request.attacks_max <= robots,
+  require(request.options.attacks_max >= 0 && request.options.attacks_max <= robots,
           fmt::format("attacks_max: must be ≥ 0 and ≤ {}, the number of robots, got {}", robots,
-                      request.attacks_max));
-  require_order(request.order, robots);
-  require(request.rounds_max >= 1,
-          fmt::format("rounds_max: must be ≥ 1, got {}", request.rounds_max));
-  require(std::isfinite(request.alpha) && request.alpha > 0.0,
-          fmt::format("alpha: must be > 0, got {}", request.alpha));
+                      request.options.attacks_max));
+  require_order(request.options.order, robots);
+  require(request.options.rounds_max >= 1,
+          fmt::format("rounds_max: must be ≥ 1, got {}", request.options.rounds_max));
+  require(std::isfinite(request.options.alpha) && request.options.alpha > 0.0,
+          fmt::format("alpha: must be > 0, got {}", request.options.alpha));
   require(request.nodes >= 1, fmt::format("nodes: must be ≥ 1, got {}", request.nodes));
   require(request.candidates.candidates_max >= 1,
           fmt::format("candidates_max: must be ≥ 1, got {}", request.candidates.candidates_max));
@@ -133,64 +122,10 @@ void require_few(const char* argument, double sets) {
                       argument, sets, kMostSets));
 }
 
-// Returns the number of ways to choose one candidate per robot; if `may_rest`, a robot may also
-// have none.
-double choices(const TeamOracle& oracle, const std::vector<int>& robots, bool may_rest) {
-  double product = 1.0;
-  for (const int robot : robots) {
-    const int candidates = oracle.end(robot) - oracle.begin(robot);
-    product *= may_rest ? candidates + 1 : std::max(1, candidates);
-  }
-  return product;
-}
-
-// Returns Σ_{k ≤ k_max} C(n, k).
-double subsets(int n, int k_max) {
-  double sum = 1.0;
-  double of_size = 1.0;
-  for (int k = 1; k <= std::min(n, k_max); ++k) {
-    of_size *= static_cast<double>(n - k + 1) / k;
-    sum += of_size;
-  }
-  return sum;
-}
-
 std::vector<int> all_robots(const TeamOracle& oracle) {
   std::vector<int> robots(index(oracle.robot_count()));
   std::iota(robots.begin(), robots.end(), 0);
   return robots;
-}
-
-TeamDecision choose_resiliently(const TeamOracle& oracle, const TeamRequest& request,
-                                const std::vector<int>& rest) {
-  if (request.algorithm == "resilient") {
-    return plan_resiliently(oracle, request.attacks_max, planner::SubSolver::kCoordinateDescent);
-  }
-  if (request.algorithm == "max_min") {
-    require_few("candidates_max", choices(oracle, all_robots(oracle), false) *
-                                      subsets(oracle.robot_count(), request.attacks_max));
-    return exhaustive_max_min(oracle, request.attacks_max);
-  }
-  require_few("candidates_max", choices(oracle, rest, true));
-  return plan_resiliently(oracle, request.attacks_max, planner::SubSolver::kExhaustive);
-}
-
-TeamDecision choose(const TeamOracle& oracle, const TeamRequest& request) {
-  const Deadline deadline = Deadline::never().unless(request.is_cancelled);
-  if (request.algorithm == "coordinate_descent") {
-    return coordinate_descent(oracle, {request.order, request.rounds_max, true}, deadline);
-  }
-  if (request.algorithm == "greedy") {
-    return greedy(oracle);
-  }
-  if (request.algorithm == "local_search") {
-    return centralised_local_search(oracle, request.alpha, deadline);
-  }
-  if (request.algorithm == "distributed_local_search") {
-    return distributed_local_search(oracle, {request.alpha, true, true}, deadline);
-  }
-  require_few("candidates_max", choices(oracle, all_robots(oracle), true));
-  return exhaustive_optimum(oracle, all_robots(oracle));
 }
 
 std::vector<planner::Candidate> candidates_of(const SearchProblem& problem,
@@ -240,36 +175,21 @@ std::vector<int> search_in_turn(std::vector<SearchProblem> problems, const TeamR
     own.push_back(make_candidate(problem, {}, found));
     return information_alone(team, own.front());
   };
-  return planner::plan_resiliently(static_cast<int>(problems.size()), request.attacks_max, plan);
+  return planner::plan_resiliently(static_cast<int>(problems.size()), request.options.attacks_max,
+                                   plan);
 }
 
 }  // namespace
 
-const std::vector<TeamAlgorithm>& team_algorithms() {
-  static const std::vector<TeamAlgorithm> kAll = {
-      {"coordinate_descent",
-       "each robot in turn takes the candidate that adds most to the earlier choices",
-       {"order", "rounds_max", "energy"}},
-      {"greedy", "repeatedly adds the candidate, of any robot, that adds most value", {"energy"}},
-      {"local_search",
-       "central: adds, removes and swaps candidates while the value improves",
-       {"alpha", "energy"}},
-      {"distributed_local_search",
-       "local_search, distributed: the robots exchange proposals",
-       {"alpha", "energy"}},
-      {kExhaustive, "evaluates all choices: the optimum, for small teams", {"energy"}},
-      {"resilient",
-       "robust to attacks: bait robots choose alone, the others by coordinate descent",
-       {"attacks_max"}},
-      {"resilient_exhaustive",
-       "robust to attacks: bait robots choose alone, the others exhaustively",
-       {"attacks_max"}},
-      {"max_min",
-       "evaluates all choices under all attacks: the robust optimum, for small teams",
-       {"attacks_max"}},
-      {kRain,
-       "robots search in turn, given the earlier plans; with attacks_max, bait robots search alone",
-       {"attacks_max", "planner"}}};
+const std::vector<DecisionAlgorithm>& team_algorithms() {
+  static const std::vector<DecisionAlgorithm> kAll = [] {
+    std::vector<DecisionAlgorithm> all = planner::all_decision_algorithms();
+    all.push_back({.name = "rain",
+                   .what = "robots search in turn, given the earlier plans; with attacks_max, bait "
+                           "robots search alone",
+                   .options = {"attacks_max", "planner"}});
+    return all;
+  }();
   return kAll;
 }
 
@@ -288,7 +208,8 @@ Decision::Decision(std::vector<SearchProblem> problems, const TeamRequest& reque
   const SearchProblem& first = problems_.front();
   team_ = {first.targets, first.horizon_steps, first.step_s, request.measure, {}};
   team_.candidates.resize(problems.size());
-  const bool searches = algorithm_ == kRain;
+  const DecisionAlgorithm& algorithm = called(algorithm_);
+  const bool searches = algorithm.decide == nullptr;
   if (searches) {
     bait_ = search_in_turn(std::move(problems), request, team_);
   } else {
@@ -306,18 +227,21 @@ Decision::Decision(std::vector<SearchProblem> problems, const TeamRequest& reque
     }
     // As in plan_resiliently(): each robot sends one message with its choice and, if there are
     // attacks, one with the value of its own plan.
-    decided_.messages = (request.attacks_max > 0 ? 2 : 1) * oracle_->robot_count();
-  } else if (has(called(algorithm_), "attacks_max")) {
-    const planner::ResilientRound round(best_alone(*oracle_), request.attacks_max);
-    bait_ = algorithm_ == "max_min" ? std::vector<int>() : round.bait();
-    decided_ = choose_resiliently(*oracle_, request, round.rest());
+    decided_.messages = (request.options.attacks_max > 0 ? 2 : 1) * oracle_->robot_count();
   } else {
-    decided_ = choose(*oracle_, request);
+    if (algorithm.has_bait) {
+      bait_ = planner::ResilientRound(best_alone(*oracle_), request.options.attacks_max).bait();
+    }
+    if (algorithm.evaluations != nullptr) {
+      require_few("candidates_max", algorithm.evaluations(*oracle_, request.options));
+    }
+    decided_ =
+        algorithm.decide(*oracle_, request.options, Deadline::never().unless(request.is_cancelled));
   }
   planner::TeamSet chosen(*oracle_);
   chosen.become(decided_.choice);
   value_ = chosen.value();
-  if (algorithm_ == kExhaustive) {
+  if (algorithm.is_optimal) {
     bound_ = value_;
   } else if (!searches && oracle_->is_submodular()) {
     bound_ = value_bound(*oracle_, decided_.choice);
@@ -345,7 +269,7 @@ double Decision::paths_bound(int attacks_max, std::int64_t nodes, bool (*is_canc
 
 planner::Attack Decision::worst_attack(int attacks_max) const {
   require(attacks_max >= 0, fmt::format("attacks_max: must be ≥ 0, got {}", attacks_max));
-  require_few("attacks_max", subsets(oracle_->robot_count(), attacks_max));
+  require_few("attacks_max", planner::attack_count(oracle_->robot_count(), attacks_max));
   return planner::worst_attack(*oracle_, decided_.choice, attacks_max);
 }
 

@@ -10,19 +10,15 @@
 
 #include "planner/decision/attack.hpp"
 #include "planner/decision/candidate.hpp"
+#include "planner/decision/catalogue.hpp"
 #include "planner/decision/decision.hpp"
 #include "planner/problem/problem.hpp"
 
 namespace vantage::python {
 
-/// Name and description of one decision algorithm of planner/decision.
-struct TeamAlgorithm {
-  std::string_view name;
-  std::string_view what;  ///< description in one line
-  /// Names of the optional TeamRequest fields that the algorithm uses.
-  std::vector<std::string_view> options;
-};
-const std::vector<TeamAlgorithm>& team_algorithms();
+/// Returns the algorithms of decide(): those of planner/decision/catalogue, and "rain", in which
+/// the robots search instead of choosing among candidates (its `decide` is null).
+const std::vector<planner::DecisionAlgorithm>& team_algorithms();
 
 /// Options of a team decision. Fields that the algorithm does not use keep their defaults.
 struct TeamRequest {
@@ -30,10 +26,7 @@ struct TeamRequest {
   planner::InformationMeasure measure = planner::InformationMeasure::kMutual;
   planner::CandidateOptions candidates;  ///< is_anytime is ignored and assumed true
   std::int64_t nodes = 20'000;           ///< budget of work nodes for each robot's search
-  int attacks_max = 0;
-  std::vector<int> order;  ///< order of robots in coordinate descent; empty: 0, 1, 2, …
-  int rounds_max = 1;
-  double alpha = 1.0;  ///< local search: α; minimum gain factor 1 + α/N⁴, N candidates
+  planner::DecisionOptions options;
   std::vector<planner::EnergyModel> energy;  ///< one per robot; empty: no motion cost
   /// Search of one robot's plan, for algorithms that search; empty: the default search with
   /// `nodes`.

@@ -200,20 +200,21 @@ void check_team(Mapping& from, const PlannerSpec& planner) {
                 fmt::format("must be 0 with algorithm: external, which sends no proposals; is {}",
                             planner.attacks_max));
   }
-  if (planner.team_algorithm != TeamAlgorithm::kLocalSearch) {
+  if (!planner.team_algorithm.exchanges_solutions()) {
     return;
   }
+  const std::string_view name = planner.team_algorithm.name();
   if (planner.objective != PlanObjective::kTracking) {
-    from.refuse("team_algorithm", "local_search needs objective: tracking");
+    from.refuse("team_algorithm", fmt::format("{} needs objective: tracking", name));
   }
   if (planner.algorithm != "arvi" && planner.algorithm != "rvi") {
-    from.refuse("algorithm", fmt::format("must be arvi or rvi with team_algorithm: local_search, "
-                                         "which needs their candidates; is {}",
-                                         planner.algorithm));
+    from.refuse("algorithm", fmt::format("must be arvi or rvi with team_algorithm: {}, which needs "
+                                         "their candidates; is {}",
+                                         name, planner.algorithm));
   }
   if (planner.attacks_max > 0) {
-    from.refuse("attacks_max", fmt::format("must be 0 with team_algorithm: local_search, is {}",
-                                           planner.attacks_max));
+    from.refuse("attacks_max",
+                fmt::format("must be 0 with team_algorithm: {}, is {}", name, planner.attacks_max));
   }
 }
 
@@ -238,9 +239,7 @@ void read_planner(Mapping& from, PlannerSpec& planner) {
   from.number("epsilon_initial", planner.epsilon_initial, at_least(0.0));
   from.number("delta_initial_m", planner.delta_initial_m, at_least(0.0));
   from.number("yaw_weight_m_per_rad", planner.yaw_weight_m_per_rad, at_least(0.0));
-  from.word("team_algorithm", planner.team_algorithm,
-            {{"coordinate_descent", TeamAlgorithm::kCoordinateDescent},
-             {"local_search", TeamAlgorithm::kLocalSearch}});
+  from.word("team_algorithm", planner.team_algorithm, all_team_algorithms());
   from.integer("candidates_max", planner.candidates_max, 1, 10'000);
   from.integer("attacks_max", planner.attacks_max, 0, 1000);
   from.number("separation_m", planner.separation_m, above_to(0.0, kLengthMaxM));
@@ -273,7 +272,7 @@ void check_neighbourhood(Mapping& from, const Scenario& scenario) {
                     least_m, neighbourhood_m));
   }
   if (planner.objective != PlanObjective::kTracking || planner.attacks_max > 0 ||
-      planner.team_algorithm != TeamAlgorithm::kCoordinateDescent) {
+      planner.team_algorithm.exchanges_solutions()) {
     from.refuse("neighbourhood_m",
                 "must be 0 with objective: mapping, team_algorithm: local_search or attacks_max "
                 "above 0, which need the messages of the whole team");
