@@ -48,7 +48,7 @@ class LifeLine {
   LifeLine(LifeLine&& other) noexcept;
   LifeLine& operator=(LifeLine&& other) noexcept;
 
-  /// Opens a new pipe whose ends are non-blocking and closed by exec. Returns false if the system
+  /// Opens a new pipe. Both ends are non-blocking and closed by exec. Returns false if the system
   /// refuses it.
   [[nodiscard]] bool open();
   /// Returns the end for the process; −1 after close_child_end().

@@ -26,7 +26,7 @@ bool is_hidden_control(std::string_view text, std::size_t at, std::size_t length
 }
 
 /// Returns `text` with \xNN in place of bytes outside UTF-8, is_hidden_control() characters, and
-/// characters for whose first byte `is_hidden` returns true.
+/// characters with a first byte for which `is_hidden` returns true.
 template <class IsHidden>
 std::string escaped(std::string_view text, IsHidden is_hidden) {
   constexpr const char* kDigits = "0123456789ABCDEF";

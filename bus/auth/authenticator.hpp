@@ -44,7 +44,7 @@ class Authenticator {
 
   /// Appends the trailer that signs the payload in `message`, if this process has the key of the
   /// channel's role; otherwise counts the message. `robot`: addressee of a command; empty: all
-  /// vehicles whose statuses are received.
+  /// vehicles that send a status to this process.
   void seal(std::string_view channel, std::string_view robot, Time now,
             std::vector<std::uint8_t>& message);
 
@@ -93,7 +93,7 @@ class Authenticator {
   [[nodiscard]] bool make_room(Time now);
   [[nodiscard]] Refusal judge_nonce(const SignedParts& parts, Time now) const;
   /// True if the command echoes a nonce that is valid now: that of this process, or of a vehicle
-  /// whose statuses it receives.
+  /// that sends a status to this process.
   [[nodiscard]] bool echoes_current_nonce(const SignedParts& parts, Time now) const;
   /// Returns the reason to refuse a command before its signature is verified; kNone: verify it.
   [[nodiscard]] Refusal judge_before_signature(const SignedParts& parts, Time now,

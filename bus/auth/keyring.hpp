@@ -87,7 +87,7 @@ void make_keys(const std::string& folder);
 void begin_rotation(const std::string& folder, std::optional<Role> role);
 /// Makes the next key of each role its signing key and the current one an old key. Processes use
 /// them from their next start on.
-/// @throws StartupError when there is no new key.
+/// @throws StartupError when no new key exists.
 void end_rotation(const std::string& folder, std::optional<Role> role);
 /// Removes the key with the id or name `name`. @throws StartupError when there is none.
 void revoke_key(const std::string& folder, const std::string& name);

@@ -16,7 +16,7 @@ void start_sodium();
 /// moved but not copied. Not for use in loops, because construction needs system calls.
 class Secret {
  public:
-  /// Creates `size` zero bytes. @throws StartupError when there is no memory.
+  /// Creates `size` zero bytes. @throws StartupError when allocation fails.
   explicit Secret(std::size_t size);
 
   [[nodiscard]] std::span<std::uint8_t> bytes() { return {bytes_.get(), size_}; }

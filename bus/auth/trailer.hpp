@@ -28,7 +28,7 @@ enum class Role : std::uint8_t {
   kMocap = 1,     ///< VICON
   kPlanner = 2,   ///< PLAN_*, PROPOSAL_*, TEAM_PROPOSAL_*
   kVehicle = 3,   ///< VEHICLE_*
-  kOperator = 4,  ///< COMMAND, whose messages also have a signature
+  kOperator = 4,  ///< COMMAND; its messages also have a signature
   kNode = 5,      ///< all other channels
 };
 inline constexpr std::array kRoles{Role::kMocap, Role::kPlanner, Role::kVehicle, Role::kOperator,
@@ -88,7 +88,7 @@ void append_echoes(std::span<const Echo> echoes, std::vector<std::uint8_t>& out)
 std::array<std::uint8_t, kFootBytes> foot_bytes(const Foot& foot, std::size_t echoes,
                                                 std::size_t signatures);
 
-/// Returns the role whose key signs `channel`.
+/// Returns the role that signs messages on `channel`.
 Role role_of(std::string_view channel);
 /// True if an unsigned message on `channel` is refused when signatures are required. These are the
 /// channels that move a vehicle, directly or through other processes. Nodes without a key may

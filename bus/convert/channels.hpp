@@ -11,9 +11,9 @@ namespace vantage::bus {
 /// Channel name with the only message type that may be sent on it. A name that ends in '*' matches
 /// every channel with that prefix; it is for subscribing only.
 ///
-/// LCM cannot distinguish two structs whose fields have the same names and types. Therefore the
-/// pairs of name and type are defined only here, and the compiler checks them at every publish()
-/// and subscribe().
+/// LCM cannot distinguish two structs with the same field names and types. Therefore the pairs of
+/// name and type are defined only here, and the compiler checks them at every publish() and
+/// subscribe().
 template <class Message>
 struct Channel {
   std::string name;

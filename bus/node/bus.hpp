@@ -61,8 +61,8 @@ class Bus {
   /// Declares this process to be the vehicle `robot`: commands must be addressed to it and echo its
   /// session. Commands that make it safer are always delivered. No effect without secure().
   void act_as_vehicle(const std::string& robot);
-  /// Begins a new session, whose nonce commands must echo. A vehicle calls this when it is armed.
-  /// Returns false without secure(), because there are no sessions then.
+  /// Begins a new session; commands must echo its nonce. A vehicle calls this when it is armed.
+  /// Returns false without secure(), because sessions do not exist then.
   bool renew_session();
   /// True if signed messages were received although this Bus has no authenticator.
   [[nodiscard]] bool receives_signed() const { return receives_signed_; }

@@ -43,8 +43,9 @@ struct StreamCounts {
 /// A new run id replaces the current run if its content is not older. From then on the old run is
 /// refused permanently. Sequence numbers start at 0. Messages before the first received one of the
 /// first run are not counted as lost, because the receiver may have started later. A run that
-/// replaces another is expected to start at 0. The newest 256 missing numbers are stored. A late
-/// message whose number is no longer stored is counted as a duplicate, and also as lost.
+/// replaces another is expected to start at 0. The newest 256 missing numbers are stored. If the
+/// number of a late message is no longer stored, the message is counted as a duplicate, and also as
+/// lost.
 ///
 /// A number more than kStepMax beyond the newest is refused, so that one forged number cannot
 /// silence a sender. It is accepted after kAcceptSteps consecutive such numbers and, with a clock,
@@ -93,8 +94,7 @@ class StreamMonitor {
 /// Checker of a channel on which several processes may publish. Each run is a separate stream, and
 /// runs do not replace each other. So a second operator console does not silence the first.
 ///
-/// At most 32 runs are stored. A new run replaces the one whose last message is followed by the
-/// largest number of messages of other runs.
+/// At most 32 runs are stored. A new run replaces the least recently received one.
 class SharedStreamMonitor {
  public:
   /// Classifies a message. Precondition: stamp.sequence ≥ 0. Cost: bounded time and memory.

@@ -72,7 +72,7 @@ class ChannelIndex {
                        [&](const Prefix& each) { return each.pattern == pattern; });
   }
 
-  /// Returns the smallest number ≥ `from` whose pattern matches `channel`.
+  /// Returns the smallest number ≥ `from` of a pattern that matches `channel`.
   [[nodiscard]] std::optional<std::size_t> next(std::string_view channel, std::size_t from) const {
     std::optional<std::size_t> least;
     if (const auto found = exact_.find(channel); found != exact_.end()) {

@@ -72,9 +72,9 @@ std::unique_ptr<Transport> open_transport(const std::string& url);
 
 /// Function that is called with one sentence when the network is lost, and when it has returned.
 using ReportNetwork = std::function<void(const std::string& words)>;
-/// As open_transport(), but a missing udpm network (no multicast route, no such card) is no error.
-/// Until it is present, nothing is sent or received, and handle() retries. For processes that must
-/// run without a network, above all the driver of a vehicle.
+/// As open_transport(), but does not fail when the udpm network is missing (no multicast route, no
+/// such card). Until it is present, nothing is sent or received, and handle() retries. For
+/// processes that must run without a network, above all the driver of a vehicle.
 std::unique_ptr<Transport> open_waiting_transport(const std::string& url, ReportNetwork report);
 
 /// Bus within one process. Every endpoint receives the messages of all endpoints, including its

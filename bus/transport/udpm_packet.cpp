@@ -19,7 +19,7 @@ std::uint32_t number(std::span<const std::uint8_t> bytes, std::size_t at, std::s
 }
 
 /// Removes the channel name from the start of `rest` and stores it in `channel`. Returns false when
-/// there is no valid name.
+/// the name is empty, too long or not terminated.
 bool take_channel(std::span<const std::uint8_t>& rest, std::string_view& channel) {
   const auto searched = rest.first(std::min(rest.size(), kChannelBytesMax + 1));
   const auto nul = std::find(searched.begin(), searched.end(), std::uint8_t{0});

@@ -52,9 +52,9 @@ struct AssembledMessage {
 /// So in a flood of first fragments, or of nearly complete messages, the messages of the flood are
 /// evicted rather than honest ones.
 ///
-/// Fragments of different senders are never combined. A sender that forges an address can only
-/// damage a message whose sequence number, size and fragment count it copies. Uses no clock and no
-/// socket; times are parameters.
+/// Fragments of different senders are never combined. A sender that forges an address can damage a
+/// message only if it also copies the sequence number, size and fragment count of the message. Uses
+/// no clock and no socket; times are parameters.
 class Reassembler {
  public:
   explicit Reassembler(const ReassemblyLimits& limits = {});
