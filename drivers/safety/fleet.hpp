@@ -68,7 +68,7 @@ class Fleet {
     PlannerLease lease{};
     std::optional<Time> reported_at{};  ///< time of the last report of its driver
   };
-  /// Body whose name is not in the scenario; an empty name marks a free entry.
+  /// Body with a name that is not in the scenario; an empty name marks a free entry.
   struct UnknownBody {
     std::string name;  ///< memory is reserved at construction
     PoseMonitor pose;

@@ -41,8 +41,8 @@ bool FlightGuard::Parts::keeps_to_course(Time now) const {
 }
 
 // A stop follows the plan's curve only if the plan has constant speed there and the vehicle has
-// reached this speed. Otherwise the set-points, whose speed changes gradually, differ from the
-// plan.
+// reached this speed. Otherwise the set-points differ from the plan, because their speed changes
+// gradually.
 bool FlightGuard::Parts::has_planned_speed(Time now) const {
   const double commanded_mps = course.at(now).velocity_world_mps.norm();
   if (commanded_mps > 2.0 * pose.velocity_world_mps().norm() + kSameSpeedMps) {

@@ -12,10 +12,11 @@ namespace vantage::drivers {
 /// Selection of one of several publishers of VICON. Subscribe to VICON as a shared channel: the bus
 /// then orders the frames of each run separately, and this class chooses the publisher.
 ///
-/// The source is the first run whose frame contains an accepted pose of the vehicle (confirm()).
-/// While the source publishes, other runs are refused. After a gap of kSilentS, the next run whose
-/// frame contains an accepted pose replaces the source; in the air the pose must agree with the
-/// prediction. Until it is replaced, the old source is accepted again as soon as it publishes.
+/// The source is the first run with a frame that contains an accepted pose of the vehicle
+/// (confirm()). While the source publishes, other runs are refused. After a gap of kSilentS, the
+/// next run with an accepted pose of the vehicle replaces the source; in the air the pose must
+/// agree with the prediction. Until it is replaced, the old source is accepted again as soon as it
+/// publishes.
 ///
 /// A run is considered only if its stamps are within kFreshS of the local clock, so a replayed log
 /// is refused; hosts need a common clock (NTP or PTP). If the source's clock is set, the source

@@ -40,7 +40,7 @@ class PoseSensor {
 
   /// Returns one scan at the instant of `frame`. It has a measurement of each target that is
   /// unoccluded, in the field of view, in line of sight, and detected by the detection model. Under
-  /// attack there are no measurements and `jammed` is set. A sensor without ids adds false alarms
+  /// attack `jammed` is set and the scan is empty. A sensor without ids adds false alarms
   /// and sorts all measurements by value, so that their order does not identify targets. The caller
   /// sets run id, sequence and inputs. Returns nullopt if the frame has no pose of the robot.
   [[nodiscard]] std::optional<models::RobotMeasurement> measure(const models::MocapFrame& frame,

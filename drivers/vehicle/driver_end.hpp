@@ -8,7 +8,7 @@
 
 namespace vantage::drivers {
 
-/// State of a vehicle whose driver was requested to end.
+/// State of a vehicle after its driver was requested to end.
 struct EndFacts {
   InFlight in_flight = InFlight::kUnknown;  ///< kNo: stationary, motors off
   bool is_pilots = false;                   ///< a pilot controls the vehicle

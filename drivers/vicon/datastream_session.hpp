@@ -77,7 +77,7 @@ class DataStreamSession : public Session {
   Duration next_wake_{Duration::max()};
   std::optional<Echo> echo_;
 
-  // Buffers whose memory is reused.
+  // Buffers; their memory is reused.
   wire::vicon::SubjectInfo subject_info_;
   wire::vicon::Segments segments_;
   wire::vicon::LightweightSegments light_segments_;

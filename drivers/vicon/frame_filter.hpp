@@ -91,7 +91,7 @@ class FrameFilter {
   Body* find(const std::string& name, std::size_t hint);
   Body* add(const std::string& name);
   /// Assigns the positions of the frame to the predictions of the bodies, jointly for all bodies.
-  /// Marks each body whose position is assigned to another name.
+  /// Marks each body with a position that is assigned to another name.
   void find_swaps(Duration now);
   /// Adds a body to `compared_`.
   void compare(std::size_t body);
@@ -108,7 +108,7 @@ class FrameFilter {
   int old_numbers_ = 0;      ///< number of consecutive frames with older numbers
   std::int64_t number_ = 0;  ///< last frame number, with wraps of the counter removed
   AssignmentSolver assignment_;
-  std::vector<std::size_t> compared_;  ///< bodies whose positions are assigned; seen bodies first
+  std::vector<std::size_t> compared_;  ///< bodies with positions to assign; seen bodies first
   std::vector<Eigen::Vector3d> predicted_m_;
   std::vector<double> cost_m_;
   FrameClock clock_;

@@ -21,8 +21,8 @@ namespace vantage::drivers {
 /// passed to `report`.
 class ViconNode : public bus::Node {
  public:
-  /// @throws StartupError for a scenario whose mocap is `direct`, since the simulator then
-  /// publishes VICON.
+  /// @throws StartupError if the scenario's mocap is `direct`, since the simulator then publishes
+  /// VICON.
   ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
             std::function<void(const std::string&)> report);
 
