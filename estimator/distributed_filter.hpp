@@ -31,8 +31,8 @@ struct FilterSpec {
   std::string robot;
   models::SensorModel sensor;
   models::DetectionModel detection{};  ///< detects_ids applies to the whole team
-  /// Robots whose observations are used in addition to this robot's own, in the same order for all
-  /// robots. This robot may be included.
+  /// The filter uses the observations of these robots in addition to this robot's own. The order is
+  /// the same for all robots. This robot may be included.
   std::vector<Looker> team;
   models::Viewpoint start;  ///< assumed own viewpoint until the first pose arrives
   scenario::EstimatorSpec estimator;
@@ -154,8 +154,8 @@ class DistributedFilter {
   /// teammates' grids, and obstacles near an observation.
   void advance(const StepInput& input);
   /// Returns the mixtures of the targets with a belief that is not Gaussian: the content of
-  /// MIXTURE_R without run id, sequence and step. Targets whose samples form only one part are
-  /// omitted. Without ids, all confirmed tracks are included.
+  /// MIXTURE_R without run id, sequence and step. A target is omitted if its samples form only one
+  /// part. Without ids, all confirmed tracks are included.
   [[nodiscard]] models::BeliefMixture mixture() const;
   /// Returns the current estimate: the content of BELIEF_R without run id, sequence, step and
   /// inputs.

@@ -16,7 +16,7 @@ namespace vantage::estimator {
 /// The members are scratch only. Nothing is allocated for up to TrackTable::kReserved targets.
 class Meetings {
  public:
-  /// Reserves storage for `target_count` targets, whose centres are at least `distance_m` apart.
+  /// Reserves storage for `target_count` targets. Their centres are at least `distance_m` apart.
   Meetings(int target_count, double distance_m);
 
   /// Applies the collisions of the next dt_s. If a sample of a track collides with another track's

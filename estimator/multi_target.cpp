@@ -21,7 +21,7 @@ namespace {
 /// Existence probability below which a track is deleted or not started.
 constexpr double kExistenceMin = 0.01;
 constexpr double kConfirmed = 0.5;
-/// Least assumed number of targets without a track. With zero, a target whose track is wrong would
+/// Least assumed number of targets without a track. With zero, a target with a wrong track would
 /// never be found again.
 constexpr double kUntrackedMin = 0.05;
 /// Least assumed number of false alarms per observation. With zero, a single outlier would start a

@@ -142,10 +142,10 @@ class MultiTargetFilter {
   MultiTargetCounters counters_;
   double world_area_m2_;
   Association association_;
-  // By detection: measurement, and mean and covariance of the position given the measurement alone.
+  // Measurement of each detection, and moments of the position given this measurement alone.
   std::vector<models::Measurement> seen_;
   std::vector<PositionMoments> found_;
-  // By track and component: belief and weight in the case that the track is not detected.
+  // Belief and weight by track and component, in the case that the track is not detected.
   std::vector<Component> missed_;
   std::vector<double> missed_probability_;  ///< by track
   std::vector<double> fit_per_m2_;  ///< density of detection j given a component, by at(i, k), j

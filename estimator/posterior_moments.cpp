@@ -19,7 +19,7 @@ namespace {
 using models::PositionMatrix;
 using models::PositionVector;
 
-/// Terms whose exponent is this much below the largest exponent (5σ of a Gaussian) are neglected.
+/// Terms are neglected if their exponent is this much below the largest one (5σ of a Gaussian).
 constexpr double kNegligible = 12.5;
 constexpr int kZoomsMax = 10;
 /// Share of the mass in view below which the limits are assumed to be wrong.

@@ -15,7 +15,7 @@ inline constexpr double kRangeNearest_m = 1e-6;
 
 struct RangeOnlySpec {
   models::RangeCalibration calibration;
-  double range_sigma_m = 0.5;     ///< m; 1σ of a range that is no outlier
+  double range_sigma_m = 0.5;     ///< m; 1σ of a range that is not an outlier
   double outlier_share = 0.05;    ///< share of ranges that are outliers
   double outlier_span_m = 100.0;  ///< m; outliers are uniform over this span
   int hypotheses = 48;            ///< number of Gaussians on the first ring; also the maximum

@@ -366,7 +366,7 @@ RangeFit fit_at(const RangeProblem& problem, const RangeState& state) {
   fit.calibration = state.calibration;
   fit.correlation = correlation_of(residuals.series);
 
-  // By beacon: expected slope, and expected square of the score, per range.
+  // Expected slope, and expected square of the score, per range of each beacon.
   std::vector<double> slope(state.places_m.size());
   std::vector<double> square(state.places_m.size());
   for (int b = 0; b < beacons; ++b) {

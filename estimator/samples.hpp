@@ -35,11 +35,11 @@ class Samples {
   Samples& operator=(const Samples& other);
   ~Samples() = default;
 
-  /// True if there are no samples. The belief is then the Gaussian that the track stores.
+  /// True if the set is empty. The belief is then the Gaussian that the track stores.
   [[nodiscard]] bool empty() const { return size_ == 0; }
   void clear() { size_ = 0; }
   /// Sets samples of N(mean, covariance), with exactly these moments. If the covariance is not
-  /// positive definite, there are no samples afterwards.
+  /// positive definite, the set is empty afterwards.
   /// Precondition: 4 components.
   void spread(const models::Gaussian& belief);
 
@@ -64,7 +64,7 @@ class Samples {
   /// Removes samples inside obstacles. Returns false and changes nothing if no sample would remain.
   bool keep_out_of(const std::vector<models::Obstacle>& obstacles);
   /// Uses an observation from `from` that did not report the target: multiplies the weight of each
-  /// sample in view and in line of sight by 1 − p_D. Returns false if there is no such sample.
+  /// sample in view and in line of sight by 1 − p_D. Returns false if no such sample exists.
   bool miss(const models::SensorModel& sensor, const models::Viewpoint& from,
             const models::World& world, double detection_probability);
   /// Uses a measurement of the target. Returns false and changes nothing in two cases: the

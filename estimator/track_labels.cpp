@@ -68,8 +68,8 @@ double mahalanobis2(const models::Gaussian& a, const models::Gaussian& b) {
   return off_m.dot(S_m2.llt().solve(off_m));
 }
 
-/// Finds the nearest pair of an own and a received track whose labels are unknown to the other
-/// side, and gives both the older label. Returns false if there is no such pair.
+/// Finds the nearest pair of an own and a received track, each with a label that is unknown to the
+/// other side, and gives both the older label. Returns false if no such pair exists.
 bool join_nearest(std::vector<LabelledTrack>& tracks, std::span<HeardLabel> heard,
                   Reconciled& done) {
   LabelledTrack* own = nullptr;

@@ -152,7 +152,7 @@ class LandmarkWatch {
     return targets;
   }
 
-  // Of all poses within δ of each other the search keeps only the cheapest, independent of its
+  // The search keeps only the cheapest of all poses within δ of each other, independent of its
   // belief. The kept plans thus have different destinations. This is needed because a path to a
   // distant landmark gives no information until the landmark is in view.
   [[nodiscard]] planner::ReducedOptions reduction() const {

@@ -10,7 +10,7 @@ namespace vantage::experiments {
 enum class AttackKind {
   kNone,
   kRandom,     ///< every set of α robots is equally likely
-  kWorstCase,  ///< the robots whose loss reduces the value most, chosen greedily
+  kWorstCase,  ///< the attack that reduces the value most, chosen greedily
   kBestAlone,  ///< the robots with the best individual plans, as RTP expects
   /// The worst-case attack on the previous plans, applied during the current ones: the attacker
   /// knows only past motion, not the next plans. No robot is attacked during the first plans.

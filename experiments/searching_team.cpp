@@ -9,7 +9,7 @@ namespace vantage::experiments {
 
 namespace {
 
-// Plans for one robot, given the plans of the robots `beside`. Returns the gain of its plan, nats.
+// Plans for one robot, given the plans of the listed others. Returns the gain of its plan, nats.
 double plan_robot(SearchingTeam& team, int robot, const std::vector<int>& beside,
                   const SearchingTeam::Search& search) {
   planner::SearchProblem& problem = team.problems[index(robot)];

@@ -14,8 +14,8 @@ namespace vantage::experiments {
 struct SearchingTeam {
   using Search = std::function<planner::SearchResult(const planner::SearchProblem&)>;
 
-  /// By robot, with the same horizon and step and one sensor each. `start` is the robot's current
-  /// pose. plan() sets the targets and the information of the other robots.
+  /// One problem per robot, with the same horizon and step and one sensor each. `start` is the
+  /// robot's current pose. plan() sets the targets and the information of the other robots.
   std::vector<planner::SearchProblem> problems;
   std::vector<planner::SearchResult> plans;  ///< by robot: its latest plan
 

@@ -49,7 +49,7 @@ class EstimatorNode : public bus::Node {
   [[nodiscard]] Time next_tick() const override;
   void tick(Time now) override;
   /// Returns the filter's counters and three more. looks_overflowed: observations dropped from the
-  /// full queue. misaddressed: messages whose robot name differs from that of their channel.
+  /// full queue. misaddressed: messages with a robot name that differs from that of their channel.
   /// viewpoint_unknown: steps that used the robot's last known viewpoint.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   /// Returns the number of instants kτ without a step.

@@ -39,7 +39,7 @@ std::string unit_line(const SweepPlan& plan, const Unit& unit, const UnitRows& r
 /// @throws std::exception when the line is incomplete or names a setting that is not in `plan`
 std::pair<Unit, UnitRows> unit_of_line(const SweepPlan& plan, const std::string& line);
 
-/// Reads all rows in `directory`; returns none if there are no files. Omits an incomplete last
+/// Reads all rows in `directory`; returns none if it has no files. Omits an incomplete last
 /// line, and trials beyond the number in the plan.
 /// @throws StartupError when another line is incomplete, a unit is present twice with different
 /// rows, or a file is from another run (it was copied there)

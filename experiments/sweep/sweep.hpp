@@ -38,7 +38,7 @@ struct SweepPlan {
   int trials = 0;
   /// All inputs that affect a unit's rows, in addition to setting, seed and trial.
   std::map<std::string, std::string> parameters;
-  /// By table name: its columns, without those of setting and trial.
+  /// Columns of each table, by its name, without those of setting and trial.
   std::map<std::string, std::string> tables;
 };
 
@@ -61,7 +61,7 @@ struct Unit {
 
 /// Results of a unit.
 struct UnitRows {
-  /// By table name: its rows of comma-separated cells, without setting and trial.
+  /// Rows of each table, by its name: comma-separated cells, without setting and trial.
   std::map<std::string, std::vector<std::string>> tables;
   /// CPU time of each part of the unit, s; the only values that differ between runs.
   std::vector<std::pair<std::string, double>> times_s;

@@ -16,7 +16,7 @@ struct SweepOptions {
   std::string directory;
   int jobs = 1;
   std::optional<Shard> shard;  ///< if set: runs only this share and writes only rows
-  /// Only settings whose cells begin with one of these texts are run, see begins_with_any(). Their
+  /// Runs only settings with cells that begin with one of these texts, see begins_with_any(). Their
   /// rows and tables are written, but no summary, which needs all settings. Empty: all settings.
   std::vector<std::string> only;
   std::function<bool()> stop;  ///< called before each unit; true: stop; may be empty
