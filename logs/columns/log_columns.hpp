@@ -21,14 +21,14 @@ struct LogColumn {
   bool is_truth = false;  ///< true for booleans
   /// Shape of the array in each row if its size is constant; empty: one value per row.
   std::vector<std::size_t> item_shape;
-  int list = -1;  ///< index of the list whose elements are the rows; −1: one row per message
+  int list = -1;  ///< index of the list with one element per row; −1: one row per message
   Values values;
 };
 
 /// List of variable length within messages.
 struct LogList {
   std::string name;  ///< "segments", or the name of its only column
-  int parent = -1;   ///< index of the list whose elements contain this one; −1: in messages
+  int parent = -1;   ///< index of the list that has this one in each element; −1: in messages
   /// Row i of the parent has the elements [offsets[i], offsets[i + 1]).
   std::vector<std::int64_t> offsets{0};
 };

@@ -13,8 +13,8 @@ namespace vantage::logs {
 /// name, as in LCM ("VICON" selects one channel, ".*VICON.*" all names that contain VICON).
 class ChannelFilter {
  public:
-  /// Selects a channel if it matches one of `include` (or if `include` is empty) and none of
-  /// `exclude`.
+  /// Selects a channel if it matches one of `include` (or if `include` is empty), unless it matches
+  /// one of `exclude`.
   /// @throws UsageError if a rule is not a regular expression.
   ChannelFilter(const std::vector<std::string>& include, const std::vector<std::string>& exclude);
   ChannelFilter() = default;

@@ -12,8 +12,8 @@ namespace {
 /// Largest difference between the numbers of nearby events of one log. (Numbers are ≥ 0, so their
 /// differences cannot overflow.)
 constexpr std::int64_t kNear = 10'000;
-/// After this number of consecutive events whose numbers are unusual, these numbers become the
-/// usual ones: the log was concatenated from several logs.
+/// After this number of consecutive events with unusual numbers, these numbers become the usual
+/// ones: the log was concatenated from several logs.
 constexpr int kUnusualMax = 64;
 /// Maximum number of sync words examined inside one event. It keeps the time linear for a file that
 /// contains only headers.

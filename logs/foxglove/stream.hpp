@@ -101,7 +101,7 @@ class Stream {
   /// Stores that measurement's age if `status` is the first one to report that its plan is
   /// followed.
   void note_latency(const models::VehicleStatus& status);
-  /// Returns nullopt if there is no scenario yet or if it does not contain the robot.
+  /// Returns nullopt until a scenario is received, or if it does not contain the robot.
   [[nodiscard]] std::optional<Colour> colour_of(const std::string& robot) const;
   /// Precondition: a scenario was received.
   [[nodiscard]] std::string target_name(int target_id) const;

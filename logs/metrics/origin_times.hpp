@@ -27,7 +27,7 @@ class OriginTimes {
     }
   }
 
-  /// Returns the latest stored time of the messages in `names`; nullopt if none of them is stored.
+  /// Returns the latest stored time of the messages in `names`; nullopt if no time is stored.
   [[nodiscard]] std::optional<Time> newest(std::span<const models::InputRef> names) const {
     std::optional<Time> newest;
     for (const models::InputRef& name : names) {

@@ -26,13 +26,13 @@ struct SetError {
   int pairs = 0;  ///< pairs of that assignment: the size of the smaller set
 };
 
-/// Error measures for sets of target estimates whose labels contain no target id. Sets are judged
-/// in the order of time.
+/// Error measures for sets of target estimates with labels that contain no target id. Sets are
+/// judged in the order of time.
 ///
 /// OSPA of order 2 with cutoff c between sets of m ≤ n points: √((Σ min(c, d)² + c² (n − m)) / n),
 /// where d are the distances of the best assignment; 0 for two empty sets. A swap is counted if a
-/// target is assigned a track closer than c whose label differs from that of the target's previous
-/// track. Allocates only if a set is larger than all previous sets.
+/// target is assigned a track closer than c, and the label differs from that of the target's
+/// previous track. Allocates only if a set is larger than all previous sets.
 /// Source: Schuhmacher, Vo, Vo, A consistent metric for performance evaluation of multi-object
 /// filters (2008); swaps: Bernardin, Stiefelhagen, Evaluating multiple object tracking performance:
 /// the CLEAR MOT metrics (2008).

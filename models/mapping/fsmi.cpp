@@ -7,7 +7,7 @@
 namespace vantage::models {
 namespace {
 
-// Returns KL(posterior ‖ prior) of a cell whose odds are multiplied by `ratio`, nats.
+// Returns KL(posterior ‖ prior) of a cell when its odds are multiplied by `ratio`, nats.
 double kl_divergence_nats(double occupancy, double log_ratio, double ratio) {
   const double o = occupancy;
   if (o <= 0.0 || o >= 1.0) {

@@ -10,7 +10,7 @@
 namespace vantage::models {
 
 /// Finder of nearby pairs among many bodies that move little between calls. It keeps the bodies
-/// sorted by x and compares only bodies whose x differ by at most the distance.
+/// sorted by x and compares only bodies that differ in x by at most the distance.
 class NearPairs {
  public:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;  ///< i < j
