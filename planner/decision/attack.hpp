@@ -20,17 +20,17 @@ struct Attack {
 /// enumeration. Ties: the fewest and lowest-numbered robots. Cost: Σ_{k≤α} C(n, k) oracle calls.
 Attack worst_attack(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
-/// Returns the greedy worst-case attack: repeatedly removes the robot whose loss leaves the
-/// smallest value, as long as the value decreases. The experiments use it as "worst case". Cost:
+/// Returns the greedy worst-case attack: repeatedly removes the robot without which the remaining
+/// value is smallest, as long as the value decreases. The experiments use it as "worst case". Cost:
 /// O(n α) oracle calls. Source: dissertation 4 F (greedy approximation of the worst case).
 Attack greedy_attack(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
-/// Returns the attack on the `attacks_max` robots whose trajectories have the greatest value alone.
+/// Returns the attack on the `attacks_max` robots with the trajectories of greatest value alone.
 /// Ties: the lower numbers. Robust trajectory planning selects its bait by the same criterion,
 /// which ignores overlap with other robots. Cost: α oracle calls.
 Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
-/// Returns the attack on robots whose trajectories have the greatest value together, selected
+/// Returns the attack on the robots with the trajectories of greatest joint value, selected
 /// greedily: starting from the empty set, each step adds the robot that maximises J(A) of the
 /// attacked set A, until it has `attacks_max` robots or all. Ties: the lower number. With one
 /// attack it equals attack_on_best_alone(). Cost: O(n α) oracle calls.

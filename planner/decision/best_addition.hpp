@@ -19,7 +19,7 @@ class BestAddition {
   BestAddition(const TeamOracle& oracle, int robot, bool lazy);
 
   /// Returns the candidate with the greatest gain for `team`, even if the gain is not positive; no
-  /// proposal if there is no candidate. `excluded` marks candidates to skip, by id; empty: none.
+  /// proposal if no candidate exists. `excluded` marks candidates to skip, by id; empty: none.
   /// Ties: the lowest id. Precondition: the robot has no candidate in `team`, and `team` contains
   /// the sets of all earlier calls.
   Proposal find(TeamSet& team, std::span<const char> excluded);

@@ -11,8 +11,8 @@ namespace vantage::planner {
 struct DescentOptions {
   std::vector<int> order;  ///< robots in order of choice; empty: 0, 1, …; others get no candidate
   int rounds_max = 1;      ///< maximum number of rounds; ends earlier after a round without change
-  /// Tries candidates by descending individual value and stops at the first whose value is below
-  /// the best gain found. The result is the same. Ignored unless the information is submodular.
+  /// Tries candidates by descending individual value and stops at the first with a value below the
+  /// best gain found. The result is the same. Ignored unless the information is submodular.
   bool lazy = true;
 };
 

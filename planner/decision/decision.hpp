@@ -46,7 +46,7 @@ class ImprovementRule {
 
 /// A local operation on the team's solution: (d, NOP), (NOP, a) or (d, a).
 struct Proposal {
-  int drop_robot = -1;  ///< robot whose trajectory is deleted; −1: none
+  int drop_robot = -1;  ///< robot that loses its trajectory; −1: none
   CandidateId add = kNoCandidate;
   double value = 0.0;  ///< J after the operation, nats
 

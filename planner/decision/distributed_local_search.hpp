@@ -14,7 +14,7 @@ struct DistributedOptions {
   bool warm_start = true;
 };
 
-/// Distributed local search, simulated for a team whose robots make one oracle call per tick and
+/// Distributed local search, simulated for a team. Its robots make one oracle call per tick and
 /// receive all messages without delay. The first valid proposal stops all searches and is adopted
 /// by all; if there are several in one tick, is_preferred() selects one. Ends when no robot has a
 /// proposal: a local optimum of the neighbourhood of centralised_local_search, with its guarantee.

@@ -73,9 +73,9 @@ class LocalSearchSession {
   /// proposal that assigns this robot a motion that it does not have, because it has restarted.
   bool hear(const models::TeamProposal& heard);
 
-  /// True if `heard` belongs to this round.
+  /// True if the proposal belongs to this round.
   [[nodiscard]] bool is_of_round(const models::TeamProposal& heard) const;
-  /// True if the content of `heard` is consistent.
+  /// True if the content of the proposal is consistent.
   [[nodiscard]] bool can_be(const models::TeamProposal& heard) const;
 
   /// Returns the next proposal, which becomes the best known one. nullopt: none exists, or none was

@@ -8,7 +8,7 @@
 
 namespace vantage::planner {
 
-/// Returns the bait: the `attacks_max` robots whose plans have the greatest individual value,
+/// Returns the bait: the `attacks_max` robots with the plans of greatest individual value,
 /// ascending; all robots if the team has no more than `attacks_max`. Ties: the lower numbers.
 std::vector<int> bait_robots(std::span<const double> values_alone, int attacks_max);
 
@@ -27,8 +27,8 @@ class ResilientRound {
   /// together as if the bait did not exist.
   [[nodiscard]] const std::vector<int>& rest() const { return rest_; }
   [[nodiscard]] bool is_bait(int robot) const;
-  /// Returns the robots whose sensors the plan of `robot` ignores: all robots if it is bait,
-  /// otherwise the bait.
+  /// Returns the robots that the plan of `robot` assumes to have no sensors: all robots if it is
+  /// bait, otherwise the bait.
   [[nodiscard]] std::vector<int> unseeing_for(int robot) const;
 
  private:
@@ -39,9 +39,9 @@ class ResilientRound {
 /// Plans `robot` as if no other robot had sensors, keeps that plan, and returns its information
 /// gain, nats: normalised and non-decreasing.
 using PlanAlone = std::function<double(int robot)>;
-/// Plans `robots` (at least one) as if there were no others.
+/// Plans `robots` (at least one) as if they were the whole team.
 using PlanTogether = std::function<void(const std::vector<int>& robots)>;
-/// Plans `robot` given the current plans of the robots `beside`, keeps that plan, and returns its
+/// Plans `robot` given the current plans of the listed others, keeps that plan, and returns its
 /// information gain, nats.
 using PlanRobot = std::function<double(int robot, const std::vector<int>& beside)>;
 

@@ -34,7 +34,7 @@ class DriveMap {
 
   /// Returns the path length from the cell of `p_m` to the nearest frontier, m, in steps to the 8
   /// neighbours over cells where the disc may be. A frontier is such a cell that is not known to be
-  /// free but has a known free cell among its 4 neighbours. Infinite if there is no path; 0 at a
+  /// free but has a known free cell among its 4 neighbours. Infinite if no path exists; 0 at a
   /// frontier.
   [[nodiscard]] double to_frontier_m(const Eigen::Vector2d& p_m) const;
 

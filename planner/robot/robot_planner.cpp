@@ -63,7 +63,7 @@ ResilientRound RobotPlanner::resilient_round_of(const PlanInputs& inputs) const 
       values[i] = proposal->second.value_nats;
     }
   }
-  // Robots without a proposal, or whose proposal gains nothing, are not used as bait.
+  // Robots without a proposal, or with a proposal that gains nothing, are not used as bait.
   const auto worth_it = std::count_if(values.begin(), values.end(), [](double v) { return v > 0; });
   return {values, std::min(scenario_.planner.attacks_max, static_cast<int>(worth_it))};
 }

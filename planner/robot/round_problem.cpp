@@ -283,7 +283,7 @@ void Builder::add_teammates(const std::vector<int>& unseeing) {
   }
 }
 
-// Adds the positions of teammates that do not follow plans, are off their plan, or whose status is
+// Adds the positions of teammates that do not follow plans, are off their plan, or have a status
 // older than kSilent_s. For a teammate without any status it adds only its position on the ground;
 // add_teammates() has added its flight position.
 void Builder::add_places_of_those_who_wait() {

@@ -10,7 +10,7 @@ struct SlotHolder {
   int slot = 0;
 };
 
-// Shared slots are colours of the graph whose edges join robots that are near each other
+// Shared slots are colours of a graph. Its edges join robots that are near each other
 // (network.neighbourhood_m): robots that plan at the same time must not be near. The robots colour
 // the graph themselves, from the slot in which each received plan was made:
 //

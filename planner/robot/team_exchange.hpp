@@ -36,9 +36,9 @@ class TeamExchange {
     std::optional<std::vector<models::TeamChoice>> committed;
   };
   /// Candidates are the search results found by `deadline` that pass the closing check. They avoid
-  /// the teammates of `problem`, whose fixed information, if any, guides the search. `scenario` and
-  /// the world of `problem` must outlive this object; other objects may use `search` after
-  /// construction.
+  /// the teammates of `problem`. The fixed information of `problem`, if any, guides the search.
+  /// `scenario` and the world of `problem` must outlive this object; other objects may use `search`
+  /// after construction.
   TeamExchange(const scenario::Scenario& scenario, int robot, ReducedValueIteration& search,
                const SearchProblem& problem, const Start& start, const Deadline& deadline);
   ~TeamExchange() = default;

@@ -11,9 +11,9 @@ namespace vantage::planner {
 /// `turned_rad`.
 bool has_way_out(const SearchProblem& problem, double turned_rad);
 
-/// Returns a turn on the spot by an eighth of a circle for a stationary robot whose search found no
-/// motion; after the turn, a motion may be possible. Turning does not move the robot's disc, so it
-/// is safe wherever hovering is.
+/// Returns a turn on the spot by an eighth of a circle for a stationary robot when its search found
+/// no motion; after the turn, a motion may be possible. Turning does not move the robot's disc, so
+/// it is safe wherever hovering is.
 ///
 /// If a teammate is too near, the robot turns away from the teammate. When it faces away, it
 /// continues to turn until its heading allows a motion. If walls or teammates ahead block every

@@ -41,8 +41,8 @@ struct BestFirstOptions {
 ///
 /// The search starts with a dive to a leaf, so that a plan exists, and then repeatedly expands the
 /// least open node. The h of a node is computed when the node is first selected. Until then the
-/// node uses its parent's f, which is not larger (h is consistent). A node whose g + h is not below
-/// the best plan's cost is dropped.
+/// node uses its parent's f, which is not larger (h is consistent). A node is dropped if its g + h
+/// is not below the best plan's cost.
 ///
 /// The certificate is unweighted: lower_bound = min(cost, least g + h over OPEN and over all nodes
 /// that AEGIS discarded as dominated). A node discarded with ε = δ = 0 does not count, because an

@@ -26,7 +26,7 @@ struct BeamOptions {
   double persistence = 0.5;   ///< share of a depth's information gain expected to last
 };
 
-/// Refining beam search: passes of a beam whose width grows and whose diversity cells shrink.
+/// Refining beam search: passes of a beam with growing width and shrinking diversity cells.
 ///
 /// A pass proceeds depth by depth. Of all children in one cell over (x, y, yaw) it keeps only the
 /// most promising. The beam then keeps the most promising child of each region (4 × 4 × 4 cells),

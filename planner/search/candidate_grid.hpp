@@ -26,7 +26,7 @@ class CandidateGrid {
   void reset(const BeliefTable& beliefs, const Eigen::Vector2d& start_m, int horizon_steps,
              double reach_m, double range_max_m);
 
-  /// Returns, by ascending index, at least every target whose mean at depth t is closer than
+  /// Returns, by ascending index, at least all targets with a mean at depth t that is closer than
   /// range_max_m + reach_m to `p_m`. Precondition: 1 ≤ t ≤ horizon_steps, ‖p_m − start‖ ≤ t ·
   /// reach_m. Valid until the next reset.
   [[nodiscard]] std::span<const std::uint16_t> near(const Eigen::Vector2d& p_m, int t);

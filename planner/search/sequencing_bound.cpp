@@ -54,7 +54,7 @@ void SequencingBound::reset(const SearchProblem& problem, const BeliefTable& bel
   schedules_ = true;
   GeodesicTable::Outlook outlook;
   heuristic.ways().look_around(problem.start.position_m(), outlook);
-  // The nearest targets that can be seen at all and whose information is bounded.
+  // The nearest targets that can be seen at all and have bounded information.
   nearest_.clear();
   for (int m = 0; m < beliefs.target_count(); ++m) {
     if (!heuristic.stays(m) || beliefs.layout(m) != BlockLayout::kPlanar) {
@@ -112,7 +112,7 @@ void SequencingBound::find_stops() {
   }
 }
 
-// Adds every set of targets whose discs meet pairwise. False if there are too many.
+// Adds every set of targets with discs that meet pairwise. Returns false if there are too many.
 bool SequencingBound::add_cliques(std::uint32_t clique, std::uint32_t candidates) {
   while (candidates != 0) {
     const int i = std::countr_zero(candidates);

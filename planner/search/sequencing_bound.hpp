@@ -85,8 +85,8 @@ class SequencingBound : public PartialBound {
   [[nodiscard]] std::size_t cell(int i, int n, int step) const {
     return (index(i) * index(horizon_ + 2) + index(n)) * index(horizon_ + 2) + index(step);
   }
-  /// Returns the cost per step of target i after n measurements, for targets whose cost does not
-  /// depend on the step.
+  /// Returns the cost per step of target i after n measurements, for targets with a cost that does
+  /// not depend on the step.
   [[nodiscard]] double cost_after_looks(int i, int n) const {
     return costs_[cell(i, n, steps_left_)];
   }
@@ -115,7 +115,7 @@ class SequencingBound : public PartialBound {
   std::vector<double> rests_;  ///< [i][n][next]
   std::vector<double> onwards_;
   bool schedules_ = false;             ///< no target has process noise or teammates' information
-  std::vector<std::uint32_t> places_;  ///< groups of targets whose discs are connected
+  std::vector<std::uint32_t> places_;  ///< groups of targets with connected discs
   std::vector<double> hulls_;          ///< [i][n]: convex in n, ≤ the cost after n measurements
   std::vector<double> gains_;  ///< [i][n]: gain of the next measurement by the hull, non-increasing
   std::vector<double> row_blocks_;
