@@ -9,7 +9,7 @@
 namespace vantage::scenario {
 
 /// Returns c_ctrl(u) + c_state(x), the motion cost of a step with `control` that begins at `at_m`,
-/// not multiplied by price_nats. If `world` is null, there are no regions.
+/// not multiplied by price_nats. A null `world` has no regions.
 double step_cost(const EnergySpec& energy, const models::World* world,
                  const models::UnicycleControl& control, const Eigen::Vector2d& at_m);
 

@@ -13,7 +13,7 @@ struct EnergySpec {
   double rest_cost = 0.0;            ///< cost of a step with zero speed and yaw rate
   double turn_cost = 0.0;            ///< cost of a step with yaw rate but zero speed
   double move_cost = 0.0;            ///< cost of a step with nonzero speed
-  std::vector<std::string> regions;  ///< names of regions whose cost_per_step is added
+  std::vector<std::string> regions;  ///< names of regions that add their cost_per_step
 };
 
 }  // namespace vantage::scenario

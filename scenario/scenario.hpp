@@ -34,8 +34,8 @@ enum class ParameterPolicy {
   kIgnore,  ///< do not check
 };
 
-/// Battery whose state of charge is computed from its voltage alone. Voltages are per cell, V,
-/// under the load of a hover.
+/// Battery with a state of charge that is computed from its voltage alone. Voltages are per cell,
+/// V, under the load of a hover.
 struct BatterySpec {
   int cells = 3;
   double empty_v = 3.3;
@@ -116,7 +116,7 @@ struct EstimatorSpec {
   double grid_resolution_m = 0.25;
   double grid_memory_s = 30.0;  ///< s; then a cell counts as unexplored again; ≤ 0: never
   /// Gate for innovations, σ; 0: no gate. A detection beyond the gate is counted and increases the
-  /// covariance, but is not fused. Only for sensors whose measurement determines a position.
+  /// covariance, but is not fused. Only for sensors with a measurement that determines a position.
   double gate_sigma = 4.0;
   /// Assumed probability that a scan detects a target in view. A scan without the expected
   /// detection reduces the probability of the scanned area. 0: such scans are not used.

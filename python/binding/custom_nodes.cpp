@@ -13,7 +13,7 @@
 
 namespace vantage::python {
 
-// Returns a shared function whose deleter acquires the interpreter's lock, because any thread may
+// Returns a shared function. Its deleter acquires the interpreter's lock, because any thread may
 // release the last reference.
 KeptFunction kept(const py::function& function) {
   return {new py::function(function), [](py::function* each) {

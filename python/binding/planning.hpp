@@ -15,7 +15,7 @@
 namespace vantage::python {
 
 /// Mutex that throws instead of deadlocking if the thread that holds it locks it again. This
-/// happens when a signal handler uses the object whose work it interrupted.
+/// happens when a signal handler interrupts the work of an object and then uses this object.
 class WorkMutex {
  public:
   /// @throws UsageError in the thread that already holds it

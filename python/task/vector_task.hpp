@@ -21,8 +21,8 @@ class VectorTask {
 
   /// Starts new episodes of all tasks, each with its own seed.
   void reset(std::span<const std::uint64_t> seeds);
-  /// Steps all tasks. A task whose episode was over starts the next episode instead: its actions
-  /// are ignored and its reward is 0. next_episode_seed() gives the next seed.
+  /// Steps all tasks. If the episode of a task was over, the task starts the next one instead: its
+  /// actions are ignored and its reward is 0. next_episode_seed() gives the next seed.
   /// @param actions [task][robot]; all are checked before the first task is stepped
   /// @param rewards, is_over  one per task
   void step(std::span<const std::int64_t> actions, std::span<double> rewards,

@@ -5,9 +5,9 @@
 
 namespace vantage::scenario {
 
-/// Reads the list `attacks`: each attack has a time span and the robots whose sensors it jams.
-/// Checks that planner.attacks_max is less than the number of robots. Precondition: the robots have
-/// been read.
+/// Reads the list `attacks`: each attack has a time span and a list of robots; it jams their
+/// sensors. Checks that planner.attacks_max is less than the number of robots. Precondition: the
+/// robots have been read.
 void read_attacks(Mapping& top, Scenario& scenario);
 
 }  // namespace vantage::scenario

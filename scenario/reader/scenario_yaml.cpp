@@ -165,8 +165,8 @@ void read_estimator(Mapping& from, Scenario& scenario) {
   from.number("grid_resolution_m", estimator.grid_resolution_m, above(0.0));
   from.number("grid_memory_s", estimator.grid_memory_s, from_to(-1.0, kDurationMaxS));
   from.number("gate_sigma", estimator.gate_sigma, at_least(0.0));
-  // Must be below 1: with 1, a scan without a detection would give probability 0, whose logarithm
-  // is infinite.
+  // Must be below 1: with 1, a scan without a detection would give probability 0, and its logarithm
+  // would be infinite.
   from.number("detection_probability", estimator.detection_probability, from_below(0.0, 1.0));
   from.flag("targets_stay_inside", estimator.targets_stay_inside);
   from.flag("samples", estimator.samples);

@@ -12,8 +12,8 @@
 namespace vantage::sim {
 
 /// Parameters of a multirotor body: thrust per mass along its z axis, first-order lags of tilt and
-/// thrust, drag in gusty wind, and a battery whose voltage drops under load. Local frame: z down
-/// (NED), body FRD.
+/// thrust, drag in gusty wind, and a battery with a voltage that drops under load. Local frame: z
+/// down (NED), body FRD.
 struct AirframeParameters {
   double tilt_lag_s = 0.10;
   double thrust_lag_s = 0.05;

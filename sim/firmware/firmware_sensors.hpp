@@ -13,7 +13,7 @@
 namespace vantage::sim {
 
 /// Sensor values of an autopilot at one instant. Local frame NED with its origin at the world's
-/// origin (north is the world's x), body FRD. There is no GPS.
+/// origin (north is the world's x), body FRD. GPS is not simulated.
 struct FirmwareSensors {
   Duration since_start{};
   Eigen::Vector3d gyro_body_radps = Eigen::Vector3d::Zero();

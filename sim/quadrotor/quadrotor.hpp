@@ -34,8 +34,8 @@ struct QuadrotorParameters {
   double endurance_s = 1200.0;  ///< s; flight time from a full to an empty battery
 };
 
-/// Returns the parameters of a vehicle in `wind`, whose drag acts as an acceleration. Without a
-/// wind specification, the default light gusts apply.
+/// Returns the parameters of a vehicle in `wind`. The drag acts as an acceleration. Without a wind
+/// specification, the default light gusts apply.
 QuadrotorParameters parameters_in(const std::optional<scenario::WindSpec>& wind);
 
 /// Result of offering a plan to a vehicle.

@@ -24,7 +24,7 @@ class RouteMap {
   explicit RouteMap(const models::World& world);
 
   /// Returns a route: cell centres from near `from_m` to near `to_m`, then `to_m` itself; empty if
-  /// there is no route. Every centre is outside each disc of `blocked` and at least
+  /// no route exists. Every centre is outside each disc of `blocked` and at least
   /// clearance_needed_m(radius_m) from obstacles and walls; near the start radius_m suffices.
   /// O(cells log cells); allocates memory.
   [[nodiscard]] std::vector<Eigen::Vector2d> route(const Eigen::Vector2d& from_m,

@@ -19,7 +19,7 @@ namespace vantage::sim {
 /// Simulated lab: vehicles, moving targets, and their contacts.
 ///
 /// A robot is either a Quadrotor that follows plans, or a vehicle supplied by the caller, which
-/// computes its true state. Robots whose device is real are not simulated.
+/// computes its true state. Robots with a real device are not simulated.
 ///
 /// Deterministic: the same scenario, seed, start, plans and commands at the same times give the
 /// same bytes. Time is an argument; physics steps end at each integer multiple of kStep since the
