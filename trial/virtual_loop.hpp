@@ -25,7 +25,7 @@ class VirtualTimeLoop {
   /// Returns an endpoint for raw bytes. Its caller must call handle(). It receives all messages
   /// published after this call.
   std::unique_ptr<bus::Transport> connect() { return hub_.connect(); }
-  /// Adds a bus, whose handle() this loop calls.
+  /// Adds a bus. This loop calls its handle().
   bus::Bus& add_bus(std::int64_t run_id);
   /// Creates a node, which this loop executes from now on, including its HEALTH reports.
   void add_node(const NodeRecipe& recipe, std::int64_t run_id);

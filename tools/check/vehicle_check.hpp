@@ -38,7 +38,7 @@ class VehicleCheck {
   [[nodiscard]] std::optional<std::string> fault(Time now) const;
   /// Returns the parameters that violate their rules, in the order of the rules.
   [[nodiscard]] std::vector<drivers::ParameterCheck::Entry> differences() const;
-  /// True if the parameters are read and none of the differences forbids a flight.
+  /// True if the parameters are read and no difference forbids a flight.
   [[nodiscard]] bool is_ready(Time now) const {
     return !fault(now) && link_.parameters().is_kept();
   }

@@ -34,7 +34,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// Selects the robot with that name, or the only robot whose name begins with it.
+/// Selects the robot with that name, or the only robot with a name that begins with it.
 OperatorRequest request_of_name(const std::string& name, const std::vector<std::string>& robots) {
   std::vector<std::string> found;
   for (const std::string& robot : robots) {

@@ -30,7 +30,8 @@ inline constexpr int kLogMessageBytesMax = 32 << 20;
 /// Returns `url`, or the default URL if `url` is empty, with max_message_size=kLogMessageBytesMax.
 std::string url_for_log(const std::string& url);
 
-/// Returns a function that shows the progress of `what` on stderr; empty if stderr is no terminal.
+/// Returns a function that shows the progress of `what` on stderr; empty if stderr is not a
+/// terminal.
 std::function<void(double)> progress_line(const std::string& what);
 
 /// Opens the log at `path`. A log without an index is read completely, with a progress line; SIGINT
@@ -39,7 +40,7 @@ logs::IndexedLog open_log(const std::string& path);
 /// Returns the names of a log's channels as text for a sentence; at most 20 names.
 std::string channel_names(const logs::LogSurvey& survey);
 /// Prints the `expressions` that match no channel of `log`, and its channels. @throws StartupError
-/// if there are expressions and none of them matches.
+/// if there are expressions and no expression matches.
 void require_channels(const logs::IndexedLog& log, const std::vector<std::string>& expressions);
 
 /// Output log, which must differ from all input logs.

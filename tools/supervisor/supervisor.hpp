@@ -68,7 +68,7 @@ class Supervisor {
   /// Starts a process. @throws StartupError if it cannot be executed.
   void start(const ProcessSpec& spec, Nanoseconds monotonic_ns);
   /// Reads signs of life, kills processes without them, reaps processes that have ended and
-  /// restarts processes whose back-off is over. Returns the events in this order.
+  /// restarts processes when their back-off is over. Returns the events in this order.
   std::vector<SupervisorEvent> poll(Nanoseconds monotonic_ns);
   /// Requests the vehicle drivers to end; each further call is one more request. A driver that ends
   /// after a request is restarted only if it failed after a single request while its vehicle may be

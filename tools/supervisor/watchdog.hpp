@@ -9,7 +9,7 @@
 
 namespace vantage::tools {
 
-/// Detector of processes that hang, i.e. whose signs of life have stopped. Pure; `now` is
+/// Detector of processes that hang: their signs of life have stopped. Pure; `now` is
 /// monotonic. A long pause between two calls of overdue() (the caller was delayed or suspended)
 /// does not count as silence of the processes.
 class Watchdog {

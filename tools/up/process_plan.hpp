@@ -28,7 +28,7 @@ struct ProcessPlaces {
   int driver_priority = 0;           ///< SCHED_FIFO priority of vehicle and mocap drivers; 0: none
 };
 
-/// Returns the robots that have a driver process: those whose device is `wire` or `real`.
+/// Returns the robots that have a driver process: those with the device `wire` or `real`.
 std::vector<std::string> robots_with_driver(const scenario::Scenario& scenario);
 
 /// Returns one sentence for each fault in the scenario's combination of devices; empty if it can be
@@ -41,7 +41,7 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario);
 /// - the firmware of simulated vehicles;
 /// - the mocap driver, if its device is not `direct`;
 /// - the contact judge, if a robot is real;
-/// - the vehicle drivers of robots whose device is not `direct`;
+/// - the vehicle drivers of robots, unless their device is `direct`;
 /// - sensor, estimator and planner of each robot.
 /// The simulator and the mocap driver are essential: the trial ends without them.
 std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,

@@ -9,8 +9,8 @@
 namespace vantage::tools {
 
 /// True if a Host header ("lab-pc:8765") contains an IP address, localhost, this host's own name
-/// (with or without .local) or one of `more`. Other names may belong to an attacker who makes them
-/// resolve to this server's address (DNS rebinding).
+/// (with or without .local) or one of `more`. An attacker can make other names resolve to this
+/// server's address (DNS rebinding).
 bool is_our_host(std::string_view header, std::span<const std::string> more);
 
 /// True if an Origin header names this server's own page (from `host`), a page of localhost,

@@ -31,7 +31,7 @@ std::string record_address(const std::string& url, const std::string& key,
 /// picture of each instant without a time limit. Writes the file when the video is complete. Calls
 /// `progress` with the completed share in [0, 1]. Returns false if `stop` returned true before the
 /// video was complete.
-/// @throws StartupError if there is no browser or page, or the file cannot be written;
+/// @throws StartupError if the browser or the page is missing, or the file cannot be written;
 ///   std::runtime_error if the browser fails.
 bool record_log(logs::SeekableLog& log, const logs::TypeLibrary& types, WebOptions web,
                 const RecordOptions& options, const std::function<void(double)>& progress,

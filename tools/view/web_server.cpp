@@ -123,7 +123,7 @@ ConnectionTable::Peer peer_of(const mg_connection* socket) {
   return {info.remote_addr, info.remote_port};
 }
 
-/// Returns the remote end of a connected socket whose own port is `port`; nullopt for any other
+/// Returns the remote end of a connected socket if its own port is `port`; nullopt for any other
 /// descriptor.
 std::optional<ConnectionTable::Peer> peer_at(int descriptor, int port) {
   sockaddr_storage own{};

@@ -19,8 +19,8 @@ struct WebOptions {
   /// Further host names that requests may use, in addition to addresses, localhost and this host's
   /// own name.
   std::vector<std::string> hosts;
-  /// Other servers whose pages may connect, such as "https://viewer.example". Pages of Foxglove and
-  /// of this host (Lichtblick) may always connect.
+  /// Other servers with pages that may connect, such as "https://viewer.example". Pages of Foxglove
+  /// and of this host (Lichtblick) may always connect.
   std::vector<std::string> origins;
   /// Answers GET /api/history: JSON of past records for charts, marks and paths. Called on any
   /// thread.

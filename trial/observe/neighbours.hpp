@@ -39,7 +39,7 @@ std::set<std::string> hear_channels(bus::Transport& transport, Duration duration
 /// Returns the reasons why `vantage up` for `host` (empty: all parts of the scenario) must not
 /// start while `channels` are in use, one sentence each. Reasons are: a supervisor of the same host
 /// or of a host outside this trial, a simulator or vehicles that would run twice, and unknown
-/// vehicles. Supervisors of other hosts of the trial are no reason.
+/// vehicles. Supervisors of other hosts of the trial are not a reason.
 std::vector<std::string> rivals_of_up(const scenario::Scenario& scenario, const std::string& host,
                                       const std::set<std::string>& channels);
 

@@ -37,7 +37,7 @@ class Parser {
       }
     }
   }
-  /// Discards an incomplete frame whose rest cannot arrive: at the end of a datagram or after a
+  /// Discards an incomplete frame if its rest cannot arrive: at the end of a datagram or after a
   /// pause on a serial line. Valid frames within these bytes are still found.
   template <class Handle>
   void flush(const Handle& handle) {
@@ -58,7 +58,7 @@ class Parser {
   std::size_t fill(std::span<const std::uint8_t> bytes);
   /// Returns the next frame that is complete in the buffer.
   std::optional<Frame> next();
-  /// Reads the frame whose marker is at begin_. Sets `is_incomplete` when bytes are missing.
+  /// Reads the frame that has its marker at begin_. Sets `is_incomplete` when bytes are missing.
   std::optional<Frame> read_frame(bool& is_incomplete);
   void skip(std::size_t bytes);
 

@@ -8,7 +8,7 @@ import { digits, kDashes, appearance, robot_css, robot_appearance, title_of } fr
 const kWindow_s = 120; // s; displayed interval of a live view
 const kPoints = 20000; // maximum number of points per series
 const kRefresh_ms = 500; // ms; refresh period of each chart
-const kReadoutMax = 8; // maximum number of series whose values are shown under the cursor
+const kReadoutMax = 8; // maximum number of series with values shown under the cursor
 const kLeast_s = 0.2; // s; shortest displayed interval
 const kLeast_px = 236; // minimum width of a chart
 const kGap_px = 8;

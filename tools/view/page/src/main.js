@@ -375,7 +375,7 @@ async function scenario_known() {
 }
 
 let plotted = Promise.resolve();
-let requested_fields = []; // [topic, path] of each requested field whose values have not arrived yet
+let requested_fields = []; // [topic, path] of each requested field until its values arrive
 /** Charts a number of a topic: over a complete log, or live from now on. The charts are in the order of the requests, even if
     the answers arrive in another order. */
 function plot(topic, path) {
