@@ -179,7 +179,7 @@ TEST(ViewProbability, IsOneFarFromLimits) {
   EXPECT_GT(at_range(10.0 + 0.59), 0.0);
   EXPECT_EQ(at_range(2.0 - 0.61), 0.0);
   EXPECT_GT(at_range(2.0 - 0.59), 0.0);
-  // Nothing is visible at a horizontal distance of 0 or behind the image plane.
+  // A target at a horizontal distance of 0 or behind the image plane is not visible.
   EXPECT_NEAR(view_probability(sensor, soft, 6.0, 0.0, 0.0, kNoDepth_m), 0.0, 1e-12);
   sensor.range_min_m = 0.0;
   EXPECT_EQ(at_range(5.0), 1.0);

@@ -1,5 +1,5 @@
 #!/bin/bash
-# attack.sh BIN_DIR SCENARIO SECONDS PROPOSALS: flies SCENARIO, whose robots publish proposals on the
+# attack.sh BIN_DIR SCENARIO SECONDS PROPOSALS: flies SCENARIO. Its robots publish proposals on the
 # channels PROPOSALS_R before they plan. One robot is jammed from 4 s on, and the planner of another is
 # killed (signal 9). It must be restarted, all robots must go on proposing and planning, nothing may come
 # too near, and a replay of the log must reproduce every plan and every proposal. To be run in its own

@@ -1,5 +1,5 @@
 #!/bin/bash
-# external.sh BIN_DIR SCENARIO PYTHON EXAMPLE LCMTYPES: a signed flight of three robots whose plans come from
+# external.sh BIN_DIR SCENARIO PYTHON EXAMPLE LCMTYPES: a signed flight of three robots with plans from
 # external planners. EXAMPLE answers Q1 and is killed (signal 9) in flight; Q2's answers are too late; Q3's
 # cannot be flown. Every plan must still be in time (unless the machine held the flight up), nothing may
 # collide, each answer must be counted as what it is, and a replay of the log must reproduce every plan. To

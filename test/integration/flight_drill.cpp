@@ -470,8 +470,8 @@ class Drill {
   std::string round_;  ///< the last event
   std::map<std::string, Time> cut_until_;
   Time next_keep_{};
-  std::map<std::string, Time> taken_until_;  ///< robots whose autopilot the other station controls
-  std::set<std::string> emptied_;            ///< robots whose battery was emptied
+  std::map<std::string, Time> taken_until_;  ///< robots under control of the other station
+  std::set<std::string> emptied_;            ///< robots with an emptied battery
   std::map<std::string, test::SecondStation> stations_;
   struct Silence {
     std::string program;

@@ -45,7 +45,7 @@ using models::FlightState;
 using test::decode;
 
 struct Flight {
-  std::set<std::int64_t> rounds;  // rounds whose plan was followed
+  std::set<std::int64_t> rounds;  // rounds with a plan that was followed
   double highest_m = 0.0;
   double last_m = 0.0;
   std::optional<Eigen::Vector2d> first_m;

@@ -54,7 +54,7 @@ assert report["log"]["unrecorded_s"] > 0
 print("stopped in", report["stop_s"], "s; not recorded for", report["log"]["unrecorded_s"], "s;",
       report["plans_missing"], "plans missing of", report["rounds"], "rounds of 3")
 PYTHON
-# Messages that only the witness has were sent while there was no logger.
+# Messages that only the witness has were sent while the logger was down.
 "$bin/vantage" log export "$dir/flight.lcmlog" --to csv --out "$dir/csv" --channels 'HEALTH_.*'
 for counter in process.cpu_us process.memory_bytes process.memory_most_bytes; do
   grep -q "$counter" "$dir"/csv/HEALTH_PLANNER_Q1.csv || fail "HEALTH has no $counter"

@@ -7,8 +7,8 @@
 
 namespace vantage::test {
 
-/// Returns the processes of this network namespace whose program name (without folder) is `program`
-/// and whose arguments contain `arguments` in sequence (empty: any). Reads /proc.
+/// Returns the processes of this network namespace with the program name `program` (without folder)
+/// and `arguments` in sequence among their arguments (empty: any). Reads /proc.
 std::vector<pid_t> find_processes(const std::string& program,
                                   const std::vector<std::string>& arguments);
 

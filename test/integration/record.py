@@ -257,7 +257,7 @@ def hostile(rng):
     junk = rng.randbytes(rng.randrange(1500))
     return rng.choice([
         lambda: fragment(number, 0x180, 0xFFFFFF00, 0, 2, b"A\0" + bytes(0x180)),  # the end wraps to 128
-        lambda: fragment(number, 400, 100, 0, 1, name),  # a first fragment whose name has no terminator
+        lambda: fragment(number, 400, 100, 0, 1, name),  # a first fragment without a terminated name
         lambda: fragment(number, 400, 200, 0, 1, b"A" * 5),
         lambda: fragment(number, 0x180, 0xFFFFFF00, 1, 2, bytes(0x180)),
         lambda: junk,

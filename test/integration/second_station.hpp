@@ -18,7 +18,7 @@ class SecondStation {
 
   // Each function returns false if its message could not be sent.
   /// Takes the autopilot out of the mode that accepts set-points into one in which it hovers.
-  /// ArduPilot: Brake. PX4, whose Hold needs a global position: Position mode with centred sticks.
+  /// ArduPilot: Brake. PX4: Position mode with centred sticks, since Hold needs a global position.
   bool take_over();
   /// Must be called at least 10 times per second until give_back().
   bool keep();

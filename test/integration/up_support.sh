@@ -1,4 +1,4 @@
-# Sourced first by tests of `vantage up`, whose arguments are BIN_DIR SCENARIO …: sets $bin, $scenario, $url
+# Sourced first by tests of `vantage up` with the arguments BIN_DIR SCENARIO …: sets $bin, $scenario, $url
 # of a bus that stays on this machine, and $dir, a folder. At the end the folder is removed and all started
 # processes are ended.
 set -euo pipefail
@@ -23,7 +23,7 @@ until_true() {
   done
 }
 
-# Prints the child of process $1 whose command line matches $2; nothing if there is none.
+# Prints the child of process $1 with a command line that matches $2; nothing if there is none.
 child_of() { pgrep -P "$1" -f "$2" || true; }
 
 # Prints the number of events of each PLAN_ channel in log $1: "Q1 12 Q2 12 Q3 11".

@@ -15,7 +15,7 @@
 namespace vantage::logs {
 namespace {
 
-// Log-uniform samples whose median is at different positions within a histogram bin.
+// Log-uniform samples with a median at different positions within a histogram bin.
 TEST(NeesSums, ReportsTheMedian) {
   for (const double from : {-3.9, -0.5, 0.0, 2.123}) {
     for (const double length : {0.343, 0.6868, 1.7772}) {

@@ -111,7 +111,7 @@ TEST_F(ExportTest, EndsOnRequest) {
   }
 }
 
-// Channels that were not selected are neither written nor counted as missing.
+// Only selected channels are written or can be counted as missing.
 TEST_F(ExportTest, WritesAndCountsSelectedChannels) {
   add<models::VehicleStatus>("VEHICLE_Q1");
   add<models::VehicleStatus>("VEHICLE_Q2");

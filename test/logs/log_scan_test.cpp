@@ -322,8 +322,8 @@ TEST(LogScan, AcceptsAnInnerHeaderByItsNumber) {
   }
 }
 
-// An event whose number lies between its neighbours' is whole, even if it contains a piece of this
-// log. Otherwise it would be treated as damage.
+// An event with a number between those of its neighbours is whole, even if it contains a piece of
+// this log. Otherwise it would be treated as damage.
 TEST(LogScan, KeepsIntactEventsWithAnyContent) {
   const Bytes data(3, 7);
   for (const std::int64_t inside : {1, 6, 7, 100}) {

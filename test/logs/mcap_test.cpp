@@ -207,8 +207,8 @@ std::uint64_t number_at(const test::Bytes& bytes, std::size_t at) {
   return out;
 }
 
-// By the specification only: opcode, length, content. A chunk and its index begin with the times of
-// the first and last message.
+// Reads the file by the specification only: opcode, length, content. A chunk and its index begin
+// with the times of the first and last message.
 TEST(McapWriter, WritesTheTimeSpanOfEachChunk) {
   constexpr std::uint8_t kChunk = 0x06;
   constexpr std::uint8_t kChunkIndex = 0x08;

@@ -65,7 +65,7 @@ TEST(VehicleSocket, AnswersTheLastSender) {
   for (const char* host : {"127.0.0.1", "0.0.0.0"}) {
     const int port = test::free_port();
     VehicleSocket vehicle("udpout://" + std::string(host) + ":" + std::to_string(port));
-    vehicle.write(Bytes{1});  // lost, because there is no recipient yet
+    vehicle.write(Bytes{1});  // lost, because the socket has no recipient yet
     EXPECT_EQ(vehicle.send_errors(), 0);
     Port first;
     Port second;

@@ -239,8 +239,8 @@ TEST(FlightHeldUp, CountsProcessorsOfRequestedSpan) {
   EXPECT_EQ(used(9.0, 9.0), 0.0);
 }
 
-// Waits caused by the flight's own processes are no excuse. A wait caused by other programs at
-// another time still is.
+// Waits caused by the flight's own processes are not an excuse. A wait caused by other programs at
+// another time still is one.
 TEST(FlightHeldUp, DoesNotExcuseWaitsCausedByOwnProcesses) {
   const auto record = [](std::int64_t sim_runs_us, std::int64_t waits_later_us) {
     MadeUpFlight flight = flight_held_up_us(300'000);

@@ -10,7 +10,7 @@
 namespace vantage::test {
 
 /// Bounds of the flight invariants. The defaults are for a flight without disturbances; a flight
-/// whose driver is killed has more than one run and a longer gap.
+/// with a killed driver has more than one run and a longer gap.
 struct FlightBounds {
   double follow_share_min = 0.98;
   std::set<std::string> may_hold;  ///< robots without a minimum follow share

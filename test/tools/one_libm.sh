@@ -1,5 +1,5 @@
 #!/bin/bash
-# one_libm.sh PROGRAM…: no program calls sin, exp, log, … of the C library, whose last bits depend on the
+# one_libm.sh PROGRAM…: no program calls sin, exp, log, … of the C library. Their last bits depend on the
 # library's version and the processor; core/libm replaces them (docs/decisions/0014). If a refused function
 # is needed: call it with double arguments, or add it to core/libm.
 set -euo pipefail

@@ -36,7 +36,7 @@ assert parts["three"]["purl"].startswith("pkg:npm/three@")
 references = [part["bom-ref"] for part in bill["components"]]
 assert len(set(references)) == len(references) and bill["dependencies"][0]["dependsOn"] == references
 assert str(source) not in text, "contains a path of this machine"
-# Without SOURCE_DATE_EPOCH there is no time stamp.
+# Without SOURCE_DATE_EPOCH the file has no time stamp.
 without = {key: value for key, value in os.environ.items() if key != "SOURCE_DATE_EPOCH"}
 os.environ.clear()
 os.environ.update(without)

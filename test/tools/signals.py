@@ -179,7 +179,7 @@ def main():
             assert code == 1 and plan["stop_reason"] == "interrupted", (code, said)
             assert plan["found"] and plan["controls"], said
 
-        # A trial whose terminal is closed ends in the same way; its log is whole.
+        # A trial ends in the same way when its terminal is closed; its log is whole.
         log = folder / "trial.lcmlog"
         for which in (signal.SIGHUP, signal.SIGTERM):
             code, said, warned = interrupted(

@@ -19,7 +19,7 @@ using std::chrono::seconds;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// A machine whose wall clock is set.
+/// A machine with a wall clock that is set.
 struct Machine {
   Duration since_boot = hours(5);
   Duration set{};  ///< by how much its wall clock was set since its start

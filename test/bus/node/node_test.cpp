@@ -32,7 +32,7 @@ class OwnHub : public Transport {
   std::unique_ptr<Transport> own_ = hub_.connect();
 };
 
-/// A transport whose waits advance the clock; it keeps what was published.
+/// A transport that advances the clock by the duration of each wait, and keeps published messages.
 class WaitMovesTheClock : public OwnHub {
  public:
   explicit WaitMovesTheClock(VirtualClock& clock) : clock_(clock) {}
@@ -144,7 +144,7 @@ TEST_F(RunNode, ChecksForStopDuringLongWaits) {
   EXPECT_EQ(transport_.longest_wait(), milliseconds(50));
 }
 
-/// A ticker whose device is silent for twenty seconds.
+/// A ticker with a device that is silent for twenty seconds.
 class TickerWithADevice : public Ticker {
  public:
   using Ticker::Ticker;

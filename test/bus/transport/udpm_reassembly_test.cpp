@@ -272,7 +272,7 @@ TEST(Reassembler, LimitsEachSenderToItsShare) {
             100 - static_cast<std::int64_t>(reassembler.messages_kept()));
 }
 
-// Of 16 messages the two with the newest additions are kept. Of the others, the one with the fewest
+// The two of 16 messages with the newest additions are kept. The one of the others with the fewest
 // bytes is dropped, the oldest of equal ones. Compared with a plain list.
 TEST(Reassembler, DropsTheLeastCompleteMessageExceptTheNewestEighth) {
   struct Held {

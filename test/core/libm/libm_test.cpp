@@ -181,7 +181,7 @@ TEST(Libm, IsUsedForConstantArguments) {
   EXPECT_EQ(folded.value(), asked.value());
 }
 
-// Library templates call the same functions, and there is no fused multiply-add.
+// Library templates call the same functions, without fused multiply-add.
 TEST(Libm, IsUsedInLibraryTemplates) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;

@@ -171,8 +171,8 @@ TEST_P(FlightFaults, RepeatedCommandKeepsThePilotInControl) {
 
 // A pilot flies manually, perhaps because mocap is bad. When mocap loses the vehicle, the state
 // becomes LAND, but the driver sends no landing command, whether the link works or not. In a hold
-// mode of the autopilot there may be no pilot, so the driver lands the vehicle. An operator command
-// takes control from a pilot, also from a second one.
+// mode of the autopilot a pilot may be missing, so the driver lands the vehicle. An operator
+// command takes control from a pilot, also from a second one.
 TEST_P(FlightFaults, DoesNotTakeOverFromAPilotWithoutACommand) {
   for (const bool is_by_hand : {true, false}) {
     for (const bool driver_receives_nothing : {true, false}) {

@@ -142,7 +142,7 @@ class Battery : public ::testing::TestWithParam<AutopilotDialect> {
     vehicle.airframe.battery_start_share = share;
     return std::make_unique<FlightBench>(GetParam(), vehicle);
   }
-  /// Returns a bench whose scenario contains the voltages of the battery.
+  /// Returns a bench with a scenario that contains the voltages of the battery.
   static std::unique_ptr<FlightBench> known_bench(sim::BatteryReport report, double share) {
     auto bench = bench_with(report, share);
     bench->scenario.robots[0].autopilot->battery = scenario::BatterySpec{3, 3.4, 4.1};

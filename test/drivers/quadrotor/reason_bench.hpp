@@ -106,7 +106,7 @@ struct ReasonBench : FlightBench {
     };
   }
   void stay_down() { set_velocity(0.0, 0.0, -0.1); }
-  /// Adds two more robots, whose bodies are stationary and far from Q1.
+  /// Adds two more robots with bodies that are stationary and far from Q1.
   void add_robots() {
     scenario = lab_scenario();
     scenario.world.obstacles.clear();

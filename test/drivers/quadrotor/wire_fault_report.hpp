@@ -24,8 +24,8 @@ inline constexpr double kWireLastsS = 24.0;
 /// Flies up on a WireBench, starts the fault at kBeginS and continues for kWireLastsS.
 FaultRun fly_wire_fault(const Fault& fault, models::AutopilotDialect dialect, std::uint64_t seed);
 
-/// Returns the rows of the faults whose name contains `part_of_name`, with the reported reasons and
-/// the counters of Q1 that increased.
+/// Returns the rows of the faults with a name that contains `part_of_name`, with the reported
+/// reasons and the counters of Q1 that increased.
 std::string wire_fault_rows(const std::string& part_of_name);
 
 /// Returns the page docs/results/faults47.md up to the list of tests. It contains every fault of

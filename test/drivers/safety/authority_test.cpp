@@ -124,7 +124,7 @@ TEST_F(Authority, KeepsTheStationInChargeAmongManyOthers) {
   EXPECT_TRUE(admit(OperatorAction::kArm, 1, 0.2));
 }
 
-// A station whose clock has changed is accepted if its sequence numbers continue, with fewer than a
+// A station with a changed clock is accepted if its sequence numbers continue, with fewer than a
 // hundred lost messages. Messages of a later part of a replayed log are not accepted.
 TEST_F(Authority, AcceptsAClockChangeWhenNumbersContinue) {
   for (const std::int64_t lost : {0, 99, 100, 100'000}) {

@@ -232,9 +232,9 @@ class FlightBench {
   void autopilot(Vehicle& vehicle);
   /// Returns the vehicle's pose as shown by mocap, without noise.
   [[nodiscard]] Pose3 shown_pose(const Vehicle& vehicle) const;
-  /// Returns the vehicle whose driver is connected to the autopilot of `vehicle`.
+  /// Returns the vehicle that has its driver connected to the autopilot of `vehicle`.
   [[nodiscard]] Vehicle& connected_driver(const Vehicle& vehicle);
-  /// Returns the vehicle whose body mocap shows under the name of vehicle `named`.
+  /// Returns the vehicle with the body that mocap shows under the name of vehicle `named`.
   [[nodiscard]] Vehicle& shown_vehicle(const Vehicle& named);
   void fly(Vehicle& vehicle);
   void check();

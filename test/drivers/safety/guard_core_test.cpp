@@ -25,8 +25,8 @@ scenario::Scenario room() {
   return out;
 }
 
-// Of several commands in a tick, the safest one is kept, in any order of arrival. The next tick
-// starts without a command.
+// The safest of several commands in a tick is kept, in any order of arrival. The next tick starts
+// without a command.
 TEST(GuardCore, KeepsTheSafestCommandOfATick) {
   const scenario::Scenario scenario = room();
   GuardCore core(scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25));
@@ -121,7 +121,7 @@ TEST_F(SeenCore, NewSourceMustShowTheKnownPositionWhenArmed) {
           const bool is_heard = see(is_other ? kOther : kFirst, shown_m, is_armed, {in_air});
           EXPECT_EQ(is_heard, is_believed || !is_other) << "its own source stays its source";
           EXPECT_TRUE(is_at(is_believed ? shown_m : here_m));
-          // A refused publisher does not replace the current one, whose frames are still accepted.
+          // A refused publisher does not replace the current one, which is still accepted.
           EXPECT_EQ(see(kFirst, here_m), !(is_other && is_believed));
         }
       }

@@ -183,8 +183,7 @@ TEST(Landing, DescendsAfterTheTimeLimitIfTheSpotIsNotReached) {
   }
 }
 
-// While there is no free landing spot the vehicle waits for at most 20 s. The second flight does
-// the same.
+// The vehicle waits for a free landing spot for at most 20 s. The second flight does the same.
 TEST(Landing, DescendsAfterTheTimeLimitWithoutAFreeSpot) {
   scenario::Scenario room = OneVehicle::room();
   room.world.bounds = {{-0.5, -0.5}, {0.5, 0.5}};

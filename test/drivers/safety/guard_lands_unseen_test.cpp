@@ -1,4 +1,4 @@
-// Landings of a vehicle that is not seen, or whose autopilot has no position.
+// Landings of a vehicle that is not seen, or that has an autopilot without a position.
 
 #include <cmath>
 

@@ -20,9 +20,9 @@
 
 namespace vantage::test {
 
-/// One guard, ticked at 50 Hz, whose inputs are all set exactly by the test. (FlightBench simulates
-/// a room with noise.) With `tracks_setpoint` the body is exactly at its set-point, unless its
-/// speed is limited.
+/// One guard, ticked at 50 Hz. The test sets all its inputs exactly. (FlightBench simulates a room
+/// with noise.) With `tracks_setpoint` the body is exactly at its set-point, unless its speed is
+/// limited.
 struct OneVehicle {
   static constexpr double kTickS = 0.02;
 
@@ -62,7 +62,7 @@ struct OneVehicle {
   void send_command(models::OperatorAction action) {
     (void)send_command_to(action == models::OperatorAction::kHeartbeat ? "" : own, action);
   }
-  /// Sends a command from the given station to `whom` ("": all vehicles).
+  /// Sends a command from the given station to one vehicle ("": all vehicles).
   drivers::CommandVerdict send_command_to(const std::string& whom, models::OperatorAction action,
                                           std::int64_t station = 7) {
     models::OperatorCommand command;

@@ -399,7 +399,7 @@ TEST_F(ShapeEdges, LimitsDecelerationAndDuration) {
       return accepts({{{v, 0.0}, t_s, 2.0}});
     });
     EXPECT_NEAR(brake_s, 0.5, 1e-5) << "1 m/s at 2 m/s²";
-    // Braking segments must be straight; there is no closed form for a turn while braking.
+    // Braking segments must be straight, because a turn while braking has no closed form.
     for (const double side : {1.0, -1.0}) {
       const double turn_radps = test::last_accepted(0.0, 1.0, 1e-9, [&](double w) {
         return accepts({{{v, side * w}, 0.5, 2.0}});

@@ -112,7 +112,7 @@ TEST_F(Poses, AllowACommandedDescentWhileUnseen) {
   }
 }
 
-// On the ground the body may be carried. A jump starts a new track at rest whose count is one.
+// On the ground the body may be carried. A jump starts a new track at rest with a count of one.
 // Tested twice.
 TEST_F(Poses, RestartAtRestAfterCarrying) {
   double t_s = 0.0;

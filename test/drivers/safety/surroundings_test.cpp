@@ -341,7 +341,7 @@ void expect_the_same(const Place& of, test::Random& random) {
             is_path_blocked(seen.place(here_m), seen.place(there_m), others, other_limits));
   EXPECT_EQ(is_climb_blocked(here_m, 1.5, bodies, limits),
             is_climb_blocked(seen.place(here_m), 1.5, others, other_limits));
-  // Of several equally near spots any may be returned, but their distance is unique.
+  // Any of several equally near spots may be returned, but their distance is unique.
   EXPECT_NEAR((landing_spot(here_m, bodies, limits) - here_m).norm(),
               (landing_spot(seen.place(here_m), others, other_limits) - seen.place(here_m)).norm(),
               1e-9);

@@ -30,7 +30,7 @@ class OtherVersion : public ::testing::Test {
     ASSERT_TRUE(bench_.run_until(
         [&] { return !bench_.statuses.empty() && bench_.statuses.back().reasons.empty(); }, 20.0));
   }
-  /// Publishes a plan of another software version, whose message type has another hash.
+  /// Publishes a plan of another software version; its message type has another hash.
   void publish_other_version() {
     bench_.attacker->publish("PLAN_Q9", std::vector<std::uint8_t>(64, 7));
   }

@@ -78,7 +78,7 @@ TEST(UdpPort, RepliesToTheAcceptedSender) {
   const int number = test::free_port();
   const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
   EXPECT_TRUE(port->is_datagram());
-  port->write(Bytes{1}, kNow);  // lost, because there is no recipient yet
+  port->write(Bytes{1}, kNow);  // lost, because the port has no recipient yet
   const Socket vehicle;
   vehicle.send({1, 2, 3}, number);
   EXPECT_EQ(read_all(*port, kNow), (Bytes{1, 2, 3}));

@@ -76,7 +76,7 @@ class ViconBench {
     driver.on_closed(now(), "cut");
   }
 
-  /// Publishes a frame whose bytes arrive immediately.
+  /// Publishes a frame; its bytes arrive immediately.
   void publish(const sim::vicon::EmulatedFrame& frame) {
     if (driver.is_datagram()) {
       for (const auto& datagram : object_stream.encode(frame)) {

@@ -186,7 +186,7 @@ TEST_F(LogNumbers, ReportsTheTeamsEntropyOverTime) {
     }
   }
   ASSERT_TRUE(analysis.sets);
-  // Both targets are beyond the OSPA cutoff of 1 m; there is no data of Q2.
+  // Both targets are beyond the OSPA cutoff of 1 m; Q2 has no data.
   EXPECT_NEAR(analysis.sets->ospa_m, 1.0, 1e-9);
   EXPECT_NEAR(analysis.sets->matched_rmse_m, 0.5 * std::sqrt(25.0 / 2.0), 1e-9);
 }

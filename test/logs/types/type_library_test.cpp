@@ -202,7 +202,7 @@ TEST(TypeLibrary, ReportsOversizedFiles) {
   }
 }
 
-// Of two types with the same wire format the first in alphabetical order is used; folders are
+// The first in alphabetical order of two types with the same wire format is used; folders are
 // searched recursively.
 TEST(TypeLibrary, FindsTypesInFoldersFirstMatchWins) {
   const test::TemporaryFolder folder;

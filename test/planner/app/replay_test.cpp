@@ -360,7 +360,7 @@ TEST_F(ReplayTest, WaitsForMissingInputs) {
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   deliver();
   tick_later();
-  expect_counts(0, 1, 0);  // inputs are found, but without a pose there is no plan
+  expect_counts(0, 1, 0);  // inputs are found, but a plan also needs a pose
   for (int k = 0; k < 30; ++k) {
     tick_later();
   }

@@ -140,7 +140,7 @@ TEST(PathsBound, UnderAttackIsAnUpperBound) {
   }
 }
 
-// The horizon exceeds the capacity of the lattice, and there is no deadline.
+// The horizon exceeds the capacity of the lattice. The computation has no deadline.
 TEST(PathsBound, EndsWithoutALattice) {
   constexpr int kSteps = 44;
   PathsBound bound(4, kSteps);

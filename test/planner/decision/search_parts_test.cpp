@@ -252,8 +252,8 @@ TEST(ProposalSearch, ProposesFirstImprovementInOrder) {
   EXPECT_GT(nothing, 100);
 }
 
-// The search evaluates candidates in descending order of stand-alone value. It stops when none of
-// the rest can gain enough, so it misses no improvement.
+// The search evaluates candidates in descending order of stand-alone value. It stops when no other
+// candidate can gain enough, so it misses no improvement.
 TEST(ProposalSearch, StopsEarlyOnlyWithoutImprovement) {
   std::int64_t calls = 0;
   std::int64_t all_calls = 0;

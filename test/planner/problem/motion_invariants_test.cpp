@@ -123,7 +123,7 @@ TEST(MotionTable, LaterStepEqualsLaterStart) {
       });
 }
 
-// A mirrored problem has the same answers; rounding affects none of these cases.
+// A mirrored problem has the same answers; rounding does not affect these cases.
 TEST(MotionTable, IsMirrorSymmetric) {
   for_crowded_problems(
       [](const SearchProblem& problem, const Pose2& from, int depth, const Answers& answers) {

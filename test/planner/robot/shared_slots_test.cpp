@@ -126,7 +126,7 @@ TEST(MaySearch, IsTrueForTheLowestRobotIndexOfASlot) {
     for (int slot = 0; slot < 4; ++slot) {
       const bool is_lowest = slot == 3 || robot <= (slot == 0 ? 3 : slot == 1 ? 5 : 9);
       EXPECT_EQ(may_search({robot, slot}, holders), is_lowest) << robot << ' ' << slot;
-      // Of six slots, 3, 4 and 5 are free. Robots of the same slot that need a new one choose
+      // Slots 3, 4 and 5 of six are free. Robots of the same slot that need a new one choose
       // different slots.
       EXPECT_EQ(next_slot({robot, slot}, holders, 6), is_lowest ? slot : 3 + robot % 3);
       EXPECT_EQ(next_slot({robot, slot}, holders, 3), slot) << "none is free";

@@ -401,7 +401,7 @@ TEST(LatticeBound, ReportsCutOff) {
         std::int64_t work_nodes = 0;
         const auto cut = ask(Deadline::nodes((all_nodes - 1) * part / 12), work_nodes);
         EXPECT_TRUE(cut.expired) << seed << ' ' << share << ' ' << part;
-        // Before all gains are gathered there is no bound.
+        // A bound exists only after all gains are gathered.
         EXPECT_TRUE(cut.cost == -kInfinity || cut.cost == cost) << seed << ' ' << part;
       }
       std::int64_t work_nodes = 0;

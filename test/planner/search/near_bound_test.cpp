@@ -387,7 +387,7 @@ class PassedOver : public ::testing::Test {
 };
 
 // A robot leaves a target. The bound counts a return after one, two or three steps only if the
-// controls allow it: a hover, 1 m forth and back, a triangle, or none of these.
+// controls allow it: with a hover, 1 m forth and back, or a triangle.
 TEST_F(PassedOver, CountsAReturnOnlyIfControlsLeadBack) {
   const double never = bound_with({{1.0, 0.0}});
   const double after_two = bound_with({{1.0, 0.0}, {1.0, kPi}});

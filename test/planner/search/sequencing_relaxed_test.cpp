@@ -224,7 +224,7 @@ TEST(SequencingBound, EqualsTheRelaxedOptimum) {
   EXPECT_GT(late, 30);
 }
 
-// Of many targets the sixteen nearest are included, for any order. Unreachable, moving and spatial
+// The sixteen nearest of many targets are included, for any order. Unreachable, moving and spatial
 // targets are not included.
 TEST(SequencingBound, UsesTheNearestReachableStaticTargets) {
   constexpr int kTargets = 24;

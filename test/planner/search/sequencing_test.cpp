@@ -208,7 +208,7 @@ TEST(SequencingBound, ObservesOnePlaceAtATimeAfterAnyCutOff) {
 }
 
 // Two clusters of targets, each merged into one place, are reachable only late in a long horizon.
-// After the first cluster there is no time for the second.
+// After the first cluster the time is too short for the second.
 TEST(SequencingBound, ExcludesTwoFarPlaces) {
   constexpr int kSteps = 200;
   InformationHeuristic heuristic(16, kSteps);

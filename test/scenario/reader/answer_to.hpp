@@ -22,7 +22,7 @@ inline std::string answer_to(const std::string& text) {
   return "taken";
 }
 
-/// Returns the answer to a team whose robots, from line 6 on, are `robots`.
+/// Returns the answer to a team with the robots `robots` from line 6 on.
 inline std::string answer_to_team(const std::string& robots, const std::string& more = "") {
   return answer_to(kWorld + kTargets + kDefaults + "robots:\n" + robots + more);
 }

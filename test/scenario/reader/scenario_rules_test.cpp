@@ -154,7 +154,7 @@ TEST(ScenarioRules, StartsKeepClearanceToWallsObstaclesAndRobots) {
               "f:7: robots[1].start: must be at least planner.separation_m, 0.6 m, from the start "
               "of A; is 0.5");
   }
-  // Of three robots, the first one that is too near is named, with the radii of that pair.
+  // The message names the first of three robots that is too near, with the radii of that pair.
   EXPECT_EQ(answer_to_two(", start: {x_m: 1, y_m: 1}, limits: {radius_m: 0.125}",
                           ", start: {x_m: 4, y_m: 1}, limits: {radius_m: 0.375}",
                           "planner: {separation_m: 0.375}\n"),

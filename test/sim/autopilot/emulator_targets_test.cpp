@@ -244,7 +244,7 @@ TEST(EmulatorMessages, SplitsLongTexts) {
   }
 }
 
-// PX4 sends texts only to a ground station whose last heartbeat is at most 2.5 s old.
+// PX4 sends texts to a ground station only if its last heartbeat is at most 2.5 s old.
 TEST(EmulatorMessages, SendsTextsFor2_5SecondsAfterHeartbeat) {
   const auto texts_after = [](AutopilotDialect dialect, double silence_s) {
     EmulatorBench bench(dialect);

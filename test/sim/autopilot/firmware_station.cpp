@@ -107,7 +107,7 @@ ScriptedStation::Body FirmwareStation::body() const {
 }
 
 void FirmwareStation::step() {
-  // PX4 does not answer sensor messages while it starts, nor in Offboard without set-points.
+  // PX4 does not answer sensor messages while it starts, or in Offboard without set-points.
   const bool is_expected = has_answered_ && unanswered_ == 0;
   const std::optional<sim::MotorCommand> command =
       link_->receive(is_expected ? kPatience : kGlance);

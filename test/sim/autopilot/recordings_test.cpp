@@ -44,7 +44,7 @@ const Pair& drill(const std::string& name) {
   return found->second;
 }
 
-/// Returns the time from the mark to the event, s; −1 if there is no such event.
+/// Returns the time from the mark to the event, s; −1 without such an event.
 double delay(const Recording& recording, const std::string& mark, const std::string& kind,
              const std::string& what) {
   const double told_s = recording.mark(mark);

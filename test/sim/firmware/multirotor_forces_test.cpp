@@ -35,7 +35,7 @@ double hover(const MultirotorParameters& p) {
   return low;
 }
 
-/// Returns a level body high above the ground whose motors have settled at hover.
+/// Returns a level body high above the ground, with motors that have settled at hover.
 Multirotor in_the_air(const MultirotorParameters& p) {
   Multirotor body(p, 1, {});
   body.step(all(1.0), 2.0);

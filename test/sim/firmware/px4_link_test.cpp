@@ -233,8 +233,7 @@ TEST(Px4Link, AcceptsRestartedFirmware) {
   EXPECT_EQ(third.read_reply().time_usec, 16'000U);
 }
 
-// Of several connections since the last check, the newest one is used. The port is released at the
-// end.
+// The newest of several connections since the last check is used. The port is released at the end.
 TEST(Px4Link, UsesTheNewestMessageAndReleasesItsPort) {
   auto [link, port] = listen_somewhere();
   FakeFirmware first(FakeFirmware::connected_to(port));

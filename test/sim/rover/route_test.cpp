@@ -110,7 +110,7 @@ TEST(RouteMap, FindsTheCheapestRouteOrNone) {
   EXPECT_GT(found, 15);
 }
 
-// Start and goal are in the same cell, so there is no intermediate point.
+// Start and goal are in the same cell, so the route has no intermediate point.
 TEST(RouteMap, ReturnsAGoalInTheSameCellDirectly) {
   const RouteMap map(room());
   const auto path = map.route({1.51, 1.51}, {1.57, 1.58}, kRadiusM, {});

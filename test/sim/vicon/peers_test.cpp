@@ -313,7 +313,7 @@ TEST(DataStreamPeer, ReassemblesPacketsAndClosesOnInvalidOnes) {
   Bytes torn = asked;
   torn[12] = 0xFF;  // a block that is longer than its packet
   EXPECT_FALSE(broken.receive(torn));
-  // An unfinished packet whose stated length exceeds the limit for clients.
+  // An unfinished packet with a stated length that exceeds the limit for clients.
   DataStreamPeer endless{ServerSettings{}};
   Bytes long_packet = asked;
   long_packet[6] = 0x02;

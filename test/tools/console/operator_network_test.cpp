@@ -150,7 +150,7 @@ TEST(OrderSender, ShowsSilentVehicleInOneWayPartition) {
   EXPECT_FALSE(mentions(later, "follow"));
 }
 
-/// A station in charge whose datagrams are lost while `is_lossy` is true.
+/// A station in charge; its datagrams are lost while `is_lossy` returns true.
 struct LossyDesk {
   test::BusPair net{11, 13};
   bus::Bus& vehicle = net.other;
@@ -396,7 +396,7 @@ TEST(OrderSender, IgnoresRobotsOfAPlayedLog) {
   EXPECT_TRUE(orders.was_refused());
 }
 
-// A station whose clock is wrong refuses the vehicles' messages, but can still make the vehicles
+// A station with a wrong clock refuses the vehicles' messages, but can still make the vehicles
 // safer.
 TEST(OrderSender, StampsStopByClockOfRefusedVehicles) {
   const Duration off = std::chrono::hours(1);

@@ -15,8 +15,8 @@ using models::OperatorAction;
 using Words = std::vector<std::string>;
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// A console and the vehicles that receive its orders. `heard` has their orders such as "hold Q1",
-/// without heartbeats and repetitions.
+/// A console and the vehicles that receive its orders. The received orders are stored as text such
+/// as "hold Q1", without heartbeats and repetitions.
 class OrderQueueTest : public ::testing::Test {
  protected:
   OrderQueueTest() {

@@ -14,8 +14,8 @@
 namespace vantage::tools {
 namespace {
 
-/// Returns the report of a simulated recording whose first beacon is surveyed, plus a beacon
-/// without ranges.
+/// Returns the report of a simulated recording with a surveyed first beacon, plus a beacon without
+/// ranges.
 RangeReport drawn_report() {
   const auto scene = estimator::test::draw_range_scene(21, {});
   RangeRecording recording;

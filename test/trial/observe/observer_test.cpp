@@ -120,7 +120,7 @@ TEST_F(Observer, IgnoresRobotsOutsideTheScenario) {
   EXPECT_EQ(observer_.metrics().rounds(), 0);
 }
 
-// A body whose number is not a target of the scenario is drawn, but has no estimate.
+// A body with a number that is not a target of the scenario is drawn, but has no estimate.
 TEST_F(Observer, IgnoresBodiesThatAreNoTargets) {
   const int targets = static_cast<int>(scenario_.targets.size());
   for (const int id : {0, targets - 1, targets, targets + 100}) {

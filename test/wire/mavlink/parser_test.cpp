@@ -34,7 +34,7 @@ Frame attitude_frame(std::uint8_t sequence) {
   return pack(attitude, {1, 1, sequence});
 }
 
-/// Returns a frame of an unknown message whose payload bytes are all `fill`.
+/// Returns a frame of an unknown message with all payload bytes equal to `fill`.
 Bytes unknown_frame(std::uint8_t fill) {
   constexpr std::array<std::uint8_t, 10> kHeader{kMarkerV2, 20, 0, 0, 9, 1, 1, 0x50, 0xC3, 0};
   Bytes bytes(kHeader.size() + 22, fill);
@@ -192,7 +192,7 @@ TEST(Parser, ReadsSignedFrames) {
   EXPECT_EQ(parser.counts().bytes_skipped, 0);
 }
 
-// A frame whose checksum seed is unknown is accepted only if another frame follows it.
+// A frame with an unknown checksum seed is accepted only if another frame follows it.
 TEST(Parser, TreatsAnUnknownMessageAsNoiseIfNoFrameFollows) {
   Parser parser;
   Bytes stream = unknown_frame(0);

@@ -10,7 +10,7 @@ namespace {
 
 using test::from_hex;
 
-/// Returns a packet whose only block is `value`.
+/// Returns a packet with `value` as its only block.
 template <class Value>
 std::vector<std::uint8_t> packet_of(const Value& value) {
   std::vector<std::uint8_t> bytes;

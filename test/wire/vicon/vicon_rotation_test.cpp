@@ -68,8 +68,8 @@ TEST(RotationFromXyzw, RefusesNonUnitQuaternions) {
   EXPECT_FALSE(rotation_from_xyzw(std::nan(""), 0.0, 0.6, 0.8));
 }
 
-// Quaternions whose norm differs from 1 by less than 10⁻³ are accepted and normalised. The order of
-// the elements is preserved.
+// Quaternions with a norm that differs from 1 by less than 10⁻³ are accepted and normalised. The
+// order of the elements is preserved.
 TEST(RotationFromXyzw, NormalisesNearlyUnitQuaternions) {
   const Eigen::Vector4d xyzw = Eigen::Vector4d(0.1, -0.3, 0.5, 0.7).normalized();
   for (const double off : {-0.95e-3, -1e-9, 0.0, 1e-9, 0.95e-3}) {
