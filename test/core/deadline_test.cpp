@@ -17,7 +17,7 @@ std::int64_t nodes_until_expiry(const Deadline& deadline, std::int64_t stride) {
   return nodes;
 }
 
-TEST(Deadline, OfNodesExpiresExactlyAtTheBudget) {
+TEST(Deadline, ExpiresExactlyAtTheNodeBudget) {
   const Deadline deadline = Deadline::nodes(100);
   EXPECT_FALSE(deadline.expired(0));
   EXPECT_FALSE(deadline.expired(99));
@@ -25,14 +25,14 @@ TEST(Deadline, OfNodesExpiresExactlyAtTheBudget) {
   EXPECT_TRUE(deadline.expired(101));
 }
 
-TEST(Deadline, OfZeroNodesHasExpired) { EXPECT_TRUE(Deadline::nodes(0).expired(0)); }
+TEST(Deadline, IsExpiredWithZeroNodes) { EXPECT_TRUE(Deadline::nodes(0).expired(0)); }
 
-TEST(Deadline, OfATimeIgnoresNodes) {
+TEST(Deadline, IgnoresNodesWhenItIsATime) {
   EXPECT_TRUE(Deadline::at(kLongAgo_ns).expired(0));
   EXPECT_FALSE(Deadline::at(kInAThousandYears_ns).expired(1'000'000'000));
 }
 
-TEST(Deadline, OfBothExpiresAtTheFirstLimit) {
+TEST(Deadline, ExpiresAtTheEarlierOfTwoLimits) {
   EXPECT_TRUE(Deadline::either(10, kLongAgo_ns).expired(0));
   EXPECT_TRUE(Deadline::either(10, kInAThousandYears_ns).expired(10));
   EXPECT_FALSE(Deadline::either(10, kInAThousandYears_ns).expired(9));

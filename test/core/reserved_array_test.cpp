@@ -51,7 +51,7 @@ TEST(ReservedArray, MovesAndSwaps) {
   EXPECT_EQ(c[3], 3);
 }
 
-TEST(ReservedArray, OfSizeZeroIsEmpty) {
+TEST(ReservedArray, IsEmptyWithSizeZero) {
   ReservedArray<int> none(0);
   none.prefault();
   EXPECT_EQ(none.begin(), none.end());

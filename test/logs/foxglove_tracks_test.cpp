@@ -56,7 +56,7 @@ double distance_m(const Eigen::Vector3d& point, const std::vector<Eigen::Vector3
   return least_m;
 }
 
-TEST_F(Tracks, OfAStraightPathHaveAPointEveryTwoSeconds) {
+TEST_F(Tracks, HaveAPointEveryTwoSecondsOnAStraightPath) {
   const Way straight = [](double at_s) { return Eigen::Vector3d(at_s, -0.5 * at_s, 1.5); };
   fly(straight, 0.0, 30.0);
   const auto track = newest();
@@ -279,7 +279,7 @@ TEST(Grids, ExistPerRobotAndForTheTeam) {
   EXPECT_EQ(notebook.of("/belief/Q1/grid").size(), 3U);
 }
 
-TEST(Grids, OfNeighbourhoodsAreMergedIntoTheWorldGrid) {
+TEST(Grids, MergeFromNeighbourhoodsIntoTheWorldGrid) {
   Notebook notebook;
   Stream stream(notebook);
   models::ScenarioNotice notice = lab_notice();

@@ -32,7 +32,7 @@ TEST(PositionEstimate, MarginalisesTheVelocity) {
   EXPECT_NEAR(estimate->sigma_m(), std::sqrt(0.5 * block.trace()), 1e-9);
 }
 
-TEST(PositionEstimate, OfARoundGaussianHasTheIsotropicEntropy) {
+TEST(PositionEstimate, HasTheIsotropicEntropyForARoundGaussian) {
   const auto estimate = position_estimate(
       belief_with(Eigen::Vector2d::Zero(), 4.0 * Eigen::Matrix2d::Identity()), "Q1", Time{}, 2);
   ASSERT_TRUE(estimate);

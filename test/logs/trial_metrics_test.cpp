@@ -441,7 +441,7 @@ TEST(TrialMetrics, AveragesTheNewestMaps) {
   EXPECT_EQ(metrics.finish(at_s(1.0)).map_entropy_nats, 20.0);
 }
 
-TEST(TrialMetrics, OfASilentTrialEqualsThePrior) {
+TEST(TrialMetrics, EqualThePriorWithoutMessages) {
   const TrialSummary summary = TrialMetrics(scenario(), at_s(0.0)).finish(at_s(2.0));
   const double prior = isotropic_entropy_nats(kPriorSigma_m, 2);
   EXPECT_EQ(summary.undiscovered_share, 1.0);

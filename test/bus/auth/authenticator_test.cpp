@@ -121,7 +121,7 @@ class Nonces : public ::testing::Test {
   std::unique_ptr<Authenticator> station_ = process();
 };
 
-TEST_F(Nonces, OfThePreviousSessionAreAcceptedForOneSecond) {
+TEST_F(Nonces, RemainAcceptedForOneSecondAfterANewSession) {
   EXPECT_EQ(command(kNow), Refusal::kWrongDestination);
   hear(*station_, "Q1", status(kNow), kNow);
   EXPECT_EQ(command(kNow), Refusal::kNone);

@@ -114,7 +114,7 @@ TEST(ConditionRow, KillsAPilotedVehicleOnlyByEmergencyStop) {
 
 // Rows for a vehicle on the ground must not hold in the air; otherwise they would be reported
 // during the whole flight.
-TEST(ConditionRow, OfTheGroundDoesNotHoldInTheAir) {
+TEST(ConditionRow, ForTheGroundDoesNotHoldInTheAir) {
   const SafetyLimits l = limits();
   const std::set<std::string> of_the_ground = {"body tilted",   "not at its start",
                                                "yaw disagrees", "attitude disagrees",

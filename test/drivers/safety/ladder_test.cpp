@@ -388,7 +388,7 @@ TEST(Conditions, DoNotHoldForAHealthyVehicleAndHaveUniqueNames) {
   }
 }
 
-TEST(Conditions, OfMessageAgesHoldWhenNothingWasReceived) {
+TEST(Conditions, OnMessageAgesHoldWhenNothingWasReceived) {
   SafetyInputs in;
   in.pose_age_s = in.heartbeat_age_s = in.telemetry_age_s = kNever;
   in.battery_age_s = in.operator_age_s = in.planner_age_s = kNever;

@@ -275,7 +275,7 @@ TEST(ToJson, ContainsEachNumberOfAnAnalysis) {
   EXPECT_FALSE(to_json(LogAnalysis{}).at("per_robot").contains("ospa_m"));
 }
 
-TEST(SpreadOf, OfOneValueEqualsThatValue) {
+TEST(SpreadOf, EqualsASingleValue) {
   const Spread spread = spread_of({4.5});
   EXPECT_EQ(spread.count, 1);
   for (const double each :

@@ -5,7 +5,7 @@
 // Prints what the file says, as lines: "summary TOPIC SCHEMA MESSAGES" for each topic from the
 // summary, in the order of their ids; then "message TOPIC TIME_NS JSON" for each message, by the
 // index. Reads the file once more from front to back, checksums included, and fails unless both
-// readings agree and each message is JSON whose members its schema knows.
+// readings agree and each message is JSON with only members that its schema has.
 import {open, readFile} from 'node:fs/promises';
 import assert from 'node:assert';
 import {crc32} from '@foxglove/crc';

@@ -60,7 +60,7 @@ TEST(Fingerprint, IsIndependentOfTheMachine) {
   EXPECT_EQ(fingerprint(choice()), fnv1a(bytes));
 }
 
-TEST(Fingerprint, OfSolutionDependsOnTeamOrderAndHovers) {
+TEST(Fingerprint, DependsOnTeamOrderAndHovers) {
   models::TeamChoice first = choice();
   first.robot = "Q1";
   models::TeamChoice last = choice();

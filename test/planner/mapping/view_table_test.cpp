@@ -41,7 +41,7 @@ double value_of(ViewTable& table, const std::vector<Pose2>& poses) {
   return sum_nats;
 }
 
-TEST(ViewTable, OfOneBeamEqualsTheBeamsInformation) {
+TEST(ViewTable, EqualsTheInformationOfASingleBeam) {
   test::Random random(4501);
   const BeamSensor one{1, 1.0, 0.0, 1.5, 0.01};
   for (const BeamMeasure measure : {BeamMeasure::kCsqmi, BeamMeasure::kFsmi}) {

@@ -1,4 +1,4 @@
-// Shared by the tests of the page: a headless Chromium whose pages report every error of their console, and
+// Shared by the tests of the page: a headless Chromium, a list of all errors in the consoles of its pages, and
 // helpers for waiting and reading. Arguments: http://HOST:PORT KIND [FOLDER].
 
 import assert from "node:assert";
@@ -23,7 +23,7 @@ export async function open(width, height, scheme, draw, prepare, is_ready = show
   page.on("pageerror", (error) => complaints.push(String(error)));
   page.on("requestfailed", (request) => {
     const why = request.failure()?.errorText;
-    // Requests under way when the page is closed are aborted; that is no failure.
+    // Requests under way when the page is closed are aborted; that is not a failure.
     if (why !== "net::ERR_ABORTED") complaints.push(`${request.url()} failed: ${why}`);
   });
   page.on("request", (request) => /^(data|blob):/.test(request.url()) || request.url().startsWith(url) || complaints.push(`asks for ${request.url()}`));

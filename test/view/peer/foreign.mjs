@@ -20,7 +20,7 @@ async function chart(page, name, fields) {
   for (const field of fields) await page.click(`${topic(name)} [data-field="${field}"]`);
 }
 
-// There is no world, so what there is comes first: every topic with its type.
+// The log has no world, so the page shows the list of topics with their types first.
 assert(await page.locator("#topics").isVisible());
 assert(await page.locator("#empty").isVisible());
 assert(await page.locator("#views").isHidden());

@@ -118,7 +118,7 @@ const proposals_shown = (page, count) =>
 /** Each robot's colour in the world and in every chart: one, and no other robot's. */
 async function colours_of(page) {
   await until(page, () => vantage.state.has_history);
-  await until(page, () => // each chart is drawn; of this planner nothing is proven, so there is no gap to chart
+  await until(page, () => // each chart is drawn; this planner proves no bound, so the gap has no chart
     vantage.colours().charts.every((series, i) => Object.keys(series).length === vantage.stats().series[i]));
   const { world, charts } = await page.evaluate(() => vantage.colours());
   const robots = Object.keys(world);
@@ -541,7 +541,7 @@ async function check_link(page) {
 }
 
 async function check_toggles(page) {
-  // Of the plans alone: what else is shown comes and goes while robots fly.
+  // Checks only the plans: other layers come and go while robots fly.
   const plans_shown = (is_wanted) =>
     until(page, (wanted) => {
       const layers = Object.entries(window.vantage.stats().layers);

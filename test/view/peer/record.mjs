@@ -101,7 +101,7 @@ await compare(made, alone, 20, 10, 20);
 await made.page.close();
 await alone.close();
 
-// By hand: the stretch that the charts show, and what the button says meanwhile.
+// Key W: records the interval that the charts show. The button has its own text again afterwards.
 const page = await open_page(1280, 800, "dark", "");
 await page.evaluate(() => vantage.zoom(30, 30.8));
 const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("w")]);
