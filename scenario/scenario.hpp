@@ -136,7 +136,7 @@ enum class PlanObjective {
   kMapping,   ///< occupancy of the ground cells
 };
 
-/// Names of the search algorithms for robots. A test checks that they agree with
+/// Names of the library's search algorithms; search_names() also has those that were added. A test checks that they agree with
 /// planner/search/catalogue.
 inline constexpr std::array<std::string_view, 10> kSearchWords = {
     "arvi",  "beam",   "rvi",   "fvi",         "greedy",
@@ -144,7 +144,7 @@ inline constexpr std::array<std::string_view, 10> kSearchWords = {
 
 struct PlannerSpec {
   PlanObjective objective = PlanObjective::kTracking;
-  std::string algorithm = "arvi";  ///< one of kSearchWords, or kExternalSearch
+  std::string algorithm = "arvi";  ///< one of search_names(), or kExternalSearch
   int horizon_steps = 12;          ///< T: number of steps of a plan
   double step_s = 0.5;             ///< τ: duration of one control
   int execute_steps = 6;           ///< n_exec; a round lasts execute_steps · step_s

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "scenario/scenario.hpp"
 
@@ -12,6 +13,14 @@ namespace vantage::scenario {
 inline constexpr std::string_view kExternalSearch = "external";
 
 inline bool is_external(const PlannerSpec& planner) { return planner.algorithm == kExternalSearch; }
+
+/// Returns the searches that planner.algorithm may name, except kExternalSearch: kSearchWords, then
+/// those that were added.
+const std::vector<std::string>& search_names();
+
+/// Adds a name to search_names(); planner::add_algorithm() calls this. Not thread-safe.
+/// @throws UsageError if the name is empty or already in use
+void add_search_name(std::string name);
 
 /// Returns the name of a team's planning method for reports: the algorithm, or "mapping".
 inline std::string search_name(const PlannerSpec& planner) {

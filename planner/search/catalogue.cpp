@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
+#include <utility>
 
 #include "core/check.hpp"
 #include "models/sensor/law.hpp"
 #include "models/target/law.hpp"
 #include "planner/search/astar.hpp"
 #include "planner/search/beam.hpp"
+#include "scenario/search_name.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -79,10 +82,9 @@ Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch ki
       });
 }
 
-}  // namespace
-
-const std::vector<Algorithm>& all_algorithms() {
-  static const std::vector<Algorithm> kAll = {
+// long: a table with one entry per search.
+std::vector<Algorithm>& algorithms() {
+  static std::vector<Algorithm> all = {
       {"beam", "anytime beam search: each pass is wider and has smaller diversity cells", 0.25,
        false, false,
        [](const SearchCapacity& capacity, const AlgorithmOptions&) {
@@ -112,7 +114,16 @@ const std::vector<Algorithm>& all_algorithms() {
          return std::make_unique<LawnMowerAdapter>(capacity, options.sweep);
        }},
   };
-  return kAll;
+  return all;
+}
+
+}  // namespace
+
+const std::vector<Algorithm>& all_algorithms() { return algorithms(); }
+
+void add_algorithm(Algorithm algorithm) {
+  scenario::add_search_name(std::string(algorithm.name));
+  algorithms().push_back(std::move(algorithm));
 }
 
 const Algorithm& algorithm_called(std::string_view name) {

@@ -53,9 +53,13 @@ struct Algorithm {
   std::function<std::unique_ptr<Search>(const SearchCapacity&, const AlgorithmOptions&)> make;
 };
 
-/// Returns all algorithms: those of robots, `vantage plan` and the planner study. A new search is
-/// added here; scenario::kSearchWords lists the names that scenarios may use.
+/// Returns all algorithms: those of robots, `vantage plan` and the planner study. A new search of
+/// the library is added in catalogue.cpp; scenario::kSearchWords lists its name.
 const std::vector<Algorithm>& all_algorithms();
+/// Adds a search from outside the library. Scenarios, trials, `vantage plan` and Python of this
+/// process can then name it. Call it before the first use of the name; not thread-safe.
+/// @throws UsageError if the name is empty or already in use
+void add_algorithm(Algorithm algorithm);
 /// Returns the algorithm `name`. @throws UsageError with all names when it is unknown.
 const Algorithm& algorithm_called(std::string_view name);
 /// Returns the best algorithm for problems of this family: "astar" for range-only mapping of static

@@ -222,8 +222,8 @@ void read_planner(Mapping& from, PlannerSpec& planner) {
   from.word("objective", planner.objective,
             {{"tracking", PlanObjective::kTracking}, {"mapping", PlanObjective::kMapping}});
   std::vector<std::pair<std::string_view, std::string>> searches;
-  for (const std::string_view word : kSearchWords) {
-    searches.emplace_back(word, word);
+  for (const std::string& name : search_names()) {
+    searches.emplace_back(name, name);
   }
   searches.emplace_back(kExternalSearch, kExternalSearch);
   from.word("algorithm", planner.algorithm, searches);

@@ -49,7 +49,7 @@ void add_scenario_option(CLI::App& command, std::string& scenario) {
 }
 
 void add_override_options(CLI::App& command, scenario::Overrides& overrides) {
-  std::vector<std::string> words(scenario::kSearchWords.begin(), scenario::kSearchWords.end());
+  std::vector<std::string> words = scenario::search_names();
   words.emplace_back(scenario::kExternalSearch);
   command.add_option("--seed", overrides.seed, "random seed (default: the scenario's)")
       ->check(seed_number());
