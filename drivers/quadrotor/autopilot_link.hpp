@@ -15,6 +15,7 @@
 #include "drivers/quadrotor/dialect.hpp"
 #include "drivers/quadrotor/parameter_check.hpp"
 #include "drivers/quadrotor/telemetry.hpp"
+#include "drivers/safety/setpoint.hpp"
 #include "models/exchange/messages.hpp"
 #include "wire/mavlink/parser.hpp"
 #include "wire/mavlink/signing.hpp"
@@ -33,16 +34,6 @@ struct BodyState {
   double attitude_sigma_rad = 0.01;
   double velocity_sigma_mps = 0.05;
   std::uint8_t resets = 0;  ///< number of jumps of the pose, sent as reset_counter
-};
-
-/// Set-point for the autopilot, always with all fields. If the set of fields changes, ArduPilot
-/// restarts its position controller and keeps the present deceleration (docs/decisions/0009).
-struct Setpoint {
-  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
-  Eigen::Vector3d acceleration_world_mps2 = Eigen::Vector3d::Zero();
-  double yaw_rad = 0.0;
-  double yaw_rate_radps = 0.0;
 };
 
 /// MAVLink connection with one autopilot: periodic messages (heartbeat, clock, streams, origin,

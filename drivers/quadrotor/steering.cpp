@@ -17,14 +17,11 @@ void cut(Vector&& v, double norm_max) {
 
 }  // namespace
 
-Setpoint steer(const FlightSetpoint& commanded, const std::optional<BodyState>& seen,
+Setpoint steer(const Setpoint& commanded, const std::optional<BodyState>& seen,
                const models::VehicleLimits& limits) {
-  Setpoint out;
-  out.velocity_world_mps = commanded.velocity_world_mps;
+  Setpoint out = commanded;
   cut(out.velocity_world_mps.head<2>(), limits.speed_max_mps);
   out.velocity_world_mps.z() = std::clamp(out.velocity_world_mps.z(), -kClimbMaxMps, kClimbMaxMps);
-  out.acceleration_world_mps2 = commanded.acceleration_world_mps2;
-  out.position_world_m = commanded.position_world_m;
   if (seen) {
     Eigen::Vector3d away_m = out.position_world_m - seen->world_from_body.translation_m;
     cut(away_m.head<2>(), kReachM);
@@ -33,7 +30,6 @@ Setpoint steer(const FlightSetpoint& commanded, const std::optional<BodyState>& 
   }
   out.yaw_rate_radps =
       std::clamp(commanded.yaw_rate_radps, -limits.yaw_rate_max_radps, limits.yaw_rate_max_radps);
-  out.yaw_rad = commanded.yaw_rad;
   return out;
 }
 

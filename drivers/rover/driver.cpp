@@ -132,7 +132,7 @@ bool RoverDriver::may_take_plans() const {
 // measured velocity.
 BrakingPath RoverDriver::braking_path(Time now) const {
   const Eigen::Vector3d here_m = core_.pose.predict_m(now, kPredictS);
-  const PlanPoint commanded = core_.course.at(now);
+  const Setpoint commanded = core_.course.at(now);
   const bool keeps_to_course =
       core_.course.is_on_plan() && has_recent_pose(now) &&
       (core_.pose.velocity_world_mps() - commanded.velocity_world_mps).norm() <= kSwerveMps &&
@@ -257,7 +257,7 @@ models::VehicleStatus RoverDriver::status(Time now) const {
   out.robot = core_.name;
   out.state = core_.ladder.state;
   out.battery_share = core_.in.battery_share;
-  const PlanPoint commanded = core_.course.at(now);
+  const Setpoint commanded = core_.course.at(now);
   out.setpoint = {commanded.position_world_m.x(), commanded.position_world_m.y(),
                   commanded.yaw_rad};
   out.setpoint_height_m = std::max(0.0, core_.in.height_m);

@@ -11,7 +11,7 @@ constexpr double kStillRadps = 0.02;
 
 }  // namespace
 
-models::UnicycleControl steer(const Pose2& world_from_body, const PlanPoint& reference,
+models::UnicycleControl steer(const Pose2& world_from_body, const Setpoint& reference,
                               const models::VehicleLimits& limits, const SteeringGains& gains) {
   const double c = std::cos(world_from_body.yaw_rad);
   const double s = std::sin(world_from_body.yaw_rad);

@@ -24,7 +24,7 @@ struct SteeringGains {
 /// the reference's. The reference's velocity is assumed to be along its yaw.
 /// Source: Kanayama, Kimura, Miyazaki, Noguchi, A stable tracking control method for an autonomous
 /// mobile robot (1990), eq. 8, with v_p added.
-models::UnicycleControl steer(const Pose2& world_from_body, const PlanPoint& reference,
+models::UnicycleControl steer(const Pose2& world_from_body, const Setpoint& reference,
                               const models::VehicleLimits& limits, const SteeringGains& gains = {});
 
 /// Returns `control` slowed by `brake_mps2` over `dt_s` on the same circle, at most to a stop.

@@ -32,14 +32,14 @@ BrakingPath BrakingPath::straight(const Eigen::Vector3d& position_m,
   return path;
 }
 
-PlanPoint BrakingPath::at(double t_s) const {
+Setpoint BrakingPath::at(double t_s) const {
   // The plan's time advances at rate 1 until the reaction, then slows to rate 0: s(u) = u − u²/(2
   // T).
   const double u = std::clamp(t_s - reaction_s_, 0.0, brake_s_);
   const double gone_s =
       std::clamp(t_s, 0.0, reaction_s_) + (brake_s_ > 0.0 ? u - 0.5 * u * u / brake_s_ : 0.0);
   const double rate = brake_s_ > 0.0 ? 1.0 - u / brake_s_ : 0.0;
-  PlanPoint out = start_;
+  Setpoint out = start_;
   if (is_along_) {
     out = point_at(plan_, elapsed_s_ + gone_s);
     out.position_world_m += offset_m_;
@@ -115,18 +115,18 @@ void Course::advance(Time now, double dt_s, double rate) {
 
 double Course::elapsed_s(Time now) const { return to_seconds(now - plan_.start_time) - lag_s_; }
 
-PlanPoint Course::on_plan(double elapsed_s) const {
+Setpoint Course::on_plan(double elapsed_s) const {
   const bool is_beyond = round_s_ > 0.0 && elapsed_s > round_s_;
   if (!is_beyond || has_next_ || this->elapsed_s(now_) >= round_s_) {
     return point_at(plan_, elapsed_s);
   }
-  PlanPoint out = point_at(plan_, round_s_);
+  Setpoint out = point_at(plan_, round_s_);
   out.position_world_m += (elapsed_s - round_s_) * out.velocity_world_mps;
   out.yaw_rate_radps = 0.0;
   return out;
 }
 
-PlanPoint Course::planned_at(Time time, double lag_s) const {
+Setpoint Course::planned_at(Time time, double lag_s) const {
   if (has_next_ && time >= next_.start_time) {
     return point_at(next_, to_seconds(time - next_.start_time));
   }
@@ -141,7 +141,7 @@ PlanPoint Course::planned_at(Time time, double lag_s) const {
     case Mode::kBrake:
       return path_.at(to_seconds(time - begin_));
     case Mode::kShift: {
-      PlanPoint out = from_;
+      Setpoint out = from_;
       const Eigen::Vector3d shift_m = to_m_ - from_.position_world_m;
       const double length_m = shift_m.norm();
       // Starts half a window late, so that the averaged motion starts at zero speed.
@@ -158,23 +158,23 @@ PlanPoint Course::planned_at(Time time, double lag_s) const {
   return from_;
 }
 
-PlanPoint Course::smoothed_at(Time time, double lag_s) const {
+Setpoint Course::smoothed_at(Time time, double lag_s) const {
   constexpr int kIntervals = 16;
-  PlanPoint out = planned_at(time, lag_s);
+  Setpoint out = planned_at(time, lag_s);
   const bool is_near_next = has_next_ && time + from_seconds(half_window_s_) >= next_.start_time;
   const bool changes_speed = mode_ == Mode::kPlan || mode_ == Mode::kShift || is_near_next;
   if (!(half_window_s_ > 0.0) || !changes_speed) {
     return out;
   }
   // Averages over the window by the trapezoidal rule: positions, and yaw relative to the first yaw.
-  const PlanPoint first = planned_at(time - from_seconds(half_window_s_), lag_s);
-  PlanPoint last = first;
+  const Setpoint first = planned_at(time - from_seconds(half_window_s_), lag_s);
+  Setpoint last = first;
   Eigen::Vector3d sum_m = 0.5 * first.position_world_m;
   double turned_rad = 0.0;
   double sum_rad = 0.0;
   for (int i = 1; i <= kIntervals; ++i) {
     const double at_s = half_window_s_ * (2.0 * i / kIntervals - 1.0);
-    const PlanPoint here = planned_at(time + from_seconds(at_s), lag_s);
+    const Setpoint here = planned_at(time + from_seconds(at_s), lag_s);
     const double weight = i < kIntervals ? 1.0 : 0.5;
     turned_rad += wrap_to_pi(here.yaw_rad - last.yaw_rad);
     sum_m += weight * here.position_world_m;

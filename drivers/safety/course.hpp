@@ -24,7 +24,7 @@ class BrakingPath {
 
   /// Returns the state `t_s` after the start of the path; the vehicle is stationary from
   /// duration_s() on.
-  [[nodiscard]] PlanPoint at(double t_s) const;
+  [[nodiscard]] Setpoint at(double t_s) const;
   [[nodiscard]] double duration_s() const { return reaction_s_ + brake_s_; }
 
  private:
@@ -32,7 +32,7 @@ class BrakingPath {
   HeldPlan plan_;
   double elapsed_s_ = 0.0;
   Eigen::Vector3d offset_m_ = Eigen::Vector3d::Zero();
-  PlanPoint start_;
+  Setpoint start_;
   double reaction_s_ = 0.0;
   double brake_s_ = 0.0;
 };
@@ -73,11 +73,11 @@ class Course {
   /// Advances by `dt_s`. The time within the plan advances by `rate` · `dt_s`, with rate in [0, 1].
   void advance(Time now, double dt_s, double rate);
 
-  [[nodiscard]] PlanPoint at(Time time) const { return smoothed_at(time, lag_s_); }
+  [[nodiscard]] Setpoint at(Time time) const { return smoothed_at(time, lag_s_); }
   /// Returns the commanded state without the slow-down by `rate`.
-  [[nodiscard]] PlanPoint on_time(Time time) const { return smoothed_at(time, 0.0); }
+  [[nodiscard]] Setpoint on_time(Time time) const { return smoothed_at(time, 0.0); }
   /// Returns the planned state, without averaging.
-  [[nodiscard]] PlanPoint planned_at(Time time) const { return planned_at(time, lag_s_); }
+  [[nodiscard]] Setpoint planned_at(Time time) const { return planned_at(time, lag_s_); }
   /// True while the course follows a plan that has not reached its hover.
   [[nodiscard]] bool has_plan(Time now) const;
   /// True if the course hovers and any stop or shift is complete.
@@ -95,17 +95,17 @@ class Course {
  private:
   enum class Mode { kHover, kPlan, kBrake, kShift };
   void begin(const HeldPlan& plan);
-  [[nodiscard]] PlanPoint planned_at(Time time, double lag_s) const;
-  [[nodiscard]] PlanPoint smoothed_at(Time time, double lag_s) const;
+  [[nodiscard]] Setpoint planned_at(Time time, double lag_s) const;
+  [[nodiscard]] Setpoint smoothed_at(Time time, double lag_s) const;
 
-  [[nodiscard]] PlanPoint on_plan(double elapsed_s) const;
+  [[nodiscard]] Setpoint on_plan(double elapsed_s) const;
 
   double half_window_s_;
   double round_s_;
   Time now_{};  ///< time of the last advance()
   Mode mode_ = Mode::kHover;
   Time begin_{};
-  PlanPoint from_;  ///< hover, or start of the shift (kHover, kShift)
+  Setpoint from_;  ///< hover, or start of the shift (kHover, kShift)
   Eigen::Vector3d to_m_ = Eigen::Vector3d::Zero();
   double shift_mps_ = 0.0;
   BrakingPath path_;

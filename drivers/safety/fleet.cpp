@@ -209,7 +209,7 @@ bool Fleet::is_on_plan(const Member& member, Time now, const SafetyLimits& limit
   if (!member.pose.has_pose()) {
     return true;
   }
-  const PlanPoint planned = point_at(member.plan, to_seconds(now - member.plan.start_time));
+  const Setpoint planned = point_at(member.plan, to_seconds(now - member.plan.start_time));
   return (planned.position_world_m - member.pose.predict_m(now, kPredictOthersS)).norm() <=
          2.0 * limits.tracking_hold_m;
 }

@@ -249,7 +249,7 @@ models::VehicleStatus FlightGuard::status(Time now) const {
   out.state = p.ladder.state;
   out.battery_share = p.battery_share;
   if (p.setpoint(now).kind == FlightSetpoint::Kind::kTrack) {
-    const PlanPoint commanded = p.course.at(now);  // the current set-point, without setpoint_lead_s
+    const Setpoint commanded = p.course.at(now);  // the current set-point, without setpoint_lead_s
     out.setpoint = {commanded.position_world_m.x(), commanded.position_world_m.y(),
                     commanded.yaw_rad};
     out.setpoint_height_m = std::max(0.0, p.height_ref_m);

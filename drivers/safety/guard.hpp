@@ -13,6 +13,7 @@
 #include "drivers/safety/guard_core.hpp"
 #include "drivers/safety/ladder.hpp"
 #include "drivers/safety/plan_check.hpp"
+#include "drivers/safety/setpoint.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 
@@ -38,7 +39,7 @@ struct AutopilotReport {
 };
 
 /// Set-point of the vehicle for this tick.
-struct FlightSetpoint {
+struct FlightSetpoint : Setpoint {
   enum class Kind {
     kNone,       ///< idle on the ground: no set-point; disarm if armed without need
     kTrack,      ///< position and velocity for the instant setpoint_lead_s from now
@@ -46,11 +47,6 @@ struct FlightSetpoint {
     kMotorsOff,  ///< forced disarm, repeated at each tick
   };
   Kind kind = Kind::kNone;
-  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
-  Eigen::Vector3d acceleration_world_mps2 = Eigen::Vector3d::Zero();
-  double yaw_rad = 0.0;
-  double yaw_rate_radps = 0.0;
 };
 
 struct GuardOutput {

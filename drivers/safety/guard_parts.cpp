@@ -33,7 +33,7 @@ constexpr double kBlindSinkShare = 0.4;
 }  // namespace
 
 bool FlightGuard::Parts::keeps_to_course(Time now) const {
-  const PlanPoint commanded = course.at(now);
+  const Setpoint commanded = course.at(now);
   return course.is_on_plan() && pose_age_s(now) < limits.pose_age_land_s &&
          (pose.velocity_world_mps() - commanded.velocity_world_mps).norm() <= kSwerveMps &&
          (pose.predict_m(now, kPredictS) - commanded.position_world_m).norm() <=
@@ -49,7 +49,7 @@ bool FlightGuard::Parts::has_planned_speed(Time now) const {
     return false;  // commanded to move a moment ago: the stop must not start the plan's motion
   }
   const double half_brake_s = 0.5 * commanded_mps / limits.vehicle.brake_mps2;
-  const auto differs = [&](const PlanPoint& planned) {
+  const auto differs = [&](const Setpoint& planned) {
     return std::abs(planned.velocity_world_mps.norm() - commanded_mps) > kSameSpeedMps;
   };
   return !differs(course.planned_at(now)) &&
@@ -245,7 +245,7 @@ void FlightGuard::Parts::on_state_change(FlightState before, Time now) {
   if (leaves_plan && is_airborne(state)) {
     if (in.plan_ended && course.is_on_plan() && !course.has_next()) {
       // Hovers at the plan's final hover position, which was checked with the plan.
-      const PlanPoint end = course.at(now);
+      const Setpoint end = course.at(now);
       course.hover(end.position_world_m, end.yaw_rad, now);
     } else {
       course.stop(braking_path(now, 0.0), now);
@@ -303,7 +303,7 @@ void FlightGuard::Parts::land(Time now, double dt_s) {
   is_committed = is_committed || (is_sinking && in.height_m < limits.safe_height_m) ||
                  to_seconds(now - landing_since) > kAvoidPatienceS;
   const auto bodies = fleet.bodies(now, limits);
-  const PlanPoint commanded = course.at(now);
+  const Setpoint commanded = course.at(now);
   const Eigen::Vector3d hover_m(commanded.position_world_m.x(), commanded.position_world_m.y(),
                                 here_m.z());
   const Eigen::Vector3d level_spot_m(spot_m.x(), spot_m.y(), here_m.z());
@@ -393,16 +393,13 @@ FlightSetpoint FlightGuard::Parts::setpoint(Time now) const {
   }
   // Position and velocity refer to the same instant, so they are consistent. The acceleration has a
   // separate lead: the vehicle must tilt first, and a late acceleration causes a velocity error.
-  const PlanPoint soon = course.at(now + from_seconds(limits.setpoint_lead_s));
-  const PlanPoint then = course.at(now + from_seconds(limits.acceleration_lead_s));
+  const Setpoint soon = course.at(now + from_seconds(limits.setpoint_lead_s));
+  const Setpoint then = course.at(now + from_seconds(limits.acceleration_lead_s));
   out.kind = FlightSetpoint::Kind::kTrack;
-  out.position_world_m = soon.position_world_m;
+  static_cast<Setpoint&>(out) = soon;
   out.position_world_m.z() = height_ref_m + limits.setpoint_lead_s * height_rate_mps;
-  out.velocity_world_mps = soon.velocity_world_mps;
   out.velocity_world_mps.z() = height_rate_mps;
   out.acceleration_world_mps2 = then.acceleration_world_mps2;
-  out.yaw_rad = soon.yaw_rad;
-  out.yaw_rate_radps = soon.yaw_rate_radps;
   return out;
 }
 

@@ -11,11 +11,11 @@ constexpr double kStraightRadps = 1e-6;
 
 // Returns the state `t` seconds after the start of `segment` at (p, yaw). An arc is a turn about
 // its centre, which lies v/ω to the left.
-PlanPoint along(const models::PlanSegment& segment, const Eigen::Vector3d& p_m, double yaw_rad,
-                double t) {
+Setpoint along(const models::PlanSegment& segment, const Eigen::Vector3d& p_m, double yaw_rad,
+               double t) {
   const double v = segment.control.speed_mps;
   const double w = segment.control.yaw_rate_radps;
-  PlanPoint out;
+  Setpoint out;
   out.position_world_m = p_m;
   out.yaw_rad = yaw_rad;
   double speed_mps = v;
@@ -66,8 +66,8 @@ double duration_s(const HeldPlan& plan) {
   return sum_s;
 }
 
-PlanPoint point_at(const HeldPlan& plan, double elapsed_s) {
-  PlanPoint here;
+Setpoint point_at(const HeldPlan& plan, double elapsed_s) {
+  Setpoint here;
   here.position_world_m = {plan.start.x_m, plan.start.y_m, plan.height_m};
   here.yaw_rad = plan.start.yaw_rad;
   if (elapsed_s < 0.0) {
@@ -93,7 +93,7 @@ PlanWalk::PlanWalk(const HeldPlan& plan) : plan_(&plan) {
   begin_.yaw_rad = plan.start.yaw_rad;
 }
 
-PlanPoint PlanWalk::at(double elapsed_s) {
+Setpoint PlanWalk::at(double elapsed_s) {
   while (segment_ < plan_->count) {
     const models::PlanSegment& segment = plan_->segments[segment_];
     if (elapsed_s - begin_s_ < segment.duration_s) {
@@ -105,7 +105,7 @@ PlanPoint PlanWalk::at(double elapsed_s) {
     begin_s_ += segment.duration_s;
     ++segment_;
   }
-  PlanPoint hover = begin_;
+  Setpoint hover = begin_;
   hover.velocity_world_mps.setZero();
   hover.yaw_rate_radps = 0.0;
   return hover;

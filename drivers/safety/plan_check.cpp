@@ -72,7 +72,7 @@ struct Room {
   double obstacle_m;
 };
 
-Room room_at(const PlanPoint& here, const SafetyLimits& limits) {
+Room room_at(const Setpoint& here, const SafetyLimits& limits) {
   const Eigen::Vector2d p_m = here.position_world_m.head<2>();
   return {fence_distance_m(limits.fence, p_m) - limits.vehicle.radius_m,
           obstacle_distance_m(limits.fence, p_m) - limits.vehicle.radius_m};

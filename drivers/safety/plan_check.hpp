@@ -9,6 +9,7 @@
 #include "core/pose.hpp"
 #include "core/time.hpp"
 #include "drivers/safety/limits.hpp"
+#include "drivers/safety/setpoint.hpp"
 #include "models/plan/plan.hpp"
 
 // Plan check of flight safety. It shares no code with the planner: it has separate functions that
@@ -47,21 +48,12 @@ struct HeldPlan {
   std::array<models::PlanSegment, kSegmentsMax> segments{};
 };
 
-/// State of the vehicle on a plan.
-struct PlanPoint {
-  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
-  Eigen::Vector3d acceleration_world_mps2 = Eigen::Vector3d::Zero();  ///< only set by Course
-  double yaw_rad = 0.0;
-  double yaw_rate_radps = 0.0;
-};
-
 /// Copies a trajectory. Returns false and leaves `out` unchanged if it has too many segments.
 bool hold_plan(const models::Trajectory& trajectory, HeldPlan& out);
 double duration_s(const HeldPlan& plan);
 /// Returns the state `elapsed_s` after the start of the plan. Before the start it is the stationary
 /// start state; after the end it is the hover.
-PlanPoint point_at(const HeldPlan& plan, double elapsed_s);
+Setpoint point_at(const HeldPlan& plan, double elapsed_s);
 /// Returns the maximum speed of the plan within [from_s, to_s] after its start, m/s.
 double speed_max_mps(const HeldPlan& plan, double from_s, double to_s);
 
@@ -72,13 +64,13 @@ class PlanWalk {
  public:
   explicit PlanWalk(const HeldPlan& plan);
   /// @param elapsed_s  s; time after the start; not less than in the previous call
-  PlanPoint at(double elapsed_s);
+  Setpoint at(double elapsed_s);
 
  private:
   const HeldPlan* plan_;
   std::size_t segment_ = 0;
   double begin_s_ = 0.0;  ///< s; start of that segment
-  PlanPoint begin_;       ///< state at the start of that segment
+  Setpoint begin_;        ///< state at the start of that segment
 };
 
 /// Predicted course of another body: along its plan, or straight from its position.

@@ -59,8 +59,8 @@ PlanVerdict PlanGate::check(const models::RobotPlan& plan, const PlanSituation& 
     return PlanVerdict::kTooFarAhead;
   }
   const Time when = std::max(now, out.start_time);
-  const PlanPoint planned = point_at(out, to_seconds(when - out.start_time));
-  const PlanPoint expected = situation.course.planned_at(when);
+  const Setpoint planned = point_at(out, to_seconds(when - out.start_time));
+  const Setpoint expected = situation.course.planned_at(when);
   Eigen::Vector3d gap_m = planned.position_world_m - expected.position_world_m;
   gap_m.z() = planned.position_world_m.z() - situation.height_m;
   const double turn_rad = std::abs(wrap_to_pi(planned.yaw_rad - expected.yaw_rad));

@@ -86,7 +86,7 @@ TEST(RoverDriver, ContinuesWithTheNextPlan) {
   const Time second = bench.now + from_seconds(0.3 + 3.0);
   bench.run(2.5);
   const HeldPlan first = bench.driver.course().plan();
-  const PlanPoint there = point_at(first, 3.0);
+  const Setpoint there = point_at(first, 3.0);
   const std::vector<models::PlanSegment> arc = {{{0.5, -0.8}, 2.0, 0.0}, {{0.5, 0.0}, 0.25, 2.0}};
   ASSERT_EQ(
       bench.plan(arc, to_seconds(second - bench.now),

@@ -14,8 +14,8 @@ namespace {
 
 const models::VehicleLimits kLimits{1.0, 2.0, 2.0, 0.2};
 
-PlanPoint point_of(const Pose2& pose, double speed_mps, double yaw_rate_radps) {
-  PlanPoint out;
+Setpoint point_of(const Pose2& pose, double speed_mps, double yaw_rate_radps) {
+  Setpoint out;
   out.position_world_m = {pose.x_m, pose.y_m, 0.0};
   out.yaw_rad = pose.yaw_rad;
   out.velocity_world_mps =

@@ -30,7 +30,7 @@ HeldPlan driving(const Pose2& from, double speed_mps, double rate_radps, Time st
   return plan;
 }
 
-void expect_same(const PlanPoint& is, const PlanPoint& should_be) {
+void expect_same(const Setpoint& is, const Setpoint& should_be) {
   EXPECT_TRUE(test::is_near(is.position_world_m, should_be.position_world_m, 1e-12));
   EXPECT_TRUE(test::is_near(is.velocity_world_mps, should_be.velocity_world_mps, 1e-12));
   EXPECT_TRUE(test::is_near(is.acceleration_world_mps2, should_be.acceleration_world_mps2, 1e-12));
@@ -120,7 +120,7 @@ TEST(Course, ChangesItsSpeedOnlyWithinTheWindow) {
       const double turns_radps = speed_mps > 0.0 ? 0.0 : rate_radps;
       course.follow(driving({0.0, 0.0, 0.0}, speed_mps, turns_radps, after(1.0)), kStart);
       for (const double t_s : {-0.3, -0.250001, -0.25, -0.1, 0.0, 0.1, 0.249999, 0.25, 0.3}) {
-        const PlanPoint here = course.at(after(1.0 + t_s));
+        const Setpoint here = course.at(after(1.0 + t_s));
         const bool changes = t_s >= -kW && t_s < kW;
         EXPECT_NEAR(here.acceleration_world_mps2.x(), changes ? speed_mps / (2.0 * kW) : 0.0, 1e-9)
             << t_s;
@@ -154,7 +154,7 @@ TEST(Course, ShiftStartsAtTheCurrentPosition) {
     };
     for (double t_s = 0.0; t_s <= end_s; t_s += 0.01) {
       const double along_m = t_s < 0.5 * end_s ? gone_m(t_s) : length_m - gone_m(end_s - t_s);
-      const PlanPoint there = course.at(after(begin_s + t_s));
+      const Setpoint there = course.at(after(begin_s + t_s));
       EXPECT_TRUE(test::is_near(there.position_world_m,
                                 here_m + along_m / length_m * (to_m - here_m), 3e-4))
           << t_s;
@@ -187,7 +187,7 @@ TEST(Course, ShiftAndHoverBeginAtZeroSpeed) {
     EXPECT_EQ(course.planned_at(after(t_s)).yaw_rate_radps, 0.0) << t_s;
   }
   course.hover({1.0, 1.0, 1.0}, 0.5, after(1.2));
-  PlanPoint stands;
+  Setpoint stands;
   stands.position_world_m = {1.0, 1.0, 1.0};
   stands.yaw_rad = 0.5;
   expect_same(course.at(after(1.2)), stands);
@@ -215,8 +215,8 @@ TEST(Course, FollowsAPlanUntilTheNextOneCanReplaceIt) {
     for (const double t_s : {0.1, 0.5, 0.9, 1.0}) {
       expect_same(course.planned_at(after(t_s)), point_at(plan, t_s));
     }
-    const PlanPoint straight_on = course.planned_at(after(1.4));
-    const PlanPoint turned = point_at(plan, kRoundS);
+    const Setpoint straight_on = course.planned_at(after(1.4));
+    const Setpoint turned = point_at(plan, kRoundS);
     EXPECT_TRUE(test::is_near(straight_on.position_world_m,
                               turned.position_world_m + 0.4 * turned.velocity_world_mps, 1e-12));
     EXPECT_NEAR(straight_on.yaw_rad, turned.yaw_rad, 1e-12);

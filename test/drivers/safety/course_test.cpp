@@ -43,7 +43,7 @@ TEST(Course, LimitsAccelerationByItsWindow) {
     Eigen::Vector3d last_mps = Eigen::Vector3d::Zero();
     for (double t_s = 0.0; t_s < 6.0; t_s += 0.01) {
       course.advance(after(t_s), 0.01, 1.0);
-      const PlanPoint here = course.at(after(t_s));
+      const Setpoint here = course.at(after(t_s));
       // The acceleration is the difference of two velocities of at most v over the window 2 w: at
       // most v/w.
       EXPECT_LE(here.acceleration_world_mps2.norm(), kSpeedMps / kHalfWindowS + 1e-9);
@@ -51,7 +51,7 @@ TEST(Course, LimitsAccelerationByItsWindow) {
                 0.01 * kSpeedMps / kHalfWindowS + 1e-9);
       // The averaged position differs from the planned one by at most v × the mean time difference
       // within the window.
-      const PlanPoint planned = course.planned_at(after(t_s));
+      const Setpoint planned = course.planned_at(after(t_s));
       EXPECT_LE((here.position_world_m - planned.position_world_m).norm(),
                 0.5 * kSpeedMps * kHalfWindowS + 1e-9);
       last_mps = here.velocity_world_mps;
@@ -68,9 +68,9 @@ TEST(Course, VelocityIsTheDerivativeOfPosition) {
     course.follow(random_plan(random, kStart), kStart);
     const double t_s = random.uniform(0.5, 3.5);
     const double h_s = 0.05;
-    const PlanPoint before = course.at(after(t_s - h_s));
-    const PlanPoint here = course.at(after(t_s));
-    const PlanPoint later = course.at(after(t_s + h_s));
+    const Setpoint before = course.at(after(t_s - h_s));
+    const Setpoint here = course.at(after(t_s));
+    const Setpoint later = course.at(after(t_s + h_s));
     // The velocity changes by at most 4 m/s² and the yaw rate by at most 12 rad/s². This bounds the
     // error of a difference quotient over 2 h; the trapezoidal rule adds some millimetres.
     EXPECT_TRUE(test::is_near((later.position_world_m - before.position_world_m) / (2.0 * h_s),
@@ -92,7 +92,7 @@ TEST(Course, SmoothsTheStartOfAPlanAsInClosedForm) {
   course.follow(plan, kStart);
   const double w_s = kHalfWindowS;
   for (const double t_s : {-0.25, -0.2, -0.1, 0.0, 0.1, 0.2, 0.25}) {
-    const PlanPoint here = course.at(after(1.0 + t_s));
+    const Setpoint here = course.at(after(1.0 + t_s));
     // The trapezoidal rule with width w/8 has an area error of up to v (w/8)² / 8 at a corner,
     // divided by the window length 2 w.
     EXPECT_NEAR(here.position_world_m.x(), kSpeedMps * (t_s + w_s) * (t_s + w_s) / (4.0 * w_s),
@@ -130,10 +130,10 @@ TEST(Course, ChangesPlansWithoutAJump) {
   Course course(kHalfWindowS);
   course.follow(first, kStart);
   course.follow(second, kStart);
-  PlanPoint last = course.at(after(0.3));
+  Setpoint last = course.at(after(0.3));
   for (double t_s = 0.31; t_s < 2.0; t_s += 0.01) {
     course.advance(after(t_s), 0.01, 1.0);
-    const PlanPoint here = course.at(after(t_s));
+    const Setpoint here = course.at(after(t_s));
     EXPECT_LE((here.position_world_m - last.position_world_m).norm(), 0.011 * kSpeedMps);
     EXPECT_LE((here.velocity_world_mps - last.velocity_world_mps).norm(), 0.05);
     last = here;
@@ -160,8 +160,8 @@ TEST(Course, ShiftBeginsAndEndsAtZeroSpeed) {
       EXPECT_LE((now_mps - last_mps).norm(), 0.01 * kShiftMps / (2.0 * kHalfWindowS) + 1e-9);
       last_mps = now_mps;
       constexpr double kStep_s = 1e-3;
-      const PlanPoint before = course.at(after(t_s - kStep_s));
-      const PlanPoint behind = course.at(after(t_s + kStep_s));
+      const Setpoint before = course.at(after(t_s - kStep_s));
+      const Setpoint behind = course.at(after(t_s + kStep_s));
       if (test::is_near(before.acceleration_world_mps2, behind.acceleration_world_mps2, 1e-9)) {
         const Eigen::Vector3d faster_mps = behind.velocity_world_mps - before.velocity_world_mps;
         EXPECT_TRUE(test::is_near(course.at(after(t_s)).acceleration_world_mps2,
@@ -176,7 +176,7 @@ TEST(Course, ShiftBeginsAndEndsAtZeroSpeed) {
 
 /// Returns `plan`, moved so that it begins at `start` at the position of the course at that time.
 HeldPlan continued(HeldPlan plan, const Course& course, Time start) {
-  const PlanPoint there = course.planned_at(start);
+  const Setpoint there = course.planned_at(start);
   plan.start_time = start;
   plan.start = {there.position_world_m.x(), there.position_world_m.y(), there.yaw_rad};
   return plan;
@@ -197,12 +197,12 @@ TEST(Course, ContinuesWithoutAJumpAfterASlowedPlan) {
   for (const double side : {1.0, -1.0}) {
     Course course(kHalfWindowS);
     course.follow(driving(0.0, kStart), kStart);
-    PlanPoint last = course.at(kStart);
+    Setpoint last = course.at(kStart);
     double t_s = 0.0;
     const auto fly = [&](double until_s, double rate) {
       for (; t_s < until_s; t_s += 0.01) {
         course.advance(after(t_s), 0.01, rate);
-        const PlanPoint here = course.at(after(t_s));
+        const Setpoint here = course.at(after(t_s));
         EXPECT_LE((here.position_world_m - last.position_world_m).norm(), 0.011 * kSpeedMps) << t_s;
         EXPECT_LE(std::abs(wrap_to_pi(here.yaw_rad - last.yaw_rad)), 0.031) << t_s;
         last = here;
@@ -243,7 +243,7 @@ TEST(Course, ForgetsPlansBeforeAStop) {
     next.start = {place_m.x(), place_m.y(), 0.3};
     course.follow(next, after(begin_s + 3.0));
     for (const double before_s : {0.01, 0.2, 1.0}) {
-      const PlanPoint here = course.planned_at(after(begin_s + 3.0 - before_s));
+      const Setpoint here = course.planned_at(after(begin_s + 3.0 - before_s));
       EXPECT_TRUE(test::is_near(here.position_world_m, place_m, 1e-12)) << before_s;
       EXPECT_EQ(here.velocity_world_mps.norm(), 0.0);
     }
@@ -286,7 +286,7 @@ TEST(Course, ContinuesStraightUntilTheNextPlan) {
     turns.start = {static_cast<double>(round), 0.0, 0.0};
     course.follow(turns, after(begin_s));
     course.advance(after(begin_s + 0.5), 0.01, 1.0);
-    const PlanPoint believed = course.planned_at(after(begin_s + 1.5));
+    const Setpoint believed = course.planned_at(after(begin_s + 1.5));
     EXPECT_TRUE(
         test::is_near(believed.position_world_m, Eigen::Vector3d(round + 1.5, 0.0, 1.0), 1e-9));
     EXPECT_EQ(believed.yaw_rate_radps, 0.0);
@@ -348,7 +348,7 @@ TEST(BrakeWay, MatchesTheEquationsOfMotion) {
       const double braking_s = std::max(0.0, t_s - reaction_s);
       const double speed_mps = std::max(0.0, v_mps.norm() - brake_mps2 * braking_s);
       if (i % 500 == 0) {
-        const PlanPoint at = way.at(t_s);
+        const Setpoint at = way.at(t_s);
         EXPECT_TRUE(test::is_near(at.position_world_m, p_m, 5e-4)) << t_s;
         EXPECT_NEAR(at.velocity_world_mps.norm(), speed_mps, 1e-9) << t_s;
         EXPECT_EQ(at.yaw_rad, 0.4);
@@ -380,8 +380,8 @@ TEST(BrakeWay, FollowsThePlannedPathUntilStationary) {
       const double u_s = std::clamp(t_s - 0.2, 0.0, brake_s);
       const double gone_s =
           std::min(t_s, 0.2) + (brake_s > 0.0 ? u_s - u_s * u_s / (2.0 * brake_s) : 0.0);
-      const PlanPoint planned = point_at(plan, from_s + gone_s);
-      const PlanPoint here = way.at(t_s);
+      const Setpoint planned = point_at(plan, from_s + gone_s);
+      const Setpoint here = way.at(t_s);
       EXPECT_TRUE(test::is_near(here.position_world_m, planned.position_world_m + offset_m, 1e-9));
       EXPECT_NEAR(wrap_to_pi(here.yaw_rad - planned.yaw_rad), 0.0, 1e-9);
       const double rate = brake_s > 0.0 ? 1.0 - u_s / brake_s : 0.0;
@@ -437,8 +437,8 @@ TEST(Course, IsInvariantUnderMirrorRotationAndTime) {
       }
       here.advance(t, 0.01, rate);
       there.advance(t + later, 0.01, rate);
-      const PlanPoint a = here.at(t);
-      const PlanPoint b = there.at(t + later);
+      const Setpoint a = here.at(t);
+      const Setpoint b = there.at(t + later);
       EXPECT_TRUE(test::is_near(b.position_world_m, other_from_here * a.position_world_m, 1e-9));
       EXPECT_TRUE(
           test::is_near(b.velocity_world_mps, other_from_here * a.velocity_world_mps, 1e-9));

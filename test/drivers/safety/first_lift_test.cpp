@@ -312,7 +312,7 @@ TEST(Lift, IsVerifiedByTheCommandedStepAndTurn) {
     const Eigen::Vector3d hover_m(rest.x_m, rest.y_m, own.height_m());
     EXPECT_FALSE(own.step(hover_m, rest.yaw_rad, course, limits, start));
     EXPECT_EQ(own.phase(), drivers::Lift::Phase::kProving);
-    const drivers::PlanPoint asked = course.planned_at(start);
+    const drivers::Setpoint asked = course.planned_at(start);
     Eigen::Vector3d gone_m = asked.position_world_m - hover_m;
     EXPECT_NEAR(std::abs(gone_m.x()), limits.lift_step_m, 1e-12);
     EXPECT_NEAR(std::abs(gone_m.y()), limits.lift_step_m, 1e-12);
@@ -321,7 +321,7 @@ TEST(Lift, IsVerifiedByTheCommandedStepAndTurn) {
     const double yaw_rad = wrap_to_pi(rest.yaw_rad + turn_share * limits.lift_turn_rad);
     const bool is_proven = own.step(hover_m + gone_m, yaw_rad, course, limits, start);
     EXPECT_EQ(own.is_under_way(), !is_proven);
-    const drivers::PlanPoint then =
+    const drivers::Setpoint then =
         course.planned_at(start);  // ground position once verified, else the step
     const Eigen::Vector2d back_m =
         is_proven ? rest.position_m() : Eigen::Vector2d(asked.position_world_m.head<2>());

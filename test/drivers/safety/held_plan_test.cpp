@@ -51,9 +51,9 @@ TEST(PointAt, VelocityIsTheDerivativeOfPosition) {
       const double lasts_s = plan.segments[k].duration_s;
       const double t_s = begin_s + random.uniform(0.01, 0.99) * lasts_s;
       begin_s += lasts_s;
-      const PlanPoint before = point_at(plan, t_s - kHalfS);
-      const PlanPoint here = point_at(plan, t_s);
-      const PlanPoint later = point_at(plan, t_s + kHalfS);
+      const Setpoint before = point_at(plan, t_s - kHalfS);
+      const Setpoint here = point_at(plan, t_s);
+      const Setpoint later = point_at(plan, t_s + kHalfS);
       const Eigen::Vector3d moved_mps =
           (later.position_world_m - before.position_world_m) / (2.0 * kHalfS);
       EXPECT_LT((here.velocity_world_mps - moved_mps).norm(), 1e-4) << k;
@@ -81,7 +81,7 @@ TEST(PointAt, BrakesAtTheStatedDeceleration) {
           const double left_mps = std::max(0.0, speed_mps - brake_mps2 * t_s);
           const double way_m =
               0.5 * (speed_mps * speed_mps - left_mps * left_mps) / brake_mps2;  // v² = v0² − 2as
-          const PlanPoint here = point_at(plan, t_s);
+          const Setpoint here = point_at(plan, t_s);
           EXPECT_LT((here.velocity_world_mps - sense * left_mps * ahead).norm(), 1e-12) << t_s;
           EXPECT_LT((here.position_world_m - sense * way_m * ahead).norm(), 1e-12) << t_s;
           EXPECT_EQ(here.yaw_rad, 2.0);
@@ -103,19 +103,19 @@ TEST(PointAt, IsStationaryBeforeStartAndAfterEnd) {
       plan.count = 2;
       plan.segments[0] = {{speed_mps, -rate_radps}, 0.5, 0.0};
       plan.segments[1] = {{speed_mps, rate_radps}, 0.75, 0.0};
-      const PlanPoint start = point_at(plan, 0.0);
+      const Setpoint start = point_at(plan, 0.0);
       for (const double t_s : {-1e-6, -0.7, -100.0}) {
-        const PlanPoint here = point_at(plan, t_s);
+        const Setpoint here = point_at(plan, t_s);
         EXPECT_EQ(here.position_world_m, Eigen::Vector3d(1.0, -0.5, 1.3));
         EXPECT_EQ(here.position_world_m, start.position_world_m);
         EXPECT_EQ(here.yaw_rad, 3.0);
         EXPECT_EQ(here.velocity_world_mps.norm(), 0.0);
         EXPECT_EQ(here.yaw_rate_radps, 0.0);
       }
-      const PlanPoint last = point_at(plan, 1.25 - 1e-9);
+      const Setpoint last = point_at(plan, 1.25 - 1e-9);
       EXPECT_NEAR(last.velocity_world_mps.norm(), 0.8, 1e-12);
       for (const double t_s : {1.25, 1.25 + 1e-6, 2.0, 100.0}) {
-        const PlanPoint here = point_at(plan, t_s);
+        const Setpoint here = point_at(plan, t_s);
         EXPECT_LT((here.position_world_m - last.position_world_m).norm(), 1e-8) << t_s;
         EXPECT_NEAR(wrap_to_pi(here.yaw_rad - last.yaw_rad), 0.0, 1e-8);
         EXPECT_EQ(here.velocity_world_mps.norm(), 0.0);

@@ -421,7 +421,7 @@ TEST(Lift, IsVerifiedOnlyInTheHover) {
       return f.own.step(at_m, yaw_rad, f.course, f.limits, kStart);
     };
     EXPECT_FALSE(step(f.risen(0.2), 0.5));
-    const PlanPoint asked = f.course.planned_at(kStart);
+    const Setpoint asked = f.course.planned_at(kStart);
     if (is_proven_first) {
       EXPECT_TRUE(step(asked.position_world_m, asked.yaw_rad));
     } else {

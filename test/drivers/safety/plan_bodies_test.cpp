@@ -101,8 +101,8 @@ TEST(PlanWalk, AgreesWithPointAt) {
   const HeldPlan plan = held(way);
   PlanWalk walk(plan);
   for (int i = -20; i < 800; ++i) {
-    const PlanPoint a = walk.at(0.01 * i);
-    const PlanPoint b = point_at(plan, 0.01 * i);
+    const Setpoint a = walk.at(0.01 * i);
+    const Setpoint b = point_at(plan, 0.01 * i);
     EXPECT_LT((a.position_world_m - b.position_world_m).norm(), 1e-9) << i;
     EXPECT_NEAR(a.yaw_rad, b.yaw_rad, 1e-9) << i;
     if (i > 0) {

@@ -52,7 +52,7 @@ TEST(PointAt, AgreesWithTheModelsTrajectory) {
   for (int i = 0; i < 2000; ++i) {
     const models::Trajectory way = random_way(random);
     const double t_s = random.uniform(-0.5, 4.0);
-    const PlanPoint ours = point_at(held(way), t_s);
+    const Setpoint ours = point_at(held(way), t_s);
     const models::TrajectoryPoint theirs = models::at(way, kStart + from_seconds(t_s));
     const Pose2& pose = theirs.world_from_body;
     EXPECT_NEAR(ours.position_world_m.x(), pose.x_m, 1e-5);
@@ -178,7 +178,7 @@ TEST(PointAt, TurnsAtVerySmallRates) {
   plan.count = 1;
   for (const double w_radps : {-1.1e-6, -0.9e-6, 0.0, 0.9e-6, 1.1e-6}) {
     plan.segments[0] = {{1.0, w_radps}, 50.0, 0.0};
-    const PlanPoint here = point_at(plan, 40.0);
+    const Setpoint here = point_at(plan, 40.0);
     EXPECT_NEAR(here.yaw_rad - 0.5, 40.0 * w_radps, 1e-12) << w_radps;
     EXPECT_EQ(here.yaw_rate_radps, w_radps);
   }

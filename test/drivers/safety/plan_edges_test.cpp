@@ -61,7 +61,7 @@ HeldPlan random_plan(test::Random& random, double speed_mps) {
 HeldPlan placed(HeldPlan plan, Time time, const Eigen::Vector2d& p_m, double yaw_rad) {
   const double elapsed_s = to_seconds(time - plan.start_time);
   plan.start = {0.0, 0.0, 0.0};
-  const PlanPoint there = point_at(plan, elapsed_s);
+  const Setpoint there = point_at(plan, elapsed_s);
   plan.start.yaw_rad = wrap_to_pi(yaw_rad - there.yaw_rad);
   const Eigen::Vector2d gone_m =
       Eigen::Rotation2Dd(plan.start.yaw_rad) * there.position_world_m.head<2>();
@@ -119,7 +119,7 @@ TEST(CheckPath, FindsTheLeastSeparationOfTwoPlansThatPassClosely) {
   for (int i = 0; i < 600; ++i) {
     const HeldPlan plan = random_plan(random, limits.vehicle.speed_max_mps);
     const Time meets = kStart + from_seconds(random.uniform(0.0, 2.5));
-    const PlanPoint here = point_at(plan, to_seconds(meets - plan.start_time));
+    const Setpoint here = point_at(plan, to_seconds(meets - plan.start_time));
     const double bearing_rad = random.uniform(-kPi, kPi);
     const double apart_m = random.uniform(0.2, 0.9);
     // A teammate may be faster than this vehicle.
