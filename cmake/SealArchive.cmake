@@ -8,9 +8,9 @@
 # (docs/decisions/0010). Sealing an archive again has no effect.
 cmake_minimum_required(VERSION 3.25)
 function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code ERROR_VARIABLE said OUTPUT_QUIET)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code ERROR_VARIABLE error_text OUTPUT_QUIET)
   if(NOT code EQUAL 0)
-    message(FATAL_ERROR "sealing ${ARCHIVE}: ${ARGN}: ${said}")
+    message(FATAL_ERROR "sealing ${ARCHIVE}: ${ARGN}: ${error_text}")
   endif()
 endfunction()
 

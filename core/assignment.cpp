@@ -16,7 +16,7 @@ AssignmentSolver::AssignmentSolver(int rows_max, int columns_max) {
   column_of_row_.reserve(rows);
   row_price_.reserve(rows);
   row_of_column_.reserve(columns);
-  way_.reserve(columns);
+  predecessor_row_.reserve(columns);
   is_done_.reserve(columns);
   column_price_.reserve(columns);
   distance_.reserve(columns);
@@ -30,7 +30,7 @@ std::span<const int> AssignmentSolver::solve(std::span<const double> cost, int r
   row_price_.assign(index(rows), 0.0);
   row_of_column_.assign(index(columns), -1);
   column_price_.assign(index(columns), 0.0);
-  way_.assign(index(columns), -1);
+  predecessor_row_.assign(index(columns), -1);
   is_done_.assign(index(columns), 0);
   distance_.assign(index(columns), kInfinity);
   for (int first = 0; first < rows; ++first) {
@@ -49,7 +49,7 @@ std::span<const int> AssignmentSolver::solve(std::span<const double> cost, int r
                                row_price_[index(row)] - column_price_[index(j)];
         if (through < distance_[index(j)]) {
           distance_[index(j)] = through;
-          way_[index(j)] = row;
+          predecessor_row_[index(j)] = row;
         }
         if (nearest < 0 || distance_[index(j)] < distance_[index(nearest)]) {
           nearest = j;
@@ -70,7 +70,7 @@ std::span<const int> AssignmentSolver::solve(std::span<const double> cost, int r
       }
     }
     for (int column = free_column; column >= 0;) {
-      const int from = way_[index(column)];
+      const int from = predecessor_row_[index(column)];
       row_of_column_[index(column)] = from;
       std::swap(column_of_row_[index(from)], column);
       if (from == first) {

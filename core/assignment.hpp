@@ -26,8 +26,8 @@ class AssignmentSolver {
 
  private:
   std::vector<int> column_of_row_;
-  std::vector<int> row_of_column_;  // −1: free
-  std::vector<int> way_;            // by column: row from which the column was reached
+  std::vector<int> row_of_column_;    // −1: free
+  std::vector<int> predecessor_row_;  // by column: row from which the column was reached
   std::vector<char> is_done_;
   std::vector<double> row_price_;
   std::vector<double> column_price_;

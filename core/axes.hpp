@@ -14,13 +14,13 @@ namespace vantage {
 
 /// Returns (x, −y, −z): converts in both directions, for positions, velocities and rates in world
 /// and body frames.
-inline Eigen::Vector3d turn_axes(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
+inline Eigen::Vector3d convert_axes(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
 
 /// Returns (w, x, −y, −z): converts world_from_body (both FLU) to local_from_body (both FRD), or
 /// the reverse.
-inline Quaternion turn_axes(const Quaternion& q) { return {q.w(), q.x(), -q.y(), -q.z()}; }
+inline Quaternion convert_axes(const Quaternion& q) { return {q.w(), q.x(), -q.y(), -q.z()}; }
 
 /// Returns the negated yaw or yaw rate, because the z axes of the two conventions are opposite.
-inline double turn_yaw(double yaw) { return -yaw; }
+inline double convert_yaw(double yaw) { return -yaw; }
 
 }  // namespace vantage

@@ -23,14 +23,14 @@ namespace {
 
 // Executed in the forked child, so it must not allocate or lock.
 [[noreturn]] void become(const char* const* arguments, const char* const* environment,
-                         int report_fd, const ChildPlace& place, pid_t parent) {
+                         int report_fd, const ChildOptions& options, pid_t parent) {
   ::setpgid(0, 0);
-  ::prctl(PR_SET_PDEATHSIG, place.end_signal);
+  ::prctl(PR_SET_PDEATHSIG, options.end_signal);
   if (::getppid() != parent) {
     ::_exit(127);
   }
   ::signal(SIGPIPE, SIG_DFL);
-  if (place.blocks_stop_signals) {
+  if (options.blocks_stop_signals) {
     sigset_t stop_signals;
     ::sigemptyset(&stop_signals);
     for (const int signal : kStopSignals) {
@@ -38,14 +38,14 @@ namespace {
     }
     ::sigprocmask(SIG_BLOCK, &stop_signals, nullptr);
   }
-  for (const int descriptor : place.keep_open) {
+  for (const int descriptor : options.keep_open) {
     ::fcntl(descriptor, F_SETFD, 0);
   }
-  if (place.output >= 0) {
-    ::dup2(place.output, STDOUT_FILENO);
-    ::dup2(place.output, STDERR_FILENO);
+  if (options.output >= 0) {
+    ::dup2(options.output, STDOUT_FILENO);
+    ::dup2(options.output, STDERR_FILENO);
   }
-  if (place.folder.empty() || ::chdir(place.folder.c_str()) == 0) {
+  if (options.folder.empty() || ::chdir(options.folder.c_str()) == 0) {
     ::execvpe(arguments[0], const_cast<char* const*>(arguments),  // NOLINT: exec only reads
               const_cast<char* const*>(environment));             // NOLINT: exec only reads
   }
@@ -79,14 +79,14 @@ std::string ChildExit::describe() const {
   return signal != 0 ? "signal " + std::to_string(signal) : "exit " + std::to_string(code);
 }
 
-Result<Child> Child::start(const std::vector<std::string>& arguments, const ChildPlace& place) {
+Result<Child> Child::start(const std::vector<std::string>& arguments, const ChildOptions& options) {
   require(!arguments.empty(), "a process to start needs a name");
   std::vector<const char*> pointers;
   for (const std::string& argument : arguments) {
     pointers.push_back(argument.c_str());
   }
   pointers.push_back(nullptr);
-  const std::vector<const char*> environment = environment_with(place.environment);
+  const std::vector<const char*> environment = environment_with(options.environment);
   // A successful exec closes the write end. If exec fails, the child writes errno to it.
   std::array<int, 2> pipe_fds{};
   if (::pipe2(pipe_fds.data(), O_CLOEXEC) != 0) {
@@ -95,7 +95,7 @@ Result<Child> Child::start(const std::vector<std::string>& arguments, const Chil
   const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid == 0) {
-    become(pointers.data(), environment.data(), pipe_fds[1], place, parent);
+    become(pointers.data(), environment.data(), pipe_fds[1], options, parent);
   }
   ::close(pipe_fds[1]);
   int error = pid < 0 ? errno : 0;
@@ -158,14 +158,14 @@ void Child::send(int signal) {
   }
 }
 
-Result<ChildAnswer> ask(const std::vector<std::string>& arguments) {
+Result<CommandOutput> run_command(const std::vector<std::string>& arguments) {
   std::array<int, 2> pipe_fds{};
   if (::pipe2(pipe_fds.data(), O_CLOEXEC) != 0) {
     return Error{std::string("pipe: ") + std::strerror(errno)};
   }
   Result<Child> child = Child::start(arguments, {pipe_fds[1], "", SIGTERM});
   ::close(pipe_fds[1]);
-  ChildAnswer answer;
+  CommandOutput answer;
   std::array<char, 4096> part{};
   ssize_t count = 0;
   while ((count = ::read(pipe_fds[0], part.data(), part.size())) > 0 ||

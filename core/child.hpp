@@ -13,7 +13,7 @@
 namespace vantage {
 
 /// Settings for the start of a child process.
-struct ChildPlace {
+struct ChildOptions {
   int output = -1;           ///< descriptor for stdout and stderr; negative: those of this process
   std::string folder;        ///< working folder; empty: that of this process
   int end_signal = SIGTERM;  ///< signal that the kernel sends if the supervisor dies
@@ -41,7 +41,7 @@ class Child {
   /// Starts `arguments[0]`, which is searched in PATH if it has no slash. Returns an Error if fork
   /// or exec (no such file) fails, or if the folder cannot be entered.
   static Result<Child> start(const std::vector<std::string>& arguments,
-                             const ChildPlace& place = {});
+                             const ChildOptions& options = {});
 
   Child(Child&& other) noexcept;
   Child& operator=(Child&& other) noexcept;
@@ -65,11 +65,11 @@ class Child {
 };
 
 /// Output and exit status of a short command.
-struct ChildAnswer {
+struct CommandOutput {
   ChildExit exit;
   std::string text;  ///< stdout and stderr in order of arrival
 };
 /// Runs `arguments` and waits for the end. Error as for Child::start().
-Result<ChildAnswer> ask(const std::vector<std::string>& arguments);
+Result<CommandOutput> run_command(const std::vector<std::string>& arguments);
 
 }  // namespace vantage

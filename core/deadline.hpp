@@ -31,7 +31,7 @@ class Deadline {
   /// Returns this deadline with cancellation: it also expires when `is_cancelled` returns true, for
   /// example when a user aborts. `is_cancelled` is called as often as the clock is read. It must be
   /// cheap and, once true, stay true.
-  [[nodiscard]] Deadline unless(bool (*is_cancelled)()) const {
+  [[nodiscard]] Deadline with_cancellation(bool (*is_cancelled)()) const {
     Deadline out = *this;
     out.is_cancelled_ = is_cancelled;
     return out;

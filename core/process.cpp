@@ -45,7 +45,7 @@ void handle(int signal, Handler handler) {
 }
 
 // Unblocks the stop signals, which a supervisor blocks until this process handles them.
-void let_in_stop_signals() {
+void unblock_stop_signals() {
   sigset_t signals;
   sigemptyset(&signals);
   for (const int signal : kStopSignals) {
@@ -60,7 +60,7 @@ bool stop_requested() { return stop_count > 0; }
 int stop_requests() { return stop_count; }
 void request_stop() { ++stop_count; }
 
-EndsAtOnce::EndsAtOnce() {
+DefaultSignalScope::DefaultSignalScope() {
   for (const int signal : kStopSignals) {
     handle(signal, SIG_DFL);
   }
@@ -69,7 +69,7 @@ EndsAtOnce::EndsAtOnce() {
   }
 }
 
-EndsAtOnce::~EndsAtOnce() {
+DefaultSignalScope::~DefaultSignalScope() {
   for (const int signal : kStopSignals) {
     handle(signal, handler_of(signal));
   }
@@ -79,7 +79,7 @@ int run_process(const std::string& name, const std::function<int()>& body) {
   for (const int signal : kStopSignals) {
     handle(signal, handler_of(signal));
   }
-  let_in_stop_signals();
+  unblock_stop_signals();
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGCHLD, SIG_DFL);  // an inherited SIG_IGN would hide the exit codes of children
   std::signal(SIGXFSZ, SIG_IGN);  // write() then returns an error at the file size limit

@@ -29,14 +29,14 @@ void request_stop();
 /// signal received before the scope has the same effect. For work that can be interrupted without
 /// clean-up: reading, preparation, name resolution. Scopes must not be nested and must be created
 /// and destroyed in the main thread.
-class EndsAtOnce {
+class DefaultSignalScope {
  public:
-  EndsAtOnce();
-  ~EndsAtOnce();
-  EndsAtOnce(const EndsAtOnce&) = delete;
-  EndsAtOnce& operator=(const EndsAtOnce&) = delete;
-  EndsAtOnce(EndsAtOnce&&) = delete;
-  EndsAtOnce& operator=(EndsAtOnce&&) = delete;
+  DefaultSignalScope();
+  ~DefaultSignalScope();
+  DefaultSignalScope(const DefaultSignalScope&) = delete;
+  DefaultSignalScope& operator=(const DefaultSignalScope&) = delete;
+  DefaultSignalScope(DefaultSignalScope&&) = delete;
+  DefaultSignalScope& operator=(DefaultSignalScope&&) = delete;
 };
 
 }  // namespace vantage

@@ -12,9 +12,9 @@
 
 namespace vantage {
 
-/// One datagram from recvmsg(): sender, size, and one ancillary value of type `Word` from the
+/// One datagram from recvmsg(): sender, size, and one ancillary value of type `Ancillary` from the
 /// kernel, for example of SO_TIMESTAMPNS or SO_RXQ_OVFL.
-template <class Word>
+template <class Ancillary>
 class Reception {
  public:
   /// Receives into `buffer`. `flags` and the mode of the socket determine whether it blocks.
@@ -39,12 +39,12 @@ class Reception {
   [[nodiscard]] const sockaddr_in& from() const { return from_; }
 
   /// Returns the ancillary value of `type` at SOL_SOCKET; nullopt if there is none.
-  [[nodiscard]] std::optional<Word> word(int type) {
-    std::optional<Word> out;
+  [[nodiscard]] std::optional<Ancillary> ancillary(int type) {
+    std::optional<Ancillary> out;
     for (cmsghdr* part = CMSG_FIRSTHDR(&message_); part != nullptr;
          part = CMSG_NXTHDR(&message_, part)) {
       if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == type) {
-        std::memcpy(&out.emplace(), CMSG_DATA(part), sizeof(Word));
+        std::memcpy(&out.emplace(), CMSG_DATA(part), sizeof(Ancillary));
       }
     }
     return out;
@@ -53,7 +53,7 @@ class Reception {
  private:
   sockaddr_in from_{};
   iovec piece_;
-  alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(Word))> extra_{};
+  alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(Ancillary))> extra_{};
   msghdr message_{};
   ssize_t size_ = -1;
 };

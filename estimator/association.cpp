@@ -201,9 +201,9 @@ void Association::solve_by_messages() {
         sum += backward_[i * m + j];
       }
       for (std::size_t i = 0; i < group_tracks_.size(); ++i) {
-        const double told = 1.0 / (sum - backward_[i * m + j]);
-        change = std::max(change, std::abs(told - forward_[i * m + j]));
-        forward_[i * m + j] = told;
+        const double message = 1.0 / (sum - backward_[i * m + j]);
+        change = std::max(change, std::abs(message - forward_[i * m + j]));
+        forward_[i * m + j] = message;
       }
     }
   }
@@ -227,7 +227,7 @@ double Association::miss_probability(int track) const {
   return std::max(0.0, 1.0 - seen);
 }
 
-double Association::nobodys_probability(int detection) const {
+double Association::unassigned_probability(int detection) const {
   double somebodys = 0.0;
   for (int i = 0; i < tracks_; ++i) {
     somebodys += probability(i, detection);

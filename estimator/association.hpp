@@ -48,7 +48,7 @@ class Association {
   }
   [[nodiscard]] double miss_probability(int track) const;
   /// Returns 1 − Σ_i β_ij, the probability that detection j belongs to no track.
-  [[nodiscard]] double nobodys_probability(int detection) const;
+  [[nodiscard]] double unassigned_probability(int detection) const;
 
  private:
   [[nodiscard]] std::size_t at(int track, int detection) const {

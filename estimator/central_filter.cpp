@@ -39,8 +39,8 @@ void CentralFilter::predict() {
   }
 }
 
-void CentralFilter::look(const models::SensorModel& sensor,
-                         std::span<const models::RobotMeasurement> looks) {
+void CentralFilter::update(const models::SensorModel& sensor,
+                           std::span<const models::RobotMeasurement> looks) {
   for (std::size_t m = 0; m < beliefs_.size(); ++m) {
     const auto reports = [&](const models::RobotMeasurement& look) {
       return measurement_of(look, m) != nullptr;

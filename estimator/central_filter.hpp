@@ -39,7 +39,7 @@ class CentralFilter {
   /// Uses the observations of one instant: one per robot that was not jammed. For each target,
   /// observations that do not report it are used first, then those that report it, in their order.
   /// The effect of missed detections thus does not depend on the measurements of the same instant.
-  void look(const models::SensorModel& sensor, std::span<const models::RobotMeasurement> looks);
+  void update(const models::SensorModel& sensor, std::span<const models::RobotMeasurement> looks);
 
   [[nodiscard]] const models::TargetModel& model() const { return spec_.model; }
   [[nodiscard]] const std::vector<models::Gaussian>& beliefs() const { return beliefs_; }

@@ -16,19 +16,19 @@ namespace vantage::estimator {
 namespace {
 
 constexpr std::size_t kTeammatesReserved = 64;
-constexpr int kOwnLooksReserved = 4;
+constexpr int kOwnObservationsReserved = 4;
 
 /// Returns the grid of the world or, with a neighbourhood, of the robot's surroundings. The grid is
 /// the same for all positions in a square with sides of half the neighbourhood. It therefore
 /// changes seldom and depends only on the robot's position.
-models::GridGeometry grid_around(const FilterSpec& spec, const Eigen::Vector2d& place_m) {
+models::GridGeometry grid_around(const FilterSpec& spec, const Eigen::Vector2d& position_m) {
   const auto whole =
       models::GridGeometry::covering(spec.world.bounds, spec.estimator.grid_resolution_m);
   if (spec.neighbourhood_m <= 0.0) {
     return whole;
   }
   const double square_m = 0.5 * spec.neighbourhood_m;
-  const Eigen::Vector2d centre_m = square_m * (place_m / square_m).array().round();
+  const Eigen::Vector2d centre_m = square_m * (position_m / square_m).array().round();
   return whole.window(centre_m, spec.neighbourhood_m + 0.5 * square_m);
 }
 
@@ -50,7 +50,7 @@ bool is_same(const models::Gaussian& a, const models::Gaussian& b) {
 
 /// Sets the track's information from `belief`. If the covariance is singular, counts it, changes
 /// nothing and returns false.
-bool tell(KnownTrack& known, const models::Gaussian& belief, FilterCounters& count) {
+bool set_information(KnownTrack& known, const models::Gaussian& belief, FilterCounters& count) {
   const auto information = models::to_information(belief);
   if (information) {
     known.track.information = *information;
@@ -60,13 +60,13 @@ bool tell(KnownTrack& known, const models::Gaussian& belief, FilterCounters& cou
   return information.has_value();
 }
 
-/// Sets the track's information from the moments of its samples; otherwise like tell().
-bool tell_samples(KnownTrack& known, FilterCounters& count) {
-  return tell(known, known.samples.moments(), count);
+/// Sets the track's information from the moments of its samples; otherwise like set_information().
+bool set_information_from_samples(KnownTrack& known, FilterCounters& count) {
+  return set_information(known, known.samples.moments(), count);
 }
 
 /// Marks the track as updated by a detection made at `time`.
-void saw(Track& track, Time time) {
+void mark_detected(Track& track, Time time) {
   track.last_seen = std::max(track.last_seen, time);
   track.doubted = {};
 }
@@ -81,10 +81,10 @@ std::uint64_t noise_key(int target_id, Time at) {
 
 DistributedFilter::DistributedFilter(FilterSpec spec)
     : spec_(std::move(spec)),
-      room_(inset(spec_.world, spec_.target_radius_m)),
+      free_space_(inset(spec_.world, spec_.target_radius_m)),
       viewpoint_(spec_.start),
       tracks_(spec_.target_count),
-      meetings_(can_meet() ? spec_.target_count : 0, 2.0 * spec_.target_radius_m),
+      collisions_(can_collide() ? spec_.target_count : 0, 2.0 * spec_.target_radius_m),
       grid_(spec_.world, grid_around(spec_, spec_.start.world_from_body.position_m()),
             spec_.estimator.grid_memory_s) {
   require(spec_.target_count >= 0, "target_count must not be negative");
@@ -93,15 +93,15 @@ DistributedFilter::DistributedFilter(FilterSpec spec)
   require(spec_.estimator.prior_position_sigma_m > 0.0 &&
               spec_.estimator.prior_velocity_sigma_mps > 0.0,
           "prior sigmas must be positive");
-  const int looks =
-      kOwnLooksReserved + static_cast<int>(std::min(spec_.team.size(), kTeammatesReserved));
+  const int observations_max =
+      kOwnObservationsReserved + static_cast<int>(std::min(spec_.team.size(), kTeammatesReserved));
   for (std::size_t i = 0; i < spec_.team.size(); ++i) {
-    lookers_.emplace(spec_.team[i].robot, static_cast<int>(i));
+    source_indices_.emplace(spec_.team[i].robot, static_cast<int>(i));
   }
   records_.resize(static_cast<std::size_t>(spec_.history_steps));
   const bool has_ids = spec_.detection.detects_ids;
   for (StepRecord& r : records_) {  // a copied vector has no reserved capacity
-    r = StepRecord(has_ids ? spec_.target_count : kLabelledDetections, looks);
+    r = StepRecord(has_ids ? spec_.target_count : kLabelledDetections, observations_max);
   }
   if (!has_ids) {
     require(spec_.team.size() <= index(kLabelledRobots),
@@ -109,11 +109,11 @@ DistributedFilter::DistributedFilter(FilterSpec spec)
     require(spec_.neighbourhood_m <= 0.0, "neighbourhood_m must be 0 without target ids");
     multi_target_.emplace(multi_target_spec(spec_));
     labelled_ = multi_target_->no_tracks();
-    const std::size_t told = spec_.team.size() * labelled_.size();
-    heard_labels_.reserve(told);
+    const std::size_t received_max = spec_.team.size() * labelled_.size();
+    received_labels_.reserve(received_max);
     for (StepRecord& r : records_) {
       r.labelled_before = multi_target_->no_tracks();
-      r.heard_labels.reserve(told);
+      r.received_labels.reserve(received_max);
     }
   }
   in_range_.reserve(kTeammatesReserved);
@@ -136,7 +136,7 @@ void DistributedFilter::advance(const StepInput& input) {
   }
   Time from = time_.value_or(input.time);
   if (!time_) {
-    for (const models::RobotMeasurement* look : input.looks) {
+    for (const models::RobotMeasurement* look : input.measurements) {
       from = std::min(from, look->stamp.time);
     }
   }
@@ -149,11 +149,11 @@ void DistributedFilter::advance(const StepInput& input) {
   StepRecord& current = record(0);
   current.start(from, input.time, tracks_);
   current.labelled_before = labelled_;
-  current.place_m = viewpoint_.world_from_body.position_m();
-  listen(input, current);
+  current.position_m = viewpoint_.world_from_body.position_m();
+  collect_beliefs(input, current);
 
   int oldest_changed = 0;
-  for (const models::RobotMeasurement* look : input.looks) {
+  for (const models::RobotMeasurement* look : input.measurements) {
     oldest_changed = std::max(oldest_changed, file(*look, input.time));
   }
   if (oldest_changed > 0) {
@@ -169,29 +169,29 @@ void DistributedFilter::advance(const StepInput& input) {
   time_ = input.time;
 }
 
-int DistributedFilter::looker_of(const models::RobotMeasurement& look) const {
-  auto found = lookers_.find(look.robot);
-  if (found == lookers_.end()) {
-    found = lookers_.find(spec_.robot);
+int DistributedFilter::source_of(const models::RobotMeasurement& look) const {
+  auto found = source_indices_.find(look.robot);
+  if (found == source_indices_.end()) {
+    found = source_indices_.find(spec_.robot);
   }
-  return found == lookers_.end() ? -1 : found->second;
+  return found == source_indices_.end() ? -1 : found->second;
 }
 
-bool DistributedFilter::is_self(int looker) const {
-  return looker < 0 || spec_.team[index(looker)].robot == spec_.robot;
+bool DistributedFilter::is_self(int source) const {
+  return source < 0 || spec_.team[index(source)].robot == spec_.robot;
 }
 
-const models::SensorModel& DistributedFilter::sensor_of(int looker) const {
-  return is_self(looker) ? spec_.sensor : spec_.team[index(looker)].sensor;
+const models::SensorModel& DistributedFilter::sensor_of(int source) const {
+  return is_self(source) ? spec_.sensor : spec_.team[index(source)].sensor;
 }
 
-const models::DetectionModel& DistributedFilter::detection_of(int looker) const {
-  return is_self(looker) ? spec_.detection : spec_.team[index(looker)].detection;
+const models::DetectionModel& DistributedFilter::detection_of(int source) const {
+  return is_self(source) ? spec_.detection : spec_.team[index(source)].detection;
 }
 
 int DistributedFilter::file(const models::RobotMeasurement& look, Time now) {
-  const int looker = looker_of(look);
-  const bool is_own = is_self(looker);
+  const int source = source_of(look);
+  const bool is_own = is_self(source);
   if (!is_own && (spec_.communication_range_m <= 0.0 ||
                   distance_m(look.viewpoint, viewpoint_) > spec_.communication_range_m)) {
     ++counters_.out_of_range_looks;
@@ -214,18 +214,18 @@ int DistributedFilter::file(const models::RobotMeasurement& look, Time now) {
     ++counters_.too_late_measurements;
     return -1;
   }
-  if ((!is_own || multi_target_) && record(age).holds(at, looker)) {
+  if ((!is_own || multi_target_) && record(age).holds(at, source)) {
     ++counters_.repeated_looks;
     return -1;
   }
   if (age > 0) {
     ++counters_.late_measurements;
   }
-  const models::SensorModel& sensor = sensor_of(looker);
+  const models::SensorModel& sensor = sensor_of(source);
   if (is_own) {  // the grids of teammates contain the cells that they scanned
     grid_.see(sensor, look.viewpoint, spec_.world, at);
   }
-  Look& filed = record(age).insert(at, looker);
+  Observation& filed = record(age).insert(at, source);
   filed.from = look.viewpoint;
   const int rows = sensor.measurement_dim(spec_.estimator.target_model.position_dim);
   for (const models::Detection& detection : look.detections) {
@@ -250,38 +250,40 @@ int DistributedFilter::file(const models::RobotMeasurement& look, Time now) {
 void DistributedFilter::run(StepRecord& record) {
   Time at = record.from;
   int next = 0;
-  const auto look = [&](int i) -> Look& { return record.looks[static_cast<std::size_t>(i)]; };
+  const auto look = [&](int i) -> Observation& {
+    return record.observations[static_cast<std::size_t>(i)];
+  };
   if (record.from < record.to) {
     reconcile_labels(record, record.from);
   }
-  fuse(record.heard_of_start);  // before the prediction, so that it also acts on received beliefs
-  for (; next < record.look_count && look(next).time < record.to; ++next) {
+  fuse(record.received_at_start);  // before the prediction, so that it acts on them too
+  for (; next < record.observation_count && look(next).time < record.to; ++next) {
     propagate_all(at, look(next).time);
     at = look(next).time;
     apply(look(next));
   }
   propagate_all(at, record.to);
-  if (!record.is_heard_of_end) {
-    fuse(record.heard);
+  if (!record.has_belief_of_end) {
+    fuse(record.received_at_end);
   }
   confine_all();
-  for (; next < record.look_count; ++next) {
+  for (; next < record.observation_count; ++next) {
     apply(look(next));
   }
-  if (record.is_heard_of_end) {  // contains the observations of `to`
-    fuse(record.heard);
+  if (record.has_belief_of_end) {  // contains the observations of `to`
+    fuse(record.received_at_end);
   }
   reconcile_labels(record, record.to);
-  forget_far(record.place_m);
+  forget_far(record.position_m);
 }
 
-void DistributedFilter::forget_far(const Eigen::Vector2d& place_m) {
+void DistributedFilter::forget_far(const Eigen::Vector2d& position_m) {
   if (spec_.neighbourhood_m <= 0.0) {
     return;
   }
   tracks_.erase_if([&](const KnownTrack& each) {
     const auto belief = models::to_gaussian(each.track.information);
-    return !belief || (belief->mean.head<2>() - place_m).norm() > spec_.neighbourhood_m;
+    return !belief || (belief->mean.head<2>() - position_m).norm() > spec_.neighbourhood_m;
   });
 }
 
@@ -302,27 +304,27 @@ void DistributedFilter::move_grid() {
   }
 }
 
-bool DistributedFilter::takes_samples() const {
+bool DistributedFilter::uses_samples() const {
   return spec_.estimator.samples && spec_.estimator.target_model.has_velocity();
 }
 
-bool DistributedFilter::can_meet() const {
-  return takes_samples() && spec_.detection.detects_ids && spec_.target_radius_m > 0.0;
+bool DistributedFilter::can_collide() const {
+  return uses_samples() && spec_.detection.detects_ids && spec_.target_radius_m > 0.0;
 }
 
 void DistributedFilter::propagate_all(Time from, Time to) {
   if (multi_target_) {
     multi_target_->propagate(labelled_, from, to);
   }
-  if (can_meet() && from < to) {
-    meetings_.let_meet(tracks_, to_seconds(to - from), noise_key(0, to));
+  if (can_collide() && from < to) {
+    collisions_.apply(tracks_, to_seconds(to - from), noise_key(0, to));
   }
   for (KnownTrack& each : tracks_) {
     Track& track = each.track;
     if (!each.samples.empty() && from < to) {
       each.samples.predict(spec_.estimator.target_model, to_seconds(to - from),
                            noise_key(each.target_id, to));
-      tell_samples(each, counters_);
+      set_information_from_samples(each, counters_);
       continue;
     }
     const auto later = propagate(spec_.estimator.target_model, spec_.step_s, track.information,
@@ -343,7 +345,7 @@ void DistributedFilter::confine_all() {
   }
   for (LabelledTrack& track : labelled_) {
     for (Component& component : track.mixture) {
-      component.belief = confine(component.belief, room_);
+      component.belief = confine(component.belief, free_space_);
     }
   }
   for (KnownTrack& each : tracks_) {
@@ -352,35 +354,35 @@ void DistributedFilter::confine_all() {
       if (!belief) {
         continue;
       }
-      const models::Gaussian inside = confine(*belief, room_);
+      const models::Gaussian inside = confine(*belief, free_space_);
       if (is_same(inside, *belief)) {
         continue;
       }
-      if (!takes_samples()) {
-        tell(each, inside, counters_);
+      if (!uses_samples()) {
+        set_information(each, inside, counters_);
         continue;
       }
       each.samples.spread(*belief);
     }
     if (!each.samples.empty()) {
-      each.samples.turn_back(room_.bounds);
-      each.samples.keep_out_of(room_.obstacles);
-      tell_samples(each, counters_);
+      each.samples.turn_back(free_space_.bounds);
+      each.samples.keep_out_of(free_space_.obstacles);
+      set_information_from_samples(each, counters_);
     }
   }
 }
 
-void DistributedFilter::apply(Look& look) {
+void DistributedFilter::apply(Observation& look) {
   FilterCounters unused;
   FilterCounters& count = look.counted ? unused : counters_;
   look.counted = true;
   const scenario::EstimatorSpec& spec = spec_.estimator;
-  const models::SensorModel& sensor = sensor_of(look.looker);
+  const models::SensorModel& sensor = sensor_of(look.source);
   if (multi_target_) {
-    const int robot = look.looker < 0 ? kLabelledRobots - 1 : look.looker;
-    const Glance glance{sensor, detection_of(look.looker), look.from, look.time,
-                        first_label(look.time, robot)};
-    multi_target_->look(labelled_, glance, look.detections);
+    const int robot = look.source < 0 ? kLabelledRobots - 1 : look.source;
+    const ObservationContext context{sensor, detection_of(look.source), look.from, look.time,
+                                     first_label(look.time, robot)};
+    multi_target_->update(labelled_, context, look.detections);
     return;
   }
   const double gate_sigma = can_discover(sensor) ? spec.gate_sigma : 0.0;
@@ -398,15 +400,15 @@ void DistributedFilter::apply(Look& look) {
     Track& track = known->track;
     if (!known->samples.empty() &&
         known->samples.measure(sensor, look.from, detection.measurement, gate_sigma)) {
-      tell_samples(*known, count);
+      set_information_from_samples(*known, count);
       known->samples.clear();
-      saw(track, look.time);
+      mark_detected(track, look.time);
       continue;
     }
     switch (measure(track.information, sensor, look.from, detection.measurement, gate_sigma)) {
       case Use::kUsed:
         known->samples.clear();
-        saw(track, look.time);
+        mark_detected(track, look.time);
         break;
       case Use::kGated:
         ++count.gated;
@@ -419,12 +421,12 @@ void DistributedFilter::apply(Look& look) {
         break;
     }
   }
-  look_for_misses(look, count);
+  apply_missed_detections(look, count);
 }
 
-void DistributedFilter::look_for_misses(const Look& look, FilterCounters& count) {
+void DistributedFilter::apply_missed_detections(const Observation& look, FilterCounters& count) {
   const double detection_probability = std::min(spec_.estimator.detection_probability,
-                                                detection_of(look.looker).detection_probability);
+                                                detection_of(look.source).detection_probability);
   if (detection_probability <= 0.0) {
     return;
   }
@@ -439,20 +441,20 @@ void DistributedFilter::look_for_misses(const Look& look, FilterCounters& count)
       if (!belief) {
         continue;
       }
-      const models::Gaussian missed = missed_detection(*belief, sensor_of(look.looker), look.from,
+      const models::Gaussian missed = missed_detection(*belief, sensor_of(look.source), look.from,
                                                        spec_.world, detection_probability);
       if (is_same(missed, *belief)) {
         continue;
       }
-      if (!takes_samples()) {
-        count.missed_detections += tell(each, missed, count) ? 1 : 0;
+      if (!uses_samples()) {
+        count.missed_detections += set_information(each, missed, count) ? 1 : 0;
         continue;
       }
       each.samples.spread(*belief);
     }
     if (!each.samples.empty() &&
-        each.samples.miss(sensor_of(look.looker), look.from, spec_.world, detection_probability)) {
-      count.missed_detections += tell_samples(each, count) ? 1 : 0;
+        each.samples.miss(sensor_of(look.source), look.from, spec_.world, detection_probability)) {
+      count.missed_detections += set_information_from_samples(each, count) ? 1 : 0;
     }
   }
 }

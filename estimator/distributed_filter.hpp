@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/time.hpp"
-#include "estimator/meetings.hpp"
 #include "estimator/multi_target.hpp"
 #include "estimator/step_record.hpp"
+#include "estimator/target_collisions.hpp"
 #include "estimator/track_labels.hpp"
 #include "estimator/track_table.hpp"
 #include "models/exchange/messages.hpp"
@@ -20,7 +20,7 @@
 namespace vantage::estimator {
 
 /// Sensor of a robot that provides observations.
-struct Looker {
+struct ObservationSource {
   std::string robot;
   models::SensorModel sensor;
   models::DetectionModel detection{};
@@ -33,7 +33,7 @@ struct FilterSpec {
   models::DetectionModel detection{};  ///< detects_ids applies to the whole team
   /// The filter uses the observations of these robots in addition to this robot's own. The order is
   /// the same for all robots. This robot may be included.
-  std::vector<Looker> team;
+  std::vector<ObservationSource> team;
   models::Viewpoint start;  ///< assumed own viewpoint until the first pose arrives
   scenario::EstimatorSpec estimator;
   models::World world;
@@ -60,7 +60,7 @@ struct StepInput {
   std::optional<models::Viewpoint> viewpoint;  ///< own, at t; absent: as in the previous step
   /// Own and teammates' observations, of any instants ≤ t. Those of a robot that is not in
   /// FilterSpec::team are used as this robot's own.
-  std::span<const models::RobotMeasurement* const> looks;
+  std::span<const models::RobotMeasurement* const> measurements;
   std::span<const models::RobotBelief* const> beliefs;  ///< newest belief of each teammate
 };
 
@@ -132,7 +132,7 @@ struct FilterCounters {
 /// belief.
 ///
 /// With EstimatorSpec::samples, a target with a velocity is represented by Samples after a wall, a
-/// collision with another target (Meetings) or a missed detection has changed its belief. A
+/// collision with another target (TargetCollisions) or a missed detection has changed its belief. A
 /// detection, or the belief of a teammate with a newer detection, makes it a Gaussian again.
 /// belief() contains the samples' moments, mixture() a mixture. After rebase(), only the moments
 /// remain.
@@ -177,60 +177,60 @@ class DistributedFilter {
   [[nodiscard]] const FilterSpec& spec() const { return spec_; }
 
  private:
-  void listen(const StepInput& input, StepRecord& record);
+  void collect_beliefs(const StepInput& input, StepRecord& record);
   /// Returns the belief conditioned on the free space; nullopt if its covariance is then singular.
   [[nodiscard]] std::optional<models::Information> kept_inside(
       const models::Information& information) const;
-  void hear(const models::RobotBelief& belief, StepRecord& record);
-  /// Like hear(), for sensors without ids.
-  void hear_labels(const models::RobotBelief& belief, StepRecord& record);
+  void add_belief(const models::RobotBelief& belief, StepRecord& record);
+  /// Like add_belief(), for sensors without ids.
+  void add_labelled_belief(const models::RobotBelief& belief, StepRecord& record);
   void merge_grid(const models::RobotBelief& belief);
   /// Returns the index in spec_.team of the robot that made an observation. For a robot outside the
   /// team it returns the index of this robot, or −1 if this robot is not in the team either.
-  [[nodiscard]] int looker_of(const models::RobotMeasurement& look) const;
-  [[nodiscard]] const models::SensorModel& sensor_of(int looker) const;
-  [[nodiscard]] const models::DetectionModel& detection_of(int looker) const;
-  [[nodiscard]] bool is_self(int looker) const;
+  [[nodiscard]] int source_of(const models::RobotMeasurement& look) const;
+  [[nodiscard]] const models::SensorModel& sensor_of(int source) const;
+  [[nodiscard]] const models::DetectionModel& detection_of(int source) const;
+  [[nodiscard]] bool is_self(int source) const;
   /// Stores an observation in the record of its step. Returns the number of records after that
   /// step, −1 if the observation was dropped.
   int file(const models::RobotMeasurement& look, Time now);
   void run(StepRecord& record);
   void rebase_tracks(const models::RobotBelief& belief);
   /// True if samples represent beliefs that are not Gaussian.
-  [[nodiscard]] bool takes_samples() const;
+  [[nodiscard]] bool uses_samples() const;
   /// True if targets are discs that can collide.
-  [[nodiscard]] bool can_meet() const;
+  [[nodiscard]] bool can_collide() const;
   void propagate_all(Time from, Time to);
-  void apply(Look& look);
-  void look_for_misses(const Look& look, FilterCounters& count);
-  void fuse(const HeardTable& all_heard);
+  void apply(Observation& look);
+  void apply_missed_detections(const Observation& look, FilterCounters& count);
+  void fuse(const ReceivedTable& all_received);
   /// Reconciles the labelled tracks, which are of instant `at`, with the received beliefs of `at`.
   void reconcile_labels(const StepRecord& record, Time at);
   /// Erases tracks with known == false.
   void drop_unknown();
   void confine_all();
-  /// Forgets targets beyond the neighbourhood of `place_m`.
-  void forget_far(const Eigen::Vector2d& place_m);
+  /// Forgets targets beyond the neighbourhood of `position_m`.
+  void forget_far(const Eigen::Vector2d& position_m);
   /// Moves the grid to the robot's position.
   void move_grid();
   StepRecord& record(int age);
 
   FilterSpec spec_;
-  models::World room_;        ///< free space of the targets' centres
+  models::World free_space_;  ///< free space of the targets' centres
   std::optional<Time> time_;  ///< instant of tracks_; absent before the first step
   models::Viewpoint viewpoint_;
   int degree_ = 0;
   TrackTable tracks_;
-  Meetings meetings_;
+  TargetCollisions collisions_;
   std::optional<MultiTargetFilter> multi_target_;  ///< for sensors without ids
   std::vector<LabelledTrack> labelled_;            ///< replaces tracks_ for sensors without ids
-  std::vector<HeardLabel> heard_labels_;           ///< scratch of reconcile_labels()
+  std::vector<ReceivedLabel> received_labels_;     ///< scratch of reconcile_labels()
   models::VisibilityGrid grid_;
   std::vector<StepRecord> records_;  ///< ring buffer of past steps
   int newest_ = 0;
   int recorded_ = 0;
-  std::unordered_map<std::string, int> lookers_;      ///< indices into spec_.team
-  std::vector<const models::RobotBelief*> in_range_;  ///< scratch of listen()
+  std::unordered_map<std::string, int> source_indices_;  ///< indices into spec_.team
+  std::vector<const models::RobotBelief*> in_range_;     ///< scratch of collect_beliefs()
   FilterCounters counters_;
 };
 

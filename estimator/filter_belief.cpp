@@ -24,7 +24,7 @@ models::RobotBelief DistributedFilter::belief() const {
     belief.targets.push_back({known.target_id, known.track.information, known.track.last_seen});
   }
   if (multi_target_) {
-    belief.targets = told(*multi_target_, labelled_);
+    belief.targets = confirmed_beliefs(*multi_target_, labelled_);
   }
   belief.grid = grid_.geometry();
   belief.last_seen_utime = grid_.last_seen_utime();
@@ -44,7 +44,7 @@ models::BeliefMixture DistributedFilter::mixture() const {
     }
   }
   if (multi_target_) {
-    mixture.targets = told_mixtures(*multi_target_, labelled_);
+    mixture.targets = confirmed_mixtures(*multi_target_, labelled_);
   }
   return mixture;
 }
@@ -68,7 +68,7 @@ void DistributedFilter::rebase_tracks(const models::RobotBelief& belief) {
   const int dim = spec_.estimator.target_model.dim();
   tracks_.clear();
   if (multi_target_) {
-    set_told(labelled_, belief.targets, dim);
+    set_tracks(labelled_, belief.targets, dim);
     return;
   }
   for (const models::TargetBelief& target : belief.targets) {

@@ -118,23 +118,24 @@ void MultiTargetFilter::propagate(std::vector<LabelledTrack>& tracks, Time from,
   }
 }
 
-void MultiTargetFilter::look(std::vector<LabelledTrack>& tracks, const Glance& glance,
-                             std::span<const models::Detection> detections) {
+void MultiTargetFilter::update(std::vector<LabelledTrack>& tracks,
+                               const ObservationContext& context,
+                               std::span<const models::Detection> detections) {
   const double believed = spec_.estimator.detection_probability;
-  const double true_p_D = glance.detection.detection_probability;
+  const double true_p_D = context.detection.detection_probability;
   const double p_D = std::min({believed > 0.0 ? believed : true_p_D, true_p_D, kDetectionMax});
   double untracked = spec_.targets;
   for (const LabelledTrack& track : tracks) {
     untracked -= track.existence;
   }
-  const double clutter = std::max(kClutterMin, glance.detection.clutter_per_look);
-  const Look look{glance.sensor,
-                  glance.from,
-                  glance.at,
+  const double clutter = std::max(kClutterMin, context.detection.clutter_per_look);
+  const Look look{context.sensor,
+                  context.from,
+                  context.at,
                   p_D,
-                  clutter / models::view_area_m2(glance.sensor, glance.from),
+                  clutter / models::view_area_m2(context.sensor, context.from),
                   std::max(kUntrackedMin, untracked) * p_D / world_area_m2_,
-                  glance.first_label};
+                  context.first_label};
   sort_detections(look, detections);
   expect_misses(tracks, look);
   weigh(tracks, look);
@@ -152,8 +153,8 @@ void MultiTargetFilter::look(std::vector<LabelledTrack>& tracks, const Glance& g
   } else {
     count_hits(tracks, look);
   }
-  bury(tracks);
-  bear(tracks, look);
+  delete_tracks(tracks);
+  start_tracks(tracks, look);
 }
 
 void MultiTargetFilter::sort_detections(const Look& look,
@@ -245,8 +246,8 @@ void MultiTargetFilter::share_out(bool is_exclusive) {
   }
 }
 
-models::Gaussian MultiTargetFilter::seen_as(const models::Gaussian& belief, std::size_t j,
-                                            double weight, const Look& look) const {
+models::Gaussian MultiTargetFilter::posterior_given(const models::Gaussian& belief, std::size_t j,
+                                                    double weight, const Look& look) const {
   if (weight >= kExactFrom) {
     auto information = models::to_information(belief);
     if (information && measure(*information, look.sensor, look.from, seen_[j], 0.0) == Use::kUsed) {
@@ -287,7 +288,7 @@ void MultiTargetFilter::mix(std::size_t i, LabelledTrack& track, const Look& loo
     for (std::size_t k = 0; k < track.mixture.size(); ++k) {
       const double weight = probability * fit(k) / total;
       if (weight > kWeightMin * kWeightMin) {
-        mixture_.push_back({weight, seen_as(track.mixture[k].belief, j, weight, look)});
+        mixture_.push_back({weight, posterior_given(track.mixture[k].belief, j, weight, look)});
       }
     }
   }
@@ -353,7 +354,7 @@ void MultiTargetFilter::keep_to_number(std::vector<LabelledTrack>& tracks) {
   }
 }
 
-void MultiTargetFilter::bury(std::vector<LabelledTrack>& tracks) {
+void MultiTargetFilter::delete_tracks(std::vector<LabelledTrack>& tracks) {
   for (LabelledTrack& track : tracks) {
     const int most = track.hits >= kHitsToConfirm ? kMissesOfConfirmed : kMissesOfTentative;
     const bool is_over = spec_.tracker == Tracker::kLabelled ? track.existence < kExistenceMin
@@ -366,13 +367,13 @@ void MultiTargetFilter::bury(std::vector<LabelledTrack>& tracks) {
   }
 }
 
-void MultiTargetFilter::bear(std::vector<LabelledTrack>& tracks, const Look& look) {
+void MultiTargetFilter::start_tracks(std::vector<LabelledTrack>& tracks, const Look& look) {
   const double share = look.untracked_per_m2 / (look.untracked_per_m2 + look.clutter_per_m2);
   const bool is_labelled = spec_.tracker == Tracker::kLabelled;
   for (std::size_t j = 0; j < seen_.size(); ++j) {
-    const double nobodys = association_.nobodys_probability(static_cast<int>(j));
-    const double existence = is_labelled ? nobodys * share : 1.0;
-    if (is_labelled ? existence < kExistenceMin : nobodys < 0.5) {
+    const double unassigned = association_.unassigned_probability(static_cast<int>(j));
+    const double existence = is_labelled ? unassigned * share : 1.0;
+    if (is_labelled ? existence < kExistenceMin : unassigned < 0.5) {
       continue;
     }
     const auto least = std::min_element(tracks.begin(), tracks.end(),

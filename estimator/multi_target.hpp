@@ -28,7 +28,7 @@ enum class Tracker {
 struct MultiTargetSpec {
   scenario::EstimatorSpec estimator;
   models::World world;
-  models::DetectionModel detection;  ///< for look() without a DetectionModel
+  models::DetectionModel detection;  ///< for update() without a DetectionModel
   double step_s = 0.5;
   int targets = 5;          ///< number of targets in the world, found or not
   int tracks_max = 10;      ///< more than targets, because some tracks are false
@@ -51,7 +51,7 @@ struct LabelledTrack {
 };
 
 /// Sensor, detection model, viewpoint and time of one observation.
-struct Glance {
+struct ObservationContext {
   const models::SensorModel& sensor;
   const models::DetectionModel& detection;
   const models::Viewpoint& from;
@@ -103,13 +103,13 @@ class MultiTargetFilter {
   void propagate(std::vector<LabelledTrack>& tracks, Time from, Time to);
   /// Updates the tracks with one observation made at the instant of the tracks.
   /// Precondition: the size of `tracks` is that of no_tracks().
-  void look(std::vector<LabelledTrack>& tracks, const Glance& glance,
-            std::span<const models::Detection> detections);
+  void update(std::vector<LabelledTrack>& tracks, const ObservationContext& context,
+              std::span<const models::Detection> detections);
   /// The same with the spec's detection model.
-  void look(std::vector<LabelledTrack>& tracks, const models::SensorModel& sensor,
-            const models::Viewpoint& from, Time at, std::span<const models::Detection> detections,
-            int first_label = 0) {
-    look(tracks, {sensor, spec_.detection, from, at, first_label}, detections);
+  void update(std::vector<LabelledTrack>& tracks, const models::SensorModel& sensor,
+              const models::Viewpoint& from, Time at, std::span<const models::Detection> detections,
+              int first_label = 0) {
+    update(tracks, {sensor, spec_.detection, from, at, first_label}, detections);
   }
   /// True if the track is to be reported: existence of at least 0.5 (kLabelled), or at least three
   /// hits (kJpda, kNearest).
@@ -128,13 +128,13 @@ class MultiTargetFilter {
   void share_out(bool is_exclusive);
   void mix(std::size_t i, LabelledTrack& track, const Look& look);
   /// Returns the posterior of a component's belief given detection j.
-  [[nodiscard]] models::Gaussian seen_as(const models::Gaussian& belief, std::size_t j,
-                                         double weight, const Look& look) const;
+  [[nodiscard]] models::Gaussian posterior_given(const models::Gaussian& belief, std::size_t j,
+                                                 double weight, const Look& look) const;
   void count_hits(std::vector<LabelledTrack>& tracks, const Look& look);
   /// Conditions the existence probabilities on at most spec_.targets targets.
   void keep_to_number(std::vector<LabelledTrack>& tracks);
-  void bear(std::vector<LabelledTrack>& tracks, const Look& look);
-  void bury(std::vector<LabelledTrack>& tracks);
+  void start_tracks(std::vector<LabelledTrack>& tracks, const Look& look);
+  void delete_tracks(std::vector<LabelledTrack>& tracks);
   [[nodiscard]] double existence_of(const LabelledTrack& track) const;
   [[nodiscard]] std::size_t at(std::size_t i, std::size_t k) const;
 

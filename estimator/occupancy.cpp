@@ -82,10 +82,10 @@ ScanCounts OccupancyFusion::fuse(const Pose2& world_from_body, std::span<const d
 
 ScanCounts OccupancyFusion::count(const models::GridGeometry& geometry,
                                   const Pose2& world_from_body, std::span<const double> ranges_m,
-                                  models::Looks& looks) {
+                                  models::CellCounts& cell_counts) {
   const ScanCounts counts = mark_scan(geometry, world_from_body, ranges_m);
   for (const int cell : touched_) {
-    models::add_look(looks, cell, is_hit(cell));
+    models::count_scan(cell_counts, cell, is_hit(cell));
   }
   return counts;
 }

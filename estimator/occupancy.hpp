@@ -7,7 +7,7 @@
 #include "core/pose.hpp"
 #include "models/mapping/beam.hpp"
 #include "models/mapping/beam_information.hpp"
-#include "models/mapping/looks.hpp"
+#include "models/mapping/cell_counts.hpp"
 #include "models/mapping/occupancy_belief.hpp"
 
 namespace vantage::estimator {
@@ -40,9 +40,10 @@ class OccupancyFusion {
   /// counted).
   ScanCounts fuse(const Pose2& world_from_body, std::span<const double> ranges_m,
                   models::OccupancyBelief& belief);
-  /// Adds the same scan to `looks` (per cell, hits minus misses), which can be summed over robots.
+  /// Adds the same scan to `cell_counts` (per cell, hits minus misses), which can be summed over
+  /// robots.
   ScanCounts count(const models::GridGeometry& geometry, const Pose2& world_from_body,
-                   std::span<const double> ranges_m, models::Looks& looks);
+                   std::span<const double> ranges_m, models::CellCounts& cell_counts);
 
  private:
   enum class Mark : std::uint8_t { kNone, kMiss, kHit };

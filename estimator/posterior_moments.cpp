@@ -87,7 +87,7 @@ class Rays {
   }
 
  private:
-  [[nodiscard]] bool sees_all_around() const { return models::sees_all_around(sensor_); }
+  [[nodiscard]] bool has_full_view() const { return models::has_full_view(sensor_); }
 
   /// Returns the angle beyond the edge of the field of view up to which p is not negligible, rad.
   [[nodiscard]] double softest_rad() const {
@@ -110,9 +110,8 @@ class Rays {
 
   /// Returns the interval of possible bearings, measured from the body's x axis.
   [[nodiscard]] Interval bearings_rad(bool is_limited) const {
-    const double half_rad = is_limited && !sees_all_around()
-                                ? std::min(kPi, 0.5 * sensor_.fov_rad + softest_rad())
-                                : kPi;
+    const double half_rad =
+        is_limited && !has_full_view() ? std::min(kPi, 0.5 * sensor_.fov_rad + softest_rad()) : kPi;
     if (!law_.measures_bearing) {
       // The full circle is cut opposite to the prior mean, so that the interval can be narrowed
       // around the mean.

@@ -152,22 +152,22 @@ class Search {
       if (places.empty()) {
         places.push_back(drawn_[b].front().robot_m);
       }
-      state.places_m.push_back(places.front());
+      state.beacons_m.push_back(places.front());
       found_[b].insert(found_[b].end(), places.begin(), places.end());
     }
     guess_noise(part_, state);
     return state;
   }
 
-  /// Refines the position of one beacon from `place_m`, with the calibration of `state` fixed.
+  /// Refines the position of one beacon from `beacon_m`, with the calibration of `state` fixed.
   static Alone alone(const RangeProblem& like, std::vector<TakenRange> ranges,
-                     const RangeState& state, const Eigen::Vector2d& place_m) {
+                     const RangeState& state, const Eigen::Vector2d& beacon_m) {
     for (TakenRange& range : ranges) {
       range.beacon = 0;
     }
     constexpr double kHeld = 1e-9;
     const RangeProblem problem{ranges, like.outlier_span_m, state.calibration, {kHeld, kHeld}};
-    Alone out{{state.calibration, {place_m}, {}}, 0.0};
+    Alone out{{state.calibration, {beacon_m}, {}}, 0.0};
     guess_noise(problem, out.state);
     out.nats = refine(problem, out.state, kRoundsOfStart);
     return out;
@@ -179,22 +179,22 @@ class Search {
     const auto add = [&](const Eigen::Vector2d& from_m) {
       Alone top = alone(part_, drawn_[beacon], state, from_m);
       const auto same = [&](const Alone& other) {
-        const double apart_m = (other.state.places_m[0] - top.state.places_m[0]).norm();
+        const double apart_m = (other.state.beacons_m[0] - top.state.beacons_m[0]).norm();
         return apart_m < other.state.noise[0].width_m;
       };
       if (std::none_of(out.begin(), out.end(), same)) {
         out.push_back(std::move(top));
       }
     };
-    add(state.places_m[beacon]);
+    add(state.beacons_m[beacon]);
     Places tried;
     const double near_m = 0.02 * median_m_;
-    for (const Eigen::Vector2d& place_m : found_[beacon]) {
+    for (const Eigen::Vector2d& beacon_m : found_[beacon]) {
       if (std::none_of(tried.begin(), tried.end(), [&](const Eigen::Vector2d& other_m) {
-            return (other_m - place_m).norm() < near_m;
+            return (other_m - beacon_m).norm() < near_m;
           })) {
-        tried.push_back(place_m);
-        add(place_m);
+        tried.push_back(beacon_m);
+        add(beacon_m);
       }
     }
     return out;
@@ -208,7 +208,7 @@ class Search {
       const auto best = std::max_element(
           all.begin(), all.end(), [](const Alone& x, const Alone& y) { return x.nats < y.nats; });
       if (best->nats > all.front().nats + 1e-3) {
-        state.places_m[b] = best->state.places_m[0];
+        state.beacons_m[b] = best->state.beacons_m[0];
         state.noise[b] = best->state.noise[0];
         moved = true;
       }
@@ -231,7 +231,7 @@ class Search {
       others += odds;
       if (odds > likeliest) {
         likeliest = odds;
-        of.other = all[k].state.places_m[0];
+        of.other = all[k].state.beacons_m[0];
       }
     }
     of.probability = 1.0 / (1.0 + others);
@@ -274,10 +274,10 @@ InnovationScore judge(const RangeFit& fit, std::span<const TakenRange> ranges) {
       ++out.outliers;
       continue;
     }
-    ++out.honest;
+    ++out.inliers;
     sum += nu * nu / S;
   }
-  out.nees = out.honest > 0 ? sum / out.honest : 0.0;
+  out.nees = out.inliers > 0 ? sum / out.inliers : 0.0;
   return out;
 }
 

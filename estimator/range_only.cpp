@@ -32,21 +32,21 @@ void RangeOnlyFilter::update(const Eigen::Vector2d& robot_m, double range_m) {
     start_ring(robot_m, distance_m);
     return;
   }
-  double honest = 0.0;
+  double inlier = 0.0;
   for (BeaconHypothesis& hypothesis : hypotheses_) {
-    honest = std::max(honest, update(hypothesis, robot_m, range_m));
+    inlier = std::max(inlier, update(hypothesis, robot_m, range_m));
   }
   normalise_and_drop();
   merge();
 
-  honest_ += honest;
+  inliers_ += inlier;
   if (++window_ == spec_.restart_window) {
-    if (honest_ < 0.5 * window_) {  // the ring came from an outlier
+    if (inliers_ < 0.5 * window_) {  // the ring came from an outlier
       ++restarts_;
       hypotheses_.clear();
     }
     window_ = 0;
-    honest_ = 0.0;
+    inliers_ = 0.0;
   }
 }
 
@@ -83,15 +83,15 @@ double RangeOnlyFilter::update(BeaconHypothesis& hypothesis, const Eigen::Vector
   const double S =
       H * P * H.transpose() + spec_.range_sigma_m * spec_.range_sigma_m + 2.0 * curve_m * curve_m;
   const double nu = range_m - (scale * distance_m + spec_.calibration.range_bias_m + curve_m);
-  const double honest =
+  const double inlier =
       (1.0 - spec_.outlier_share) * std::exp(-0.5 * nu * nu / S) / std::sqrt(2.0 * kPi * S);
   const double outlier = spec_.outlier_share / spec_.outlier_span_m;
-  const double likelihood = honest + outlier;
+  const double likelihood = inlier + outlier;
   if (likelihood <= 0.0) {
     hypothesis.weight = 0.0;
     return 0.0;
   }
-  const double beta = honest / likelihood;
+  const double beta = inlier / likelihood;
   const Eigen::Vector2d K = P * H.transpose() / S;
   hypothesis.mean_m += beta * nu * K;
   hypothesis.covariance_m2 += (beta * (1.0 - beta) * nu * nu - beta * S) * K * K.transpose();

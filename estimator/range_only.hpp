@@ -68,8 +68,8 @@ class RangeOnlyFilter {
 
   RangeOnlySpec spec_;
   std::vector<BeaconHypothesis> hypotheses_;
-  int window_ = 0;       ///< number of ranges in the current window
-  double honest_ = 0.0;  ///< Σ of the window's β, the largest of all hypotheses per range
+  int window_ = 0;        ///< number of ranges in the current window
+  double inliers_ = 0.0;  ///< Σ of the window's β, the largest of all hypotheses per range
   std::int64_t refused_ = 0;
   std::int64_t restarts_ = 0;
 };

@@ -25,7 +25,7 @@ Eigen::Index row_of(int beacon) { return 2 + 2 * Eigen::Index{beacon}; }
 
 /// Returns ∂r/∂(scale, bias, x, y).
 Eigen::Vector4d jacobian(const RangeState& state, const TakenRange& range) {
-  const Eigen::Vector2d away_m = state.places_m[index(range.beacon)] - range.robot_m;
+  const Eigen::Vector2d away_m = state.beacons_m[index(range.beacon)] - range.robot_m;
   const double distance_m = std::max(away_m.norm(), kRangeNearest_m);
   const Eigen::Vector2d H = state.calibration.range_scale / distance_m * away_m;
   return {distance_m, 1.0, H.x(), H.y()};
@@ -56,7 +56,7 @@ Eigen::Vector2d off_prior(const RangeProblem& problem, const RangeState& state) 
 void update_noise(const RangeProblem& problem, RangeState& state) {
   struct Sums {
     double ranges = 0.0;
-    double honest = 0.0;
+    double inliers = 0.0;
     double squares_m2 = 0.0;
   };
   std::vector<Sums> sums(state.noise.size());
@@ -64,23 +64,24 @@ void update_noise(const RangeProblem& problem, RangeState& state) {
   for (const TakenRange& range : problem.ranges) {
     const double r = residual_m(state, range);
     const RangeNoise& noise = state.noise[index(range.beacon)];
-    const ResidualVerdict verdict = verdict_of(r, noise, problem.outlier_span_m);
-    const double squared_m2 = verdict.weight * r * r * noise.width_m * noise.width_m;
+    const ResidualDensity density = residual_density(r, noise, problem.outlier_span_m);
+    const double squared_m2 = density.weight * r * r * noise.width_m * noise.width_m;
     for (Sums* of : {&sums[index(range.beacon)], &all}) {
       of->ranges += 1.0;
-      of->honest += verdict.honest;
+      of->inliers += density.inlier_probability;
       of->squares_m2 += squared_m2;
     }
   }
-  const double width_m2 = all.squares_m2 / all.honest;
-  const double honest = all.honest / all.ranges;
+  const double width_m2 = all.squares_m2 / all.inliers;
+  const double inlier_share = all.inliers / all.ranges;
   constexpr double kWidthMin_m = 1e-3;
   constexpr double kShareMin = 1e-3;
   constexpr double kShareMax = 0.7;
   for (std::size_t b = 0; b < sums.size(); ++b) {
     const double variance_m2 =
-        (sums[b].squares_m2 + kBorrowed * width_m2) / (sums[b].honest + kBorrowed);
-    const double share = 1.0 - (sums[b].honest + kBorrowed * honest) / (sums[b].ranges + kBorrowed);
+        (sums[b].squares_m2 + kBorrowed * width_m2) / (sums[b].inliers + kBorrowed);
+    const double share =
+        1.0 - (sums[b].inliers + kBorrowed * inlier_share) / (sums[b].ranges + kBorrowed);
     state.noise[b] = {std::max(std::sqrt(variance_m2), kWidthMin_m),
                       std::clamp(share, kShareMin, kShareMax)};
   }
@@ -90,8 +91,8 @@ RangeState moved(const RangeState& from, const Eigen::VectorXd& step) {
   RangeState to = from;
   to.calibration.range_scale += step(0);
   to.calibration.range_bias_m += step(1);
-  for (std::size_t b = 0; b < to.places_m.size(); ++b) {
-    to.places_m[b] += step.segment<2>(row_of(static_cast<int>(b)));
+  for (std::size_t b = 0; b < to.beacons_m.size(); ++b) {
+    to.beacons_m[b] += step.segment<2>(row_of(static_cast<int>(b)));
   }
   return to;
 }
@@ -99,19 +100,19 @@ RangeState moved(const RangeState& from, const Eigen::VectorXd& step) {
 /// Makes one Gauss-Newton step, halved until the posterior increases. Returns the length of the
 /// step in σ, or 0 if no step increases the posterior.
 double climb(const RangeProblem& problem, RangeState& state, double& height) {
-  const Eigen::Index size = row_of(static_cast<int>(state.places_m.size()));
+  const Eigen::Index size = row_of(static_cast<int>(state.beacons_m.size()));
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(size, size);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size);
   A.diagonal().head<2>() = prior_precision(problem.spec);
   gradient.head<2>() = prior_precision(problem.spec).cwiseProduct(off_prior(problem, state));
   for (const TakenRange& range : problem.ranges) {
     const double r = residual_m(state, range);
-    const ResidualVerdict verdict =
-        verdict_of(r, state.noise[index(range.beacon)], problem.outlier_span_m);
+    const ResidualDensity density =
+        residual_density(r, state.noise[index(range.beacon)], problem.outlier_span_m);
     const Eigen::Vector4d J = jacobian(state, range);
-    add_outer(A, range.beacon, verdict.weight, J);
-    gradient.head<2>() += verdict.score * J.head<2>();
-    gradient.segment<2>(row_of(range.beacon)) += verdict.score * J.tail<2>();
+    add_outer(A, range.beacon, density.weight, J);
+    gradient.head<2>() += density.score * J.head<2>();
+    gradient.segment<2>(row_of(range.beacon)) += density.score * J.tail<2>();
   }
   A.diagonal() *= 1.0 + 1e-9;  // keeps a beacon in place if all its ranges are outliers
   A.diagonal().array() += 1e-9;
@@ -163,18 +164,18 @@ double correlation_in_time(const std::vector<ScoreSeries>& series, double square
 }
 
 /// Returns the median distance of the robot between successive ranges to one beacon, m.
-double usual_way_m(const std::vector<ScoreSeries>& series) {
-  std::vector<double> ways_m;
+double median_spacing_m(const std::vector<ScoreSeries>& series) {
+  std::vector<double> spacings_m;
   for (const ScoreSeries& of : series) {
     for (std::size_t i = 1; i < of.robots_m.size(); ++i) {
-      ways_m.push_back((of.robots_m[i] - of.robots_m[i - 1]).norm());
+      spacings_m.push_back((of.robots_m[i] - of.robots_m[i - 1]).norm());
     }
   }
-  if (ways_m.empty()) {
+  if (spacings_m.empty()) {
     return 0.0;
   }
-  const auto middle = ways_m.begin() + static_cast<std::ptrdiff_t>(ways_m.size() / 2);
-  std::nth_element(ways_m.begin(), middle, ways_m.end());
+  const auto middle = spacings_m.begin() + static_cast<std::ptrdiff_t>(spacings_m.size() / 2);
+  std::nth_element(spacings_m.begin(), middle, spacings_m.end());
   return *middle;
 }
 
@@ -191,7 +192,7 @@ double correlation_in_space(const std::vector<ScoreSeries>& series, double squar
     double all_products = 0.0;  ///< sum extrapolated from the drawn to all ranges
   };
   std::vector<Bin> bins(kBins);
-  const double bin_m = std::max(usual_way_m(series), kRangeNearest_m);
+  const double bin_m = std::max(median_spacing_m(series), kRangeNearest_m);
   double paired = 0.0;
   for (const ScoreSeries& of : series) {
     const std::size_t n = of.scores.size();
@@ -254,14 +255,14 @@ double correlation_of(const std::vector<ScoreSeries>& series) {
 /// Sums over the residuals of one beacon.
 struct Shape {
   double ranges = 0.0;
-  double honest = 0.0;
+  double inliers = 0.0;
   double scores = 0.0;      ///< Σ ψ², in 1/width²
   double slopes = 0.0;      ///< Σ ψ′, in 1/width²
   double squares_m2 = 0.0;  ///< Σ of r² times the weight of the fit
 
   void add(const Shape& other, double share) {
     ranges += share * other.ranges;
-    honest += share * other.honest;
+    inliers += share * other.inliers;
     scores += share * other.scores;
     slopes += share * other.slopes;
     squares_m2 += share * other.squares_m2;
@@ -275,16 +276,17 @@ struct Residuals {
 
 Residuals residuals_of(const RangeProblem& problem, const RangeState& state) {
   Residuals out;
-  out.shapes.resize(state.places_m.size());
-  out.series.resize(state.places_m.size());
+  out.shapes.resize(state.beacons_m.size());
+  out.series.resize(state.beacons_m.size());
   for (const TakenRange& range : problem.ranges) {
     const double r = residual_m(state, range);
     const RangeNoise& noise = state.noise[index(range.beacon)];
-    const ResidualVerdict verdict = verdict_of(r, noise, problem.outlier_span_m);
-    const double score = verdict.score * noise.width_m;
+    const ResidualDensity density = residual_density(r, noise, problem.outlier_span_m);
+    const double score = density.score * noise.width_m;
     const double w2 = noise.width_m * noise.width_m;
-    out.shapes[index(range.beacon)].add(
-        {1.0, verdict.honest, score * score, verdict.slope * w2, verdict.honest * r * r}, 1.0);
+    out.shapes[index(range.beacon)].add({1.0, density.inlier_probability, score * score,
+                                         density.slope * w2, density.inlier_probability * r * r},
+                                        1.0);
     out.series[index(range.beacon)].scores.push_back(score);
     out.series[index(range.beacon)].robots_m.push_back(range.robot_m);
   }
@@ -293,12 +295,13 @@ Residuals residuals_of(const RangeProblem& problem, const RangeState& state) {
 
 }  // namespace
 
-ResidualVerdict verdict_of(double residual_m, const RangeNoise& noise, double outlier_span_m) {
+ResidualDensity residual_density(double residual_m, const RangeNoise& noise,
+                                 double outlier_span_m) {
   const double x = residual_m / noise.width_m;
   const double q = 1.0 + x * x / kFreedom;
-  const double honest = (1.0 - noise.outlier_share) * kPeak / noise.width_m / (q * q * q);
-  const double density = honest + noise.outlier_share / outlier_span_m;
-  const double beta = honest / density;
+  const double inlier = (1.0 - noise.outlier_share) * kPeak / noise.width_m / (q * q * q);
+  const double density = inlier + noise.outlier_share / outlier_span_m;
+  const double beta = inlier / density;
   const double u = (kFreedom + 1.0) / (kFreedom * q);
   const double w2 = noise.width_m * noise.width_m;
   const double slope = beta * u * (1.0 - (1.0 - beta) * u * x * x - 2.0 * x * x / (kFreedom * q));
@@ -306,17 +309,17 @@ ResidualVerdict verdict_of(double residual_m, const RangeNoise& noise, double ou
 }
 
 double residual_m(const RangeState& state, const TakenRange& range) {
-  const double distance_m = (state.places_m[index(range.beacon)] - range.robot_m).norm();
+  const double distance_m = (state.beacons_m[index(range.beacon)] - range.robot_m).norm();
   return range.range_m - state.calibration.range_scale * distance_m -
          state.calibration.range_bias_m;
 }
 
 void guess_noise(const RangeProblem& problem, RangeState& state) {
-  std::vector<std::vector<double>> sizes_m(state.places_m.size());
+  std::vector<std::vector<double>> sizes_m(state.beacons_m.size());
   for (const TakenRange& range : problem.ranges) {
     sizes_m[index(range.beacon)].push_back(std::abs(residual_m(state, range)));
   }
-  state.noise.assign(state.places_m.size(), RangeNoise{});
+  state.noise.assign(state.beacons_m.size(), RangeNoise{});
   for (std::size_t b = 0; b < sizes_m.size(); ++b) {
     if (sizes_m[b].empty()) {
       continue;
@@ -333,8 +336,8 @@ double log_posterior(const RangeProblem& problem, const RangeState& state) {
   const Eigen::Vector2d off = off_prior(problem, state);
   double sum = -0.5 * off.dot(prior_precision(problem.spec).cwiseProduct(off));
   for (const TakenRange& range : problem.ranges) {
-    sum += verdict_of(residual_m(state, range), state.noise[index(range.beacon)],
-                      problem.outlier_span_m)
+    sum += residual_density(residual_m(state, range), state.noise[index(range.beacon)],
+                            problem.outlier_span_m)
                .nats;
   }
   return sum;
@@ -356,7 +359,7 @@ double refine(const RangeProblem& problem, RangeState& state, int rounds) {
 }
 
 RangeFit fit_at(const RangeProblem& problem, const RangeState& state) {
-  const int beacons = static_cast<int>(state.places_m.size());
+  const int beacons = static_cast<int>(state.beacons_m.size());
   const Residuals residuals = residuals_of(problem, state);
   Shape all;
   for (const Shape& shape : residuals.shapes) {
@@ -367,19 +370,19 @@ RangeFit fit_at(const RangeProblem& problem, const RangeState& state) {
   fit.correlation = correlation_of(residuals.series);
 
   // Expected slope, and expected square of the score, per range of each beacon.
-  std::vector<double> slope(state.places_m.size());
-  std::vector<double> square(state.places_m.size());
+  std::vector<double> slope(state.beacons_m.size());
+  std::vector<double> square(state.beacons_m.size());
   for (int b = 0; b < beacons; ++b) {
     Shape shape = residuals.shapes[index(b)];
     const double spent = 2.0 + 2.0 / beacons;  // number of parameters fitted to these ranges
-    const double told = shape.honest / fit.correlation;
-    const double small = told / std::max(told - spent, 1.0);
+    const double effective_count = shape.inliers / fit.correlation;
+    const double small = effective_count / std::max(effective_count - spent, 1.0);
     shape.add(all, kBorrowed / all.ranges);
     const double w2 = state.noise[index(b)].width_m * state.noise[index(b)].width_m;
     slope[index(b)] = std::max(shape.slopes / shape.ranges, 1e-3) / w2;
     square[index(b)] = fit.correlation * small * shape.scores / shape.ranges / w2;
-    fit.beacons.push_back({.position_m = state.places_m[index(b)],
-                           .range_sigma_m = std::sqrt(shape.squares_m2 / shape.honest),
+    fit.beacons.push_back({.position_m = state.beacons_m[index(b)],
+                           .range_sigma_m = std::sqrt(shape.squares_m2 / shape.inliers),
                            .outlier_share = state.noise[index(b)].outlier_share,
                            .other = {}});
   }

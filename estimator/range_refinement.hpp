@@ -27,19 +27,19 @@ struct RangeProblem {
 
 struct RangeState {
   models::RangeCalibration calibration;
-  std::vector<Eigen::Vector2d> places_m;  ///< by beacon
-  std::vector<RangeNoise> noise;          ///< by beacon
+  std::vector<Eigen::Vector2d> beacons_m;  ///< by beacon
+  std::vector<RangeNoise> noise;           ///< by beacon
 };
 
 /// Log density of one residual and its derivatives.
-struct ResidualVerdict {
-  double nats = 0.0;    ///< log density
-  double honest = 1.0;  ///< probability that the range is an inlier
-  double score = 0.0;   ///< ψ = −d nats/d residual, 1/m
-  double slope = 0.0;   ///< dψ/d residual, 1/m²
-  double weight = 0.0;  ///< ψ/residual, 1/m²; positive
+struct ResidualDensity {
+  double nats = 0.0;                ///< log density
+  double inlier_probability = 1.0;  ///< probability that the range is an inlier
+  double score = 0.0;               ///< ψ = −d nats/d residual, 1/m
+  double slope = 0.0;               ///< dψ/d residual, 1/m²
+  double weight = 0.0;              ///< ψ/residual, 1/m²; positive
 };
-ResidualVerdict verdict_of(double residual_m, const RangeNoise& noise, double outlier_span_m);
+ResidualDensity residual_density(double residual_m, const RangeNoise& noise, double outlier_span_m);
 
 /// Returns the residual r − (range_scale ‖y − p‖ + range_bias_m), m.
 double residual_m(const RangeState& state, const TakenRange& range);

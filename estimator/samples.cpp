@@ -92,7 +92,7 @@ constexpr std::size_t kSmearStep = 101;
 /// Applies a collision, at_s from now, to a state that moves against the unit vector `away`:
 /// reverses the velocity component along `away`. The position is changed as if the state had moved
 /// with the new velocity from the start.
-void turn_back_from(State& state, const Eigen::Vector2d& away, double at_s) {
+void reflect_from(State& state, const Eigen::Vector2d& away, double at_s) {
   const Eigen::Vector2d v_mps = state.tail<2>();
   const Eigen::Vector2d by_x(-v_mps.x(), v_mps.y());
   const Eigen::Vector2d turned_mps = by_x.dot(away) >= 0.0 ? by_x : Eigen::Vector2d(-by_x);
@@ -160,7 +160,7 @@ struct Part {
   }
   /// Returns the approximate reduction of variance by a split; 0 if the part is at most sigma_m
   /// wide.
-  [[nodiscard]] double worth_splitting(double sigma_m) const {
+  [[nodiscard]] double split_gain(double sigma_m) const {
     return widest_m2 > sigma_m * sigma_m ? weight * widest_m2 : 0.0;
   }
 };
@@ -237,9 +237,9 @@ models::Mixture Samples::parts(double sigma_m) const {
   while (parts.size() < kPartsMax) {
     const auto next =
         std::max_element(parts.begin(), parts.end(), [&](const Part& a, const Part& b) {
-          return a.worth_splitting(sigma_m) < b.worth_splitting(sigma_m);
+          return a.split_gain(sigma_m) < b.split_gain(sigma_m);
         });
-    if (next->worth_splitting(sigma_m) <= 0.0) {
+    if (next->split_gain(sigma_m) <= 0.0) {
       break;
     }
     Part beyond;
@@ -293,10 +293,11 @@ void Samples::turn_back(const models::Rectangle& bounds) {
   }
 }
 
-bool Samples::walk_into(const Samples& others, double distance_m, double dt_s, std::uint64_t key) {
+bool Samples::collide_with(const Samples& others, double distance_m, double dt_s,
+                           std::uint64_t key) {
   const Pairing partner(mixed(key));
   const std::array<std::size_t, kSize> chosen = systematic(others.weights_);
-  bool has_met = false;
+  bool has_collided = false;
   for (std::size_t i = 0; i < kSize; ++i) {
     // An overlapping pair is impossible and carries no information, so another partner is tried.
     const State* other = nullptr;
@@ -308,11 +309,11 @@ bool Samples::walk_into(const Samples& others, double distance_m, double dt_s, s
                          ? std::nullopt
                          : contact(states_[i], *other, distance_m, dt_s);
     if (met) {
-      turn_back_from(states_[i], met->away, met->at_s);
-      has_met = true;
+      reflect_from(states_[i], met->away, met->at_s);
+      has_collided = true;
     }
   }
-  return has_met;
+  return has_collided;
 }
 
 template <class Likelihood>
@@ -351,11 +352,11 @@ bool Samples::take(Weights weights, double least) {
   }
   states_ = chosen;
   weights_.fill(1.0 / kCount);
-  smear();
+  regularise();
   return true;
 }
 
-void Samples::smear() {
+void Samples::regularise() {
   const Eigen::LLT<Eigen::Matrix4d> root(moments().covariance);
   if (root.info() != Eigen::Success) {
     return;

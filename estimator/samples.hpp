@@ -79,7 +79,7 @@ class Samples {
   /// x or y component of its velocity is reversed, whichever makes it move away. The partner's
   /// velocity is unchanged. The sample is moved such that a prediction by dt_s gives its position
   /// after the collision. Returns false and changes nothing if no sample collides.
-  bool walk_into(const Samples& others, double distance_m, double dt_s, std::uint64_t key);
+  bool collide_with(const Samples& others, double distance_m, double dt_s, std::uint64_t key);
   /// Least effective number of samples for which measure() succeeds.
   static constexpr double kExplainMin = 32.0;
 
@@ -91,7 +91,7 @@ class Samples {
   bool take(std::array<double, kCount> weights, double least);
   /// Separates the duplicates made by resampling.
   /// Source: Musso, Oudjane, Le Gland, Improving regularised particle filters (2001).
-  void smear();
+  void regularise();
 
   int size_ = 0;  ///< 0 or kCount; with 0 the other members are undefined
   std::array<double, kCount> weights_{};

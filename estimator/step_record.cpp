@@ -6,13 +6,13 @@
 
 namespace vantage::estimator {
 
-StepRecord::StepRecord(int target_count, int looks_max)
+StepRecord::StepRecord(int target_count, int observations_max)
     : before(target_count),
-      heard_of_start(target_count),
-      heard(target_count),
-      looks(static_cast<std::size_t>(looks_max)) {
-  const std::size_t each = kDetectionsReserved / std::max<std::size_t>(1, looks.size());
-  for (Look& look : looks) {
+      received_at_start(target_count),
+      received_at_end(target_count),
+      observations(static_cast<std::size_t>(observations_max)) {
+  const std::size_t each = kDetectionsReserved / std::max<std::size_t>(1, observations.size());
+  for (Observation& look : observations) {
     look.detections.reserve(std::min(static_cast<std::size_t>(target_count), each));
   }
 }
@@ -21,33 +21,34 @@ void StepRecord::start(Time begin, Time end, const TrackTable& tracks) {
   from = begin;
   to = end;
   before = tracks;
-  heard_of_start.clear();
-  heard.clear();
-  heard_labels.clear();
-  is_heard_of_end = false;
-  look_count = 0;
+  received_at_start.clear();
+  received_at_end.clear();
+  received_labels.clear();
+  has_belief_of_end = false;
+  observation_count = 0;
 }
 
-bool StepRecord::holds(Time time, int looker) const {
-  return std::any_of(looks.begin(), looks.begin() + look_count,
-                     [&](const Look& look) { return look.time == time && look.looker == looker; });
+bool StepRecord::holds(Time time, int source) const {
+  return std::any_of(
+      observations.begin(), observations.begin() + observation_count,
+      [&](const Observation& look) { return look.time == time && look.source == source; });
 }
 
-Look& StepRecord::insert(Time time, int looker) {
-  if (look_count == static_cast<int>(looks.size())) {
-    looks.emplace_back();
+Observation& StepRecord::insert(Time time, int source) {
+  if (observation_count == static_cast<int>(observations.size())) {
+    observations.emplace_back();
   }
-  auto place = static_cast<std::size_t>(look_count++);
-  const auto is_after = [&](const Look& look) {
-    return look.time > time || (look.time == time && look.looker > looker);
+  auto place = static_cast<std::size_t>(observation_count++);
+  const auto is_after = [&](const Observation& look) {
+    return look.time > time || (look.time == time && look.source > source);
   };
-  while (place > 0 && is_after(looks[place - 1])) {
-    std::swap(looks[place], looks[place - 1]);
+  while (place > 0 && is_after(observations[place - 1])) {
+    std::swap(observations[place], observations[place - 1]);
     --place;
   }
-  Look& look = looks[place];
+  Observation& look = observations[place];
   look.time = time;
-  look.looker = looker;
+  look.source = source;
   look.detections.clear();
   look.counted = false;
   return look;

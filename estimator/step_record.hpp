@@ -13,9 +13,9 @@
 namespace vantage::estimator {
 
 /// One observation by this robot's sensor or by a teammate's.
-struct Look {
+struct Observation {
   Time time{};
-  int looker = -1;  ///< index into FilterSpec::team; −1: this robot, not in the team
+  int source = -1;  ///< index into FilterSpec::team; −1: this robot, not in the team
   models::Viewpoint from;
   std::vector<models::Detection> detections;  ///< with ids: at most one per target, ids in range
   bool counted = false;                       ///< counters include its detections
@@ -26,16 +26,16 @@ struct Look {
 struct StepRecord {
   Time from{};
   Time to{};
-  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< m; the robot's position at `to`
-  TrackTable before;                                  ///< tracks at `from`
-  HeardTable heard_of_start;  ///< received beliefs of instants ≤ `from`, predicted to `from`
-  HeardTable heard;           ///< received beliefs of instants > `from`, predicted to `to`
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< m; the robot's position at `to`
+  TrackTable before;                                     ///< tracks at `from`
+  ReceivedTable received_at_start;  ///< received beliefs of instants ≤ `from`, predicted to `from`
+  ReceivedTable received_at_end;    ///< received beliefs of instants > `from`, predicted to `to`
   std::vector<LabelledTrack> labelled_before;  ///< tracks at `from` for sensors without ids
-  std::vector<HeardLabel> heard_labels;        ///< teammates' tracks at `from` or `to`, by teammate
+  std::vector<ReceivedLabel> received_labels;  ///< teammates' tracks at `from` or `to`, by teammate
   /// True if a received belief is of instant `to`; it contains the observations of `to`.
-  bool is_heard_of_end = false;
-  std::vector<Look> looks;  ///< the first look_count, by time and looker; the others are spare
-  int look_count = 0;
+  bool has_belief_of_end = false;
+  std::vector<Observation> observations;  ///< by time and source; observation_count are used
+  int observation_count = 0;
 
   StepRecord() = default;
   /// Capacity for the detections of all observations together. In a small team every observation
@@ -43,17 +43,17 @@ struct StepRecord {
   /// is sufficient.
   static constexpr std::size_t kDetectionsReserved = 512;
 
-  /// @param looks_max number of observations per step for which storage is reserved
-  StepRecord(int target_count, int looks_max);
+  /// @param observations_max number of observations per step for which storage is reserved
+  StepRecord(int target_count, int observations_max);
 
   /// Resets the record for a step `begin` → `end` from `tracks`.
   void start(Time begin, Time end, const TrackTable& tracks);
-  /// Inserts an empty observation, ordered by `time` and then by `looker`. Every robot processes
-  /// the team's observations in the same order only if lookers have the same order for all robots;
+  /// Inserts an empty observation, ordered by `time` and then by `source`. Every robot processes
+  /// the team's observations in the same order only if sources have the same order for all robots;
   /// the filter ensures this.
-  Look& insert(Time time, int looker);
-  /// True if the record contains an observation made at `time` by `looker`.
-  [[nodiscard]] bool holds(Time time, int looker) const;
+  Observation& insert(Time time, int source);
+  /// True if the record contains an observation made at `time` by `source`.
+  [[nodiscard]] bool holds(Time time, int source) const;
 };
 
 }  // namespace vantage::estimator

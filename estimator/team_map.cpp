@@ -41,13 +41,13 @@ bool TeamMap::is_of_this_grid(const models::RobotMap& theirs) {
   return is;
 }
 
-bool TeamMap::hears(const models::RobotBelief& own, const models::RobotMap& theirs) const {
+bool TeamMap::accepts(const models::RobotBelief& own, const models::RobotMap& theirs) const {
   const Duration age = own.stamp.time - theirs.stamp.time;
   return theirs.grid == geometry_ && age >= Duration{0} && age <= age_max_ &&
          distance_m(own.viewpoint, theirs.viewpoint) <= communication_range_m_;
 }
 
-void TeamMap::count(const models::RangeScan& scan, models::Looks& looks) {
+void TeamMap::count(const models::RangeScan& scan, models::CellCounts& cell_counts) {
   if (scan.jammed) {
     ++counters_.jammed_scans;
     return;
@@ -60,7 +60,7 @@ void TeamMap::count(const models::RangeScan& scan, models::Looks& looks) {
     ++counters_.malformed_scans;
     return;
   }
-  fusion_.count(geometry_, scan.viewpoint.world_from_body, scan.ranges_m, looks);
+  fusion_.count(geometry_, scan.viewpoint.world_from_body, scan.ranges_m, cell_counts);
 }
 
 models::RobotMap TeamMap::step(const MapInput& input) {

@@ -53,12 +53,12 @@ class TeamMap {
 
   /// True if a robot with belief `own` uses `theirs`: the map has this grid, is at most three steps
   /// old, and was sent within the communication range.
-  [[nodiscard]] bool hears(const models::RobotBelief& own, const models::RobotMap& theirs) const;
+  [[nodiscard]] bool accepts(const models::RobotBelief& own, const models::RobotMap& theirs) const;
 
   [[nodiscard]] const MapCounters& counters() const { return counters_; }
 
  private:
-  void count(const models::RangeScan& scan, models::Looks& looks);
+  void count(const models::RangeScan& scan, models::CellCounts& cell_counts);
 
   std::string robot_;
   models::MappingSpec spec_;

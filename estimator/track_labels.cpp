@@ -70,17 +70,17 @@ double mahalanobis2(const models::Gaussian& a, const models::Gaussian& b) {
 
 /// Finds the nearest pair of an own and a received track, each with a label that is unknown to the
 /// other side, and gives both the older label. Returns false if no such pair exists.
-bool join_nearest(std::vector<LabelledTrack>& tracks, std::span<HeardLabel> heard,
+bool join_nearest(std::vector<LabelledTrack>& tracks, std::span<ReceivedLabel> received,
                   Reconciled& done) {
   LabelledTrack* own = nullptr;
-  HeardLabel* theirs = nullptr;
+  ReceivedLabel* theirs = nullptr;
   double least = kSameWithin_sigma * kSameWithin_sigma;
   for (LabelledTrack& track : tracks) {
-    if (track.existence < kPlausible || has_label(heard, track.label)) {
+    if (track.existence < kPlausible || has_label(received, track.label)) {
       continue;
     }
     const models::Gaussian belief = moments(track.mixture);
-    for (HeardLabel& each : heard) {
+    for (ReceivedLabel& each : received) {
       const bool is_known = std::any_of(tracks.begin(), tracks.end(), [&](const auto& mine) {
         return mine.existence > 0.0 && mine.label == each.label;
       });
@@ -119,11 +119,11 @@ bool is_older(int label, int than) {
   return ahead > 0 && ahead < kLabels / 2;
 }
 
-Reconciled reconcile(std::vector<LabelledTrack>& tracks, std::span<HeardLabel> heard) {
+Reconciled reconcile(std::vector<LabelledTrack>& tracks, std::span<ReceivedLabel> received) {
   Reconciled done;
-  while (join_nearest(tracks, heard, done)) {
+  while (join_nearest(tracks, received, done)) {
   }
-  for (const HeardLabel& each : heard) {
+  for (const ReceivedLabel& each : received) {
     const auto own = std::find_if(tracks.begin(), tracks.end(), [&](const LabelledTrack& track) {
       return track.existence > 0.0 && track.label == each.label;
     });
@@ -138,8 +138,8 @@ Reconciled reconcile(std::vector<LabelledTrack>& tracks, std::span<HeardLabel> h
   return done;
 }
 
-std::vector<models::TargetBelief> told(const MultiTargetFilter& filter,
-                                       const std::vector<LabelledTrack>& tracks) {
+std::vector<models::TargetBelief> confirmed_beliefs(const MultiTargetFilter& filter,
+                                                    const std::vector<LabelledTrack>& tracks) {
   std::vector<models::TargetBelief> beliefs;
   for (const LabelledTrack& track : tracks) {
     const auto information =
@@ -152,8 +152,8 @@ std::vector<models::TargetBelief> told(const MultiTargetFilter& filter,
   return beliefs;
 }
 
-std::vector<models::TargetMixture> told_mixtures(const MultiTargetFilter& filter,
-                                                 const std::vector<LabelledTrack>& tracks) {
+std::vector<models::TargetMixture> confirmed_mixtures(const MultiTargetFilter& filter,
+                                                      const std::vector<LabelledTrack>& tracks) {
   std::vector<models::TargetMixture> mixtures;
   for (const LabelledTrack& track : tracks) {
     if (filter.is_confirmed(track) && models::to_information(moments(track.mixture))) {
@@ -168,13 +168,13 @@ std::vector<models::TargetMixture> told_mixtures(const MultiTargetFilter& filter
   return mixtures;
 }
 
-void set_told(std::vector<LabelledTrack>& tracks, std::span<const models::TargetBelief> told,
-              int dim) {
+void set_tracks(std::vector<LabelledTrack>& tracks, std::span<const models::TargetBelief> beliefs,
+                int dim) {
   for (LabelledTrack& track : tracks) {
     track.existence = 0.0;
     track.mixture.clear();
   }
-  for (const models::TargetBelief& target : told) {
+  for (const models::TargetBelief& target : beliefs) {
     const auto belief = target.information.vector.size() == dim
                             ? models::to_gaussian(target.information)
                             : std::nullopt;

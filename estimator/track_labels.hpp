@@ -32,8 +32,8 @@ int first_label(Time of_look, int robot);
 bool is_older(int label, int than);
 
 /// A track in a teammate's belief.
-struct HeardLabel {
-  int teller = 0;  ///< index of the teammate that sent the belief
+struct ReceivedLabel {
+  int sender = 0;  ///< index of the teammate that sent the belief
   Time at{};       ///< instant of `belief`
   int label = 0;
   models::Gaussian belief;
@@ -58,17 +58,17 @@ struct Reconciled {
 /// replaces the own one if its entropy is lower by more than half a nat. Choosing one of two
 /// beliefs never counts an observation twice, whatever information they share. Robots that used the
 /// same observations have nothing to reconcile. Nothing is allocated.
-Reconciled reconcile(std::vector<LabelledTrack>& tracks, std::span<HeardLabel> heard);
+Reconciled reconcile(std::vector<LabelledTrack>& tracks, std::span<ReceivedLabel> received);
 
 /// Returns the confirmed tracks as Gaussians, by ascending label.
-std::vector<models::TargetBelief> told(const MultiTargetFilter& filter,
-                                       const std::vector<LabelledTrack>& tracks);
+std::vector<models::TargetBelief> confirmed_beliefs(const MultiTargetFilter& filter,
+                                                    const std::vector<LabelledTrack>& tracks);
 /// Returns the mixtures and existence probabilities of the confirmed tracks.
-std::vector<models::TargetMixture> told_mixtures(const MultiTargetFilter& filter,
-                                                 const std::vector<LabelledTrack>& tracks);
-/// Replaces `tracks` by the beliefs in `told`, each with one Gaussian and an existence probability
+std::vector<models::TargetMixture> confirmed_mixtures(const MultiTargetFilter& filter,
+                                                      const std::vector<LabelledTrack>& tracks);
+/// Replaces `tracks` by `beliefs`, each with one Gaussian and an existence probability
 /// of 0.9. Beliefs with a number of components other than `dim` are omitted.
-void set_told(std::vector<LabelledTrack>& tracks, std::span<const models::TargetBelief> told,
-              int dim);
+void set_tracks(std::vector<LabelledTrack>& tracks, std::span<const models::TargetBelief> beliefs,
+                int dim);
 
 }  // namespace vantage::estimator

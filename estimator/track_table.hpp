@@ -63,11 +63,11 @@ struct KnownTrack {
 using TrackTable = TargetTable<KnownTrack>;
 
 /// Σ_j w_j (Ω_j, ω_j) over the teammates that know the target, w_j = √det Ω_j.
-struct HeardTrack {
+struct ReceivedTrack {
   int target_id = 0;
   Track track;
   double weight = 0.0;  ///< Σ_j w_j
 };
-using HeardTable = TargetTable<HeardTrack>;
+using ReceivedTable = TargetTable<ReceivedTrack>;
 
 }  // namespace vantage::estimator

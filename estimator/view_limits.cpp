@@ -25,7 +25,7 @@ LimitSoftness limit_softness(const models::SensorModel& sensor,
   const auto share = [&](Eigen::Index row) { return kSoftShare * std::sqrt(V(row, row)); };
   LimitSoftness softness;
   const bool has_own_limits =
-      law.sees != nullptr && !law.measures_bearing && law.depth_per_m == nullptr;
+      law.can_measure != nullptr && !law.measures_bearing && law.depth_per_m == nullptr;
   if (has_own_limits) {
     return softness;
   }
@@ -51,7 +51,7 @@ double view_probability(const models::SensorModel& sensor, const LimitSoftness& 
   if (sensor.range_min_m > 0.0) {
     probability *= within(near_m - sensor.range_min_m, softness.distance_m);
   }
-  if (probability > 0.0 && !models::sees_all_around(sensor)) {
+  if (probability > 0.0 && !models::has_full_view(sensor)) {
     const double sideways_rad = softness.distance_m / std::max(horizontal_m, models::kLeastRange_m);
     probability *= within(0.5 * sensor.fov_rad - std::abs(wrap_to_pi(bearing_rad)),
                           std::hypot(softness.angle_rad, sideways_rad));

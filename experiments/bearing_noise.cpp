@@ -15,7 +15,7 @@ double square(double x) { return x * x; }
 
 models::MeasurementVector variances(const SensorModel& sensor, const models::Viewpoint& from,
                                     const models::SightLine& to, int /*position_dim*/) {
-  const double edge_rad = models::sees_all_around(sensor) ? kPi : 0.5 * sensor.fov_rad;
+  const double edge_rad = models::has_full_view(sensor) ? kPi : 0.5 * sensor.fov_rad;
   const double growth =
       std::max(sensor.variance_floor, std::abs(models::bearing_rad(from, to)) / edge_rad);
   return Eigen::Vector2d(square(sensor.range_sigma_m) * models::variance_growth(sensor, to.range_m),

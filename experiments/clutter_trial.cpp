@@ -46,8 +46,8 @@ estimator::MultiTargetSpec tracker_spec(const scenario::Scenario& scenario,
 }
 
 // Metrics of one method.
-struct Judged {
-  logs::OspaJudge judge{logs::kOspaCutoff_m};
+struct MethodMetrics {
+  logs::OspaJudge ospa{logs::kOspaCutoff_m};
   ClutterScore sum;
 };
 
@@ -75,7 +75,7 @@ class ClutterTrial {
       trackings_.emplace_back(tracker_spec(scenario, detection, tracker));
     }
     for (const scenario::RobotSpec& robot : scenario.robots) {
-      places_m_.push_back(robot.start.position_m());
+      positions_m_.push_back(robot.start.position_m());
     }
   }
 
@@ -84,7 +84,7 @@ class ClutterTrial {
   void plan() {
     goals_m_.clear();
     std::vector<char> is_taken(scenario_.targets.size(), 0);
-    for (const Eigen::Vector2d& place_m : places_m_) {
+    for (const Eigen::Vector2d& position_m : positions_m_) {
       Eigen::Vector2d goal_m = anywhere_m();
       double most = 0.0;
       std::size_t chosen = is_taken.size();
@@ -95,10 +95,10 @@ class ClutterTrial {
           continue;
         }
         const Eigen::Vector2d mean_m = belief->mean.head<2>();
-        const double worth =
-            belief->covariance.topLeftCorner<2, 2>().trace() / (0.5 + (mean_m - place_m).norm());
-        if (worth > most) {
-          most = worth;
+        const double ratio =
+            belief->covariance.topLeftCorner<2, 2>().trace() / (0.5 + (mean_m - position_m).norm());
+        if (ratio > most) {
+          most = ratio;
           goal_m = mean_m;
           chosen = m;
         }
@@ -124,63 +124,63 @@ class ClutterTrial {
     for (std::size_t m = 0; m < scenario_.targets.size(); ++m) {
       truth_.push_back({static_cast<std::int64_t>(m), ground_.world_from_body(m).position_m()});
     }
-    for (std::size_t i = 0; i < places_m_.size(); ++i) {
-      const Eigen::Vector2d way_m = goals_m_[i] - places_m_[i];
-      const double far_m = way_m.norm();
+    for (std::size_t i = 0; i < positions_m_.size(); ++i) {
+      const Eigen::Vector2d to_goal_m = goals_m_[i] - positions_m_[i];
+      const double far_m = to_goal_m.norm();
       if (far_m > 0.0) {
-        places_m_[i] += std::min(1.0, kSpeed_mps * step_s_ / far_m) * way_m;
+        positions_m_[i] += std::min(1.0, kSpeed_mps * step_s_ / far_m) * to_goal_m;
       }
     }
     ++step_;
   }
 
-  void look() {
+  void observe() {
     const Time now = from_utime(1'000'000'000) + from_seconds(step_ * step_s_);
     detect(now);
     filter(now);
   }
 
-  void judge() {
+  void record() {
     if (step_ <= settling_) {
       return;
     }
-    std::vector<logs::Labelled> told;
-    const auto note = [&](Judged& judged) {
-      const logs::SetError error = judged.judge.judge(truth_, told);
-      judged.sum.ospa_m += error.ospa_m;
-      judged.sum.matched_rmse_m += error.matched_rmse_m;
-      judged.sum.tracks += static_cast<double>(told.size());
+    std::vector<logs::Labelled> reported;
+    const auto note = [&](MethodMetrics& metrics) {
+      const logs::SetError error = metrics.ospa.judge(truth_, reported);
+      metrics.sum.ospa_m += error.ospa_m;
+      metrics.sum.matched_rmse_m += error.matched_rmse_m;
+      metrics.sum.tracks += static_cast<double>(reported.size());
     };
     for (std::size_t t = 0; t < trackings_.size(); ++t) {
-      told.clear();
+      reported.clear();
       for (const estimator::LabelledTrack& track : trackings_[t].tracks) {
         if (trackings_[t].filter.is_confirmed(track)) {
-          told.push_back({track.label, estimator::moments(track.mixture).mean.head<2>()});
+          reported.push_back({track.label, estimator::moments(track.mixture).mean.head<2>()});
         }
       }
-      note(judged_[t]);
+      note(metrics_[t]);
     }
-    told.clear();
+    reported.clear();
     for (std::size_t m = 0; m < truth_.size(); ++m) {
       const estimator::Track& track = known_.track(static_cast<int>(m));
       if (const auto belief = track.known ? models::to_gaussian(track.information) : std::nullopt) {
-        told.push_back({static_cast<std::int64_t>(m), belief->mean.head<2>()});
+        reported.push_back({static_cast<std::int64_t>(m), belief->mean.head<2>()});
       }
     }
-    note(judged_[index(ClutterMethod::kKnownIds)]);
+    note(metrics_[index(ClutterMethod::kKnownIds)]);
   }
 
   [[nodiscard]] int steps() const { return steps_; }
 
   [[nodiscard]] ClutterScores scores() const {
-    const int judged_steps = steps_ - settling_;
+    const int scored_steps = steps_ - settling_;
     ClutterScores out;
     for (std::size_t i = 0; i < out.size(); ++i) {
-      const ClutterScore& sum = judged_[i].sum;
-      out[i] = {sum.ospa_m / judged_steps,
-                60.0 * static_cast<double>(judged_[i].judge.swaps()) / (judged_steps * step_s_),
-                sum.matched_rmse_m / judged_steps, sum.tracks / judged_steps,
-                sum.step_cpu_s / judged_steps};
+      const ClutterScore& sum = metrics_[i].sum;
+      out[i] = {sum.ospa_m / scored_steps,
+                60.0 * static_cast<double>(metrics_[i].ospa.swaps()) / (scored_steps * step_s_),
+                sum.matched_rmse_m / scored_steps, sum.tracks / scored_steps,
+                sum.step_cpu_s / scored_steps};
     }
     return out;
   }
@@ -197,16 +197,16 @@ class ClutterTrial {
   void detect(Time now) {
     std::uniform_real_distribution<double> share(0.0, 1.0);
     looks_.clear();
-    for (std::size_t i = 0; i < places_m_.size(); ++i) {
+    for (std::size_t i = 0; i < positions_m_.size(); ++i) {
       const scenario::RobotSpec& robot = scenario_.robots[i];
       models::RobotMeasurement look;
       look.stamp.time = now;
       look.robot = robot.name;
-      look.viewpoint = {{places_m_[i].x(), places_m_[i].y(), 0.0}, robot.height_m};
+      look.viewpoint = {{positions_m_[i].x(), positions_m_[i].y(), 0.0}, robot.height_m};
       for (const logs::Labelled& target : truth_) {
         const models::PositionVector y_m = target.position_m;
         if (models::in_view(robot.sensor, look.viewpoint, y_m) &&
-            models::line_of_sight(scenario_.world, places_m_[i], target.position_m) &&
+            models::line_of_sight(scenario_.world, positions_m_[i], target.position_m) &&
             share(rng_) < detection_.detection_probability) {
           look.detections.push_back({static_cast<int>(target.label),
                                      models::sample(robot.sensor, look.viewpoint, y_m, rng_)});
@@ -223,7 +223,7 @@ class ClutterTrial {
     }
     double start_s = thread_cpu_s();
     known_.advance({now, looks_.front().viewpoint, pointers, {}});
-    judged_[index(ClutterMethod::kKnownIds)].sum.step_cpu_s += thread_cpu_s() - start_s;
+    metrics_[index(ClutterMethod::kKnownIds)].sum.step_cpu_s += thread_cpu_s() - start_s;
     for (std::size_t i = 0; i < looks_.size(); ++i) {
       for (const models::Measurement& z :
            models::sample_clutter(scenario_.robots[i].sensor, looks_[i].viewpoint,
@@ -236,10 +236,10 @@ class ClutterTrial {
       start_s = thread_cpu_s();
       of.filter.propagate(of.tracks, now - from_seconds(step_s_), now);
       for (std::size_t i = 0; i < looks_.size(); ++i) {
-        of.filter.look(of.tracks, scenario_.robots[i].sensor, looks_[i].viewpoint, now,
-                       looks_[i].detections, estimator::first_label(now, static_cast<int>(i)));
+        of.filter.update(of.tracks, scenario_.robots[i].sensor, looks_[i].viewpoint, now,
+                         looks_[i].detections, estimator::first_label(now, static_cast<int>(i)));
       }
-      judged_[t].sum.step_cpu_s += thread_cpu_s() - start_s;
+      metrics_[t].sum.step_cpu_s += thread_cpu_s() - start_s;
     }
   }
 
@@ -253,9 +253,9 @@ class ClutterTrial {
   std::mt19937_64 rng_;
   estimator::DistributedFilter known_;
   std::vector<Tracking> trackings_;  ///< in the order of ClutterMethod
-  std::array<Judged, kClutterMethods.size()> judged_;
-  std::vector<Eigen::Vector2d> places_m_;  ///< m; by robot
-  std::vector<Eigen::Vector2d> goals_m_;   ///< m; by robot
+  std::array<MethodMetrics, kClutterMethods.size()> metrics_;
+  std::vector<Eigen::Vector2d> positions_m_;  ///< m; by robot
+  std::vector<Eigen::Vector2d> goals_m_;      ///< m; by robot
   std::vector<logs::Labelled> truth_;
   std::vector<models::RobotMeasurement> looks_;
 };

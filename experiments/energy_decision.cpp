@@ -52,7 +52,7 @@ Decided descent(const std::string& method, const TeamOracle& oracle, bool is_las
   return decided(method, oracle, coordinate_descent(oracle, options), start_s);
 }
 
-planner::ReducedValueIteration& own_search() {
+planner::ReducedValueIteration& thread_search() {
   // Earlier searches do not affect later ones. The object is on the heap, because thread-local
   // objects use stack space of every thread.
   thread_local const auto own = std::make_unique<planner::ReducedValueIteration>(kCapacity);

@@ -25,6 +25,6 @@ Decided descent(const std::string& method, const planner::TeamOracle& oracle, bo
 
 /// Returns the calling thread's candidate search, with capacity for every energy trial. Each thread
 /// keeps its own search, because its 0.6 GB take longer to prepare than a trial.
-planner::ReducedValueIteration& own_search();
+planner::ReducedValueIteration& thread_search();
 
 }  // namespace vantage::experiments

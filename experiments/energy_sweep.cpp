@@ -21,23 +21,28 @@ constexpr int kRobotsMaxSmoke = 4;
 // first step on, for full teams of random candidates.
 double from_scratch_call_s(const TeamOracle& oracle, std::uint64_t seed) {
   constexpr int kCalls = 300;
-  std::vector<planner::TargetCourses::Looks> looks;
+  std::vector<planner::TargetCourses::Measurements> measurements;
   double sink = 0.0;
   const double start_s = thread_cpu_s();
   for (int call = 0; call < kCalls; ++call) {
     for (int m = 0; m < oracle.target_count(); ++m) {
-      looks.clear();
+      measurements.clear();
       for (int robot = 0; robot < oracle.robot_count(); ++robot) {
         const auto count = static_cast<std::uint64_t>(oracle.end(robot) - oracle.begin(robot));
         const auto drawn = static_cast<planner::CandidateId>(
             (seed + static_cast<std::uint64_t>(call) * 7919U) % std::max<std::uint64_t>(1, count));
-        const std::vector<planner::Look>& all = oracle.candidate(oracle.begin(robot) + drawn).looks;
+        const std::vector<planner::PredictedMeasurement>& all =
+            oracle.candidate(oracle.begin(robot) + drawn).measurements;
         const auto [begin, end] = std::equal_range(
-            all.begin(), all.end(), planner::Look{static_cast<std::uint16_t>(m), 0, {}},
-            [](const planner::Look& a, const planner::Look& b) { return a.target < b.target; });
-        looks.emplace_back(begin, end);
+            all.begin(), all.end(),
+            planner::PredictedMeasurement{static_cast<std::uint16_t>(m), 0, {}},
+            [](const planner::PredictedMeasurement& a, const planner::PredictedMeasurement& b) {
+              return a.target < b.target;
+            });
+        measurements.emplace_back(begin, end);
       }
-      sink += oracle.courses().follow(m, 0, oracle.courses().unseen(m), looks, nullptr);
+      sink += oracle.courses().follow(m, 0, oracle.courses().open_loop_course(m), measurements,
+                                      nullptr);
     }
   }
   // The result is used, so that the compiler cannot remove the computation.
@@ -49,7 +54,7 @@ UnitRows run_trial_of(
     const std::function<std::vector<Decided>(const planner::TeamOracle&)>& decide) {
   UnitRows rows;
   const double start_s = thread_cpu_s();
-  const EnergyTrial drawn = draw_energy_trial(robots, seed, EnergyTrialOptions{}, own_search());
+  const EnergyTrial drawn = draw_energy_trial(robots, seed, EnergyTrialOptions{}, thread_search());
   const double drawn_s = thread_cpu_s();
   const TeamOracle oracle(drawn.team);
   rows.times_s = {{"trajectories", drawn_s - start_s}, {"each alone", thread_cpu_s() - drawn_s}};

@@ -22,9 +22,9 @@ HeterogeneousOutcome outcome_of(const EnergyTrial& trial, const planner::TeamOra
   for (std::size_t robot = 0; robot < trial.robots.size(); ++robot) {
     const planner::CandidateId id = decided.choice[robot];
     if (id != planner::kNoCandidate) {
-      const planner::Candidate& way = oracle.candidate(id);
-      (robot == kFlying ? outcome.energy_uav : outcome.energy_ugvs) +=
-          energy_used(trial.energy[robot], trial.robots[robot], way.controls, way.poses);
+      const planner::Candidate& candidate = oracle.candidate(id);
+      (robot == kFlying ? outcome.energy_uav : outcome.energy_ugvs) += energy_used(
+          trial.energy[robot], trial.robots[robot], candidate.controls, candidate.poses);
     }
   }
   return outcome;
@@ -37,10 +37,10 @@ void add_picture_rows(UnitRows& rows, const EnergyTrial& trial, const planner::T
   for (std::size_t robot = 0; robot < trial.robots.size(); ++robot) {
     std::vector<Pose2> poses = {trial.robots[robot].start};
     if (const planner::CandidateId id = decided.choice[robot]; id != planner::kNoCandidate) {
-      const planner::Candidate& way = oracle.candidate(id);
-      poses.insert(poses.end(), way.poses.begin(), way.poses.end());
-      for (const planner::Look& look : way.looks) {
-        ++looks[look.target];
+      const planner::Candidate& candidate = oracle.candidate(id);
+      poses.insert(poses.end(), candidate.poses.begin(), candidate.poses.end());
+      for (const planner::PredictedMeasurement& measurement : candidate.measurements) {
+        ++looks[measurement.target];
       }
     }
     for (const Pose2& pose : poses) {
@@ -61,7 +61,7 @@ UnitRows run_trial(double price_nats, bool is_pictured, std::uint64_t seed, bool
   options.horizon_steps = is_smoke ? kHorizonSmoke : options.horizon_steps;
   UnitRows rows;
   const double start_s = thread_cpu_s();
-  const EnergyTrial trial = draw_heterogeneous_trial(seed, options, own_search());
+  const EnergyTrial trial = draw_heterogeneous_trial(seed, options, thread_search());
   const double drawn_s = thread_cpu_s();
   const planner::TeamOracle oracle(trial.team);
   rows.times_s = {{"trajectories", drawn_s - start_s}, {"each alone", thread_cpu_s() - drawn_s}};

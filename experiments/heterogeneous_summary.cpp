@@ -135,13 +135,13 @@ class Summarised {
       surely_better += gain.mean() > gain.half_interval() ? 1 : 0;
     }
     const auto points = static_cast<int>(above.size());
-    summary.compared.push_back(compare_claim(
-        fmt::format("mean information of DLS at the mean energy of {}", method.called),
-        fmt::format("at least equal at {} of {} points, on average {:+.2f} nats", higher, points,
-                    above.mean()),
-        "DLS consistently better", higher == points));
     summary.compared.push_back(
-        compare_claim(fmt::format("mean J of DLS minus that of {}, paired by trial", method.called),
+        compare_claim(fmt::format("mean information of DLS at the mean energy of {}", method.label),
+                      fmt::format("at least equal at {} of {} points, on average {:+.2f} nats",
+                                  higher, points, above.mean()),
+                      "DLS consistently better", higher == points));
+    summary.compared.push_back(
+        compare_claim(fmt::format("mean J of DLS minus that of {}, paired by trial", method.label),
                       fmt::format("≥ 0 at {} of {} prices; the interval is > 0 at {}", better,
                                   points, surely_better),
                       "better on average", better == points));
@@ -156,7 +156,7 @@ class Summarised {
     for (const HeterogeneousMethod& method : kMethods) {
       const PointSamples& p = curves_.at(method.name).at(price);
       text +=
-          fmt::format(" {} I = {:.2f} for C = {:.1f} (UAV {:.1f}), J = {:.2f};", method.called,
+          fmt::format(" {} I = {:.2f} for C = {:.1f} (UAV {:.1f}), J = {:.2f};", method.label,
                       p.information.mean(), p.energy.mean(), p.energy_uav.mean(), p.value.mean());
     }
     const Sample gain = gap(price, [&](int trial) { return better_descent(price, trial); });
@@ -185,7 +185,7 @@ class Summarised {
       summary.files["targets.txt"] += block("targets", trial, {method.name}) + "\n\n";
       const HeterogeneousOutcome& of =
           curves_.at(method.name).at(kPicturedPrice).by_trial.at(trial);
-      titles += fmt::format("\"{}: J = {:.1f}, I = {:.1f} nats, C = {:g}\" ", method.called,
+      titles += fmt::format("\"{}: J = {:.1f}, I = {:.1f} nats, C = {:g}\" ", method.label,
                             of.value, of.information, of.energy());
     }
     summary.figure_script = heterogeneous_figures(heterogeneous_world(), titles);

@@ -8,7 +8,7 @@ namespace vantage::experiments {
 
 struct HeterogeneousMethod {
   const char* name;
-  const char* called;  ///< name in figures
+  const char* label;  ///< name in figures
 };
 inline constexpr std::array<HeterogeneousMethod, 3> kMethods = {
     {{"cd uav first", "CD, UAV first"}, {"cd ugvs first", "CD, UGVs first"}, {"dls", "DLS"}}};

@@ -83,7 +83,7 @@ class LandmarkWatch {
     run_.turns_on_the_spot += team_.move(step_of_plan, kTurnOnTheSpot_radps);
   }
 
-  void look() {
+  void observe() {
     seen_.assign(beliefs_.size(), 0);
     const models::TargetModel& model = setting_.landmark_model;
     const models::StateMatrix A = model.transition(setting_.step_s);
@@ -107,7 +107,7 @@ class LandmarkWatch {
     }
   }
 
-  void judge() {
+  void record() {
     double entropy_nats = 0.0;
     for (const models::Gaussian& belief : beliefs_) {
       entropy_nats += models::entropy_nats(belief);

@@ -55,7 +55,7 @@ struct MappingCase {
     return is_rain && attack == AttackKind::kWorstCase && attacks == kDrawnAttacks &&
            variant == Variant::kPlain;
   }
-  [[nodiscard]] bool is_of_source() const {
+  [[nodiscard]] bool is_in_dissertation() const {
     return variant == Variant::kPlain &&
            (attack == AttackKind::kWorstCase || attack == AttackKind::kRandom);
   }
@@ -158,7 +158,7 @@ UnitRows run_unit(const MappingCase& of, bool is_smoke, std::uint64_t seed) {
   if (of.is_drawn()) {
     add_map_rows(rows, "half", outcome.halfway);
     add_map_rows(rows, "end", outcome.map);
-    add_way_rows(rows, outcome);
+    add_path_rows(rows, outcome);
   }
   return rows;
 }
@@ -229,7 +229,7 @@ Summary summarise(const Tables& tables) {
         fmt::format("{} nats, paired by trial: CD {}, RAIN {}", mean_text(less),
                     mean_text(ends[i].end_nats), mean_text(ends[i + 1].end_nats));
     const std::string what = "final entropy, RAIN minus CD: " + cases[i].group();
-    if (cases[i].is_of_source()) {
+    if (cases[i].is_in_dissertation()) {
       summary.compared.push_back(compare_claim(what, ours, "< 0", less.mean() < 0.0));
     } else {
       summary.lines.push_back("Variant or attacker that is not in the source, " + what + ": " +

@@ -54,7 +54,7 @@ void add_map_rows(UnitRows& rows, const std::string& name, const models::Occupan
   }
 }
 
-void add_way_rows(UnitRows& rows, const MappingOutcome& outcome) {
+void add_path_rows(UnitRows& rows, const MappingOutcome& outcome) {
   for (std::size_t robot = 0; robot < outcome.steps.front().poses.size(); ++robot) {
     for (std::size_t t = 0; t < outcome.steps.size(); ++t) {
       const MappingStep& step = outcome.steps[t];

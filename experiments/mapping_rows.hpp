@@ -20,7 +20,7 @@ namespace vantage::experiments {
 void add_map_rows(UnitRows& rows, const std::string& name, const models::OccupancyBelief& map);
 
 /// Adds each robot's position at each step, and whether it was attacked, to the table "ways".
-void add_way_rows(UnitRows& rows, const MappingOutcome& outcome);
+void add_path_rows(UnitRows& rows, const MappingOutcome& outcome);
 
 /// Returns the cells that name a setting: "squares,worst,2,plain,rain".
 using SettingCells = std::function<std::string(std::size_t)>;

@@ -93,9 +93,9 @@ class MappingTrial {
     }
   }
 
-  void look() { ground_.look(attacked_); }
+  void observe() { ground_.observe(attacked_); }
 
-  void judge() {
+  void record() {
     outcome_.steps.push_back({ground_.map().entropy_nats(), ground_.poses(), attacked_});
     if (static_cast<int>(outcome_.steps.size()) == setup_.steps / 2 + 1) {
       outcome_.halfway = ground_.map();
@@ -171,7 +171,7 @@ bool MappedWorld::drive(std::size_t robot, const models::UnicycleControl& contro
 }
 
 // All robots scan, so that an attack on one does not change the noise of the others.
-void MappedWorld::look(std::span<const int> attacked) {
+void MappedWorld::observe(std::span<const int> attacked) {
   for (std::size_t robot = 0; robot < poses_.size(); ++robot) {
     const std::vector<double> ranges_m =
         models::beam_scan(setup_.world, setup_.scanner, poses_[robot], noise_);
@@ -191,8 +191,8 @@ std::vector<MapRoute> plan_by_coordinate_descent(planner::MappingSearch& search,
 MappingOutcome run_mapping_trial(const MappingSetup& setup, std::uint64_t seed) {
   require(setup.robots >= 1 && setup.steps >= 1, "a mapping trial must have robots and steps");
   MappingTrial task(setup, seed);
-  task.look();  // scan at the start pose
-  task.judge();
+  task.observe();  // scan at the start pose
+  task.record();
   run_team_task(task, setup.steps, setup.search.horizon_steps);
   return task.outcome();
 }

@@ -58,7 +58,7 @@ class MappedWorld {
   bool drive(std::size_t robot, const models::UnicycleControl& control);
   /// Scans with every robot; the map uses only the scans of robots that are not in `attacked`
   /// (sorted).
-  void look(std::span<const int> attacked);
+  void observe(std::span<const int> attacked);
 
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
   [[nodiscard]] const models::OccupancyBelief& map() const { return map_; }

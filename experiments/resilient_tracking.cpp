@@ -93,9 +93,11 @@ class TrackingTask {
     targets_.move();
   }
 
-  void look() { targets_.look(tracking_sensor(setting_.bearing_noise), team_.poses(), attacked_); }
+  void observe() {
+    targets_.observe(tracking_sensor(setting_.bearing_noise), team_.poses(), attacked_);
+  }
 
-  void judge() {
+  void record() {
     const std::vector<TargetStep> steps = targets_.steps();
     const auto count = static_cast<double>(steps.size());
     double squared_m2 = 0.0;

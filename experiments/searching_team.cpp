@@ -10,11 +10,11 @@ namespace vantage::experiments {
 namespace {
 
 // Plans for one robot, given the plans of the listed others. Returns the gain of its plan, nats.
-double plan_robot(SearchingTeam& team, int robot, const std::vector<int>& beside,
+double plan_robot(SearchingTeam& team, int robot, const std::vector<int>& planned_robots,
                   const SearchingTeam::Search& search) {
   planner::SearchProblem& problem = team.problems[index(robot)];
   std::vector<planner::FixedTeammate> teammates;
-  for (const int other : beside) {
+  for (const int other : planned_robots) {
     const planner::SearchProblem& theirs = team.problems[index(other)];
     teammates.push_back(
         {planner::to_trajectory(theirs, team.plans[index(other)]), theirs.sensors.front(), false});
@@ -37,8 +37,8 @@ void SearchingTeam::plan(const std::vector<planner::SearchTarget>& targets, int 
     problem.fixed_information.clear();
   }
   planner::plan_resiliently(static_cast<int>(problems.size()), attacks_max,
-                            [&](int robot, const std::vector<int>& beside) {
-                              return plan_robot(*this, robot, beside, search);
+                            [&](int robot, const std::vector<int>& planned_robots) {
+                              return plan_robot(*this, robot, planned_robots, search);
                             });
 }
 

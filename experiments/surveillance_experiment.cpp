@@ -132,7 +132,7 @@ Sample sample_of(const std::vector<double>& values) {
 }
 
 // Returns the reduction by RAIN for each trial; both methods have the same starts.
-Sample less_by_rain(const std::vector<double>& descent, const std::vector<double>& rain) {
+Sample reduction_by_rain(const std::vector<double>& descent, const std::vector<double>& rain) {
   std::vector<double> less;
   for (std::size_t i = 0; i < std::min(descent.size(), rain.size()); ++i) {
     less.push_back(descent[i] - rain[i]);
@@ -203,9 +203,9 @@ std::map<std::string, std::string> way_files(const Tables& tables,
 
 // Compares the `runs` of one attacker and number of attacks, in pairs by T_REPLAN.
 void compare(const Attacked& attacked, std::span<const Runs> runs, Summary& summary) {
-  for (const auto& [measure, called] : kCompared) {
+  for (const auto& [measure, label] : kCompared) {
     const std::string what =
-        fmt::format("attacked: {}, α = {}: {}", attacked.attacker.text, attacked.attacks, called);
+        fmt::format("attacked: {}, α = {}: {}", attacked.attacker.text, attacked.attacks, label);
     int better = 0;
     for (std::size_t i = 0; i < runs.size(); i += 2) {
       better += share_less(runs[i], runs[i + 1], measure) > 0.0 ? 1 : 0;
@@ -234,7 +234,7 @@ void add_lines(const std::vector<WatchCase>& cases, const std::vector<Runs>& run
       line += fmt::format(" {} {} (CD), {} (RAIN), paired reduction {} ({:.0f} %);", what,
                           mean_text(sample_of(runs[i][measure])),
                           mean_text(sample_of(runs[i + 1][measure])),
-                          mean_text(less_by_rain(runs[i][measure], runs[i + 1][measure])),
+                          mean_text(reduction_by_rain(runs[i][measure], runs[i + 1][measure])),
                           share_less(runs[i], runs[i + 1], measure));
     }
     summary.lines.push_back(line);

@@ -8,12 +8,12 @@ concept TeamTask = requires(Task task, int step_of_plan) {
   task.plan();              // all robots plan for the time until the next planning
   task.attack();            // the attacker knows the plans and chooses the sensors that fail
   task.move(step_of_plan);  // robots move by this step of their plans, targets by one step
-  task.look();              // robots that are not attacked observe; beliefs are updated
-  task.judge();             // records the result of the step
+  task.observe();           // robots that are not attacked observe; beliefs are updated
+  task.record();            // records the result of the step
 };
 
-/// Runs `steps` steps in rounds of `replan_steps` ≥ 1: plan, attack, and for each step move, look,
-/// judge. Steps of a plan are counted from 0.
+/// Runs `steps` steps in rounds of `replan_steps` ≥ 1: plan, attack, and for each step move,
+/// observe, record. Steps of a plan are counted from 0.
 /// Source: dissertation Alg. 9.
 template <TeamTask Task>
 void run_team_task(Task& task, int steps, int replan_steps) {
@@ -24,8 +24,8 @@ void run_team_task(Task& task, int steps, int replan_steps) {
       task.attack();
     }
     task.move(step_of_plan);
-    task.look();
-    task.judge();
+    task.observe();
+    task.record();
   }
 }
 

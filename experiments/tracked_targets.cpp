@@ -49,8 +49,8 @@ void TrackedTargets::move() {
   filter_.predict();
 }
 
-void TrackedTargets::look(const models::SensorModel& sensor, const std::vector<Pose2>& poses,
-                          const std::vector<char>& is_blind) {
+void TrackedTargets::observe(const models::SensorModel& sensor, const std::vector<Pose2>& poses,
+                             const std::vector<char>& is_blind) {
   std::vector<models::RobotMeasurement> looks;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (is_blind[i] == 0) {
@@ -66,7 +66,7 @@ void TrackedTargets::look(const models::SensorModel& sensor, const std::vector<P
       }
     }
   }
-  filter_.look(sensor, looks);
+  filter_.update(sensor, looks);
 }
 
 std::vector<TargetStep> TrackedTargets::steps() const {

@@ -48,12 +48,12 @@ class TrackedTargets {
   void move();
   /// Updates the beliefs with the observations of all robots at the present time, except robots
   /// with a nonzero `is_blind`.
-  void look(const models::SensorModel& sensor, const std::vector<Pose2>& poses,
-            const std::vector<char>& is_blind);
+  void observe(const models::SensorModel& sensor, const std::vector<Pose2>& poses,
+               const std::vector<char>& is_blind);
 
   [[nodiscard]] const models::TargetModel& model() const { return filter_.model(); }
   [[nodiscard]] const std::vector<models::Gaussian>& beliefs() const { return filter_.beliefs(); }
-  /// Returns, by target, nonzero if a robot observed it in the last look().
+  /// Returns, by target, nonzero if a robot observed it in the last observe().
   [[nodiscard]] const std::vector<char>& is_seen() const { return filter_.is_seen(); }
   /// Returns the current errors, in the order of the targets.
   [[nodiscard]] std::vector<TargetStep> steps() const;

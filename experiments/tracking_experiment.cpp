@@ -128,12 +128,12 @@ void compare_table(const TableSamples& samples, const NamedAttacker& attacker, S
     const std::string name =
         fmt::format("n = {}, M = {}, α = {}", row.robots, row.targets, row.attacks);
     for (const std::size_t method : {0U, 1U}) {
-      const char* called = method == 0 ? "CD" : "RAIN";
+      const char* label = method == 0 ? "CD" : "RAIN";
       // The printed values are for the greedy attacker.
       if (attacker.attacker == planner::Attacker::kGreedy) {
-        summary.compared.push_back(compare_number(fmt::format("{}: mean RMSE of {}", name, called),
+        summary.compared.push_back(compare_number(fmt::format("{}: mean RMSE of {}", name, label),
                                                   ours.mean_m[method], row.mean_m[method], "m"));
-        summary.compared.push_back(compare_number(fmt::format("{}: peak RMSE of {}", name, called),
+        summary.compared.push_back(compare_number(fmt::format("{}: peak RMSE of {}", name, label),
                                                   ours.peak_m[method], row.peak_m[method], "m"));
       }
     }

@@ -44,8 +44,8 @@ bool Scenario::runs_on(const std::string& host, const std::string& part) const {
 }
 
 int Scenario::firmware_instance(const RobotSpec& robot) const {
-  const bool is_said = robot.firmware && robot.firmware->instance;
-  return is_said ? *robot.firmware->instance : static_cast<int>(&robot - robots.data());
+  const bool is_given = robot.firmware && robot.firmware->instance;
+  return is_given ? *robot.firmware->instance : static_cast<int>(&robot - robots.data());
 }
 
 }  // namespace vantage::scenario

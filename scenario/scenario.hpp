@@ -136,9 +136,9 @@ enum class PlanObjective {
   kMapping,   ///< occupancy of the ground cells
 };
 
-/// Names of the library's search algorithms; search_names() also has those that were added. A test checks that they agree with
-/// planner/search/catalogue.
-inline constexpr std::array<std::string_view, 10> kSearchWords = {
+/// Names of the library's search algorithms; search_names() also has those that were added. A test
+/// checks that they agree with planner/search/catalogue.
+inline constexpr std::array<std::string_view, 10> kSearchNames = {
     "arvi",  "beam",   "rvi",   "fvi",         "greedy",
     "astar", "wastar", "aegis", "random_walk", "lawn_mower"};
 

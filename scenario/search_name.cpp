@@ -9,7 +9,7 @@ namespace vantage::scenario {
 namespace {
 
 std::vector<std::string>& names() {
-  static std::vector<std::string> all(kSearchWords.begin(), kSearchWords.end());
+  static std::vector<std::string> all(kSearchNames.begin(), kSearchNames.end());
   return all;
 }
 

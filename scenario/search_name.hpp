@@ -9,12 +9,12 @@
 namespace vantage::scenario {
 
 /// Value of planner.algorithm with which a user-supplied process on the bus computes each plan. It
-/// is not in kSearchWords, because the search catalogue does not contain it.
+/// is not in kSearchNames, because the search catalogue does not contain it.
 inline constexpr std::string_view kExternalSearch = "external";
 
 inline bool is_external(const PlannerSpec& planner) { return planner.algorithm == kExternalSearch; }
 
-/// Returns the searches that planner.algorithm may name, except kExternalSearch: kSearchWords, then
+/// Returns the searches that planner.algorithm may name, except kExternalSearch: kSearchNames, then
 /// those that were added.
 const std::vector<std::string>& search_names();
 

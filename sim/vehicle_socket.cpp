@@ -25,7 +25,7 @@ sockaddr_in address_in(const std::string& url, std::size_t scheme_length) {
 }
 
 Time arrival_of(Reception<timespec>& reception) {
-  const timespec stamp = reception.word(SCM_TIMESTAMPNS).value_or(timespec{});
+  const timespec stamp = reception.ancillary(SCM_TIMESTAMPNS).value_or(timespec{});
   return from_utime(stamp.tv_sec * 1'000'000 + stamp.tv_nsec / 1'000);
 }
 

@@ -115,7 +115,7 @@ void HealthReporter::publish(Time now, models::ProcessState state) {
 }
 
 void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<int()>& stop_requests,
-              const Usage& usage, LifeSign* life, const WaitCounter& wait_counter) {
+              const Usage& usage, LivenessSender* life, const WaitCounter& wait_counter) {
   HealthReporter health(bus, node, usage);
   WaitReporter processor_wait(wait_counter);
   health.publish(clock.now(), models::ProcessState::kStarting);

@@ -8,7 +8,7 @@
 
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
-#include "core/life_line.hpp"
+#include "core/liveness.hpp"
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
 
@@ -99,6 +99,7 @@ class HealthReporter {
 /// @param life receives a sign of life in each loop; may be null
 /// @param wait  read every 50 ms for Node::on_processor_wait(); may be empty
 void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<int()>& stop_requests,
-              const Usage& usage = {}, LifeSign* life = nullptr, const WaitCounter& wait = {});
+              const Usage& usage = {}, LivenessSender* life = nullptr,
+              const WaitCounter& wait = {});
 
 }  // namespace vantage::bus

@@ -11,7 +11,7 @@
 #include "bus/node/process_usage.hpp"
 #include "bus/transport/transport.hpp"
 #include "core/check.hpp"
-#include "core/life_line.hpp"
+#include "core/liveness.hpp"
 #include "core/process.hpp"
 #include "core/real_time.hpp"
 #include "scenario/reader/overrides.hpp"
@@ -59,7 +59,7 @@ class StopRequests {
 // long: start, loop and end of a process, in order.
 int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node) {
   return run_process(program.name, [&]() -> int {
-    LifeSign life;
+    LivenessSender life;
     const RealTime real_time = take_real_time(argc, argv);
     CLI::App app{program.description, program.name};
     app.footer(

@@ -56,9 +56,9 @@ void StreamMonitor::discard_forged_gap() {
 }
 
 bool StreamMonitor::accepts_step(std::int64_t sequence, const StreamRules& rules) {
-  const bool goes_on = refused_steps_ > 0 && sequence > refused_sequence_ &&
-                       sequence - refused_sequence_ <= kStepMax;
-  refused_steps_ = goes_on ? refused_steps_ + 1 : 1;
+  const bool is_continuation = refused_steps_ > 0 && sequence > refused_sequence_ &&
+                               sequence - refused_sequence_ <= kStepMax;
+  refused_steps_ = is_continuation ? refused_steps_ + 1 : 1;
   refused_sequence_ = sequence;
   const bool is_silent =
       !rules.now || !received_at_ || *rules.now - *received_at_ >= kAcceptSilence;

@@ -201,7 +201,7 @@ std::optional<Datagram> MulticastSocket::receive() {
   if (heard.size() < 0) {
     return std::nullopt;
   }
-  if (const auto drops = heard.word(SO_RXQ_OVFL)) {
+  if (const auto drops = heard.ancillary(SO_RXQ_OVFL)) {
     kernel_drops_ += *drops - kernel_drops_seen_;
     kernel_drops_seen_ = *drops;
   }

@@ -216,10 +216,10 @@ void AutopilotLink::send_origin() {
 }
 
 void AutopilotLink::send_pose(const BodyState& state, Time now) {
-  const Eigen::Vector3d position_m = turn_axes(state.world_from_body.translation_m);
-  const Quaternion local_from_body = turn_axes(state.world_from_body.rotation);
+  const Eigen::Vector3d position_m = convert_axes(state.world_from_body.translation_m);
+  const Quaternion local_from_body = convert_axes(state.world_from_body.rotation);
   const Eigen::Vector3d velocity_body_mps =
-      local_from_body.conjugate() * turn_axes(state.velocity_world_mps);
+      local_from_body.conjugate() * convert_axes(state.velocity_world_mps);
   wire::mavlink::Odometry odometry;
   odometry.time_usec =
       static_cast<std::uint64_t>(std::max<std::int64_t>(0, to_utime(state.capture)));
@@ -251,9 +251,9 @@ void AutopilotLink::send_setpoint(const Setpoint& setpoint, Time now) {
   target.target_component = wire::mavlink::kComponentAutopilot;
   target.coordinate_frame = wire::mavlink::frame::kLocalNed;
   target.type_mask = wire::mavlink::mask::kNothingIgnored;
-  const Eigen::Vector3d position_m = turn_axes(setpoint.position_world_m);
-  const Eigen::Vector3d velocity_mps = turn_axes(setpoint.velocity_world_mps);
-  const Eigen::Vector3d acceleration_mps2 = turn_axes(setpoint.acceleration_world_mps2);
+  const Eigen::Vector3d position_m = convert_axes(setpoint.position_world_m);
+  const Eigen::Vector3d velocity_mps = convert_axes(setpoint.velocity_world_mps);
+  const Eigen::Vector3d acceleration_mps2 = convert_axes(setpoint.acceleration_world_mps2);
   target.x = f32(position_m.x());
   target.y = f32(position_m.y());
   target.z = f32(position_m.z());
@@ -263,8 +263,8 @@ void AutopilotLink::send_setpoint(const Setpoint& setpoint, Time now) {
   target.afx = f32(acceleration_mps2.x());
   target.afy = f32(acceleration_mps2.y());
   target.afz = f32(acceleration_mps2.z());
-  target.yaw = f32(turn_yaw(setpoint.yaw_rad));
-  target.yaw_rate = f32(turn_yaw(setpoint.yaw_rate_radps));
+  target.yaw = f32(convert_yaw(setpoint.yaw_rad));
+  target.yaw_rate = f32(convert_yaw(setpoint.yaw_rate_radps));
   send(target, now);
 }
 

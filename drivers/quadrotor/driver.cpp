@@ -214,10 +214,10 @@ FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
     case FlightState::kLand: {
       // A landing by the autopilot continues, unless it began without poses and may be steered
       // again.
-      const bool goes_on = sequence_.goal() == FlightGoal::kLand && !may_steer_landing();
+      const bool continues_landing = sequence_.goal() == FlightGoal::kLand && !may_steer_landing();
       const bool is_autopilots = out.setpoint.kind == FlightSetpoint::Kind::kBlindLand ||
                                  !out.wants_armed || (out.is_sinking && is_nearly_down()) ||
-                                 goes_on || is_hurried_;
+                                 continues_landing || is_hurried_;
       return is_autopilots ? FlightGoal::kLand : FlightGoal::kFly;
     }
     case FlightState::kKilled:

@@ -39,8 +39,8 @@ void FlightSequence::set_goal(FlightGoal goal) {
   }
   // The goals kArm and kFly use the same mode; changing between them does not request a lost mode
   // again.
-  const bool goes_on = goal_ == FlightGoal::kArm && goal == FlightGoal::kFly;
-  if (!goes_on) {
+  const bool keeps_mode = goal_ == FlightGoal::kArm && goal == FlightGoal::kFly;
+  if (!keeps_mode) {
     has_mode_ = false;
     is_mode_lost_ = false;
     has_climbed_ = false;

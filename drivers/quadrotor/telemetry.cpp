@@ -64,8 +64,8 @@ void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
     const Eigen::Vector3d local_mps(position->vx, position->vy, position->vz);
     if (local_m.allFinite() && local_mps.allFinite()) {
       position_time_ = now;
-      position_world_m_ = turn_axes(local_m);
-      velocity_world_mps_ = turn_axes(local_mps);
+      position_world_m_ = convert_axes(local_m);
+      velocity_world_mps_ = convert_axes(local_mps);
     }
   } else if (const auto attitude = wire::mavlink::unpack<wire::mavlink::Attitude>(frame)) {
     const double cosine = std::cos(static_cast<double>(attitude->roll)) *
@@ -74,11 +74,11 @@ void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
     if (std::isfinite(cosine) && std::isfinite(yaw_rad) && std::isfinite(attitude->yawspeed)) {
       attitude_time_ = now;
       tilt_rad_ = std::acos(cosine);
-      world_from_body_ = turn_axes(
+      world_from_body_ = convert_axes(
           Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
           Eigen::AngleAxisd(static_cast<double>(attitude->pitch), Eigen::Vector3d::UnitY()) *
           Eigen::AngleAxisd(static_cast<double>(attitude->roll), Eigen::Vector3d::UnitX()));
-      yaw_rate_radps_ = turn_yaw(static_cast<double>(attitude->yawspeed));
+      yaw_rate_radps_ = convert_yaw(static_cast<double>(attitude->yawspeed));
     }
   } else if (frame.message_id == wire::mavlink::GpsGlobalOrigin::kMessage.id) {
     has_origin_ = true;

@@ -17,7 +17,7 @@ using models::OperatorAction;
 namespace {
 
 // m/s; maximum velocity error in normal motion; above it an external push is assumed
-constexpr double kSwerveMps = 0.6;
+constexpr double kVelocityErrorMaxMps = 0.6;
 constexpr double kMovingMps = 0.1;
 constexpr double kStandingMps = 0.02;
 constexpr double kStandingRadps = 0.05;
@@ -135,7 +135,8 @@ BrakingPath RoverDriver::braking_path(Time now) const {
   const Setpoint commanded = core_.course.at(now);
   const bool keeps_to_course =
       core_.course.is_on_plan() && has_recent_pose(now) &&
-      (core_.pose.velocity_world_mps() - commanded.velocity_world_mps).norm() <= kSwerveMps &&
+      (core_.pose.velocity_world_mps() - commanded.velocity_world_mps).norm() <=
+          kVelocityErrorMaxMps &&
       (here_m - commanded.position_world_m).head<2>().norm() <= core_.limits.tracking_hold_m;
   if (keeps_to_course) {
     return BrakingPath::along(core_.course.plan(), std::max(0.0, core_.course.elapsed_s(now)),

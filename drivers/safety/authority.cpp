@@ -68,9 +68,9 @@ OperatorAuthority::Station* OperatorAuthority::learn(const models::OperatorComma
     station->ahead = {};
     return station;
   }
-  const bool goes_on = station != nullptr && stamp.sequence > station->sequence &&
-                       stamp.sequence - station->sequence <= kGoesOnMax;
-  if (goes_on && !is_current(stamp.time, station->ahead, now)) {
+  const bool is_continuation = station != nullptr && stamp.sequence > station->sequence &&
+                               stamp.sequence - station->sequence <= kLostMax;
+  if (is_continuation && !is_current(stamp.time, station->ahead, now)) {
     ++clocks_set_;
     station->ahead = stamp.time - now;
   }

@@ -15,7 +15,7 @@ using models::FlightState;
 namespace {
 
 // m/s; maximum velocity error in normal flight; above it an external push is assumed
-constexpr double kSwerveMps = 0.6;
+constexpr double kVelocityErrorMaxMps = 0.6;
 constexpr double kSameSpeedMps = 0.1;     // m/s; speeds that differ by less count as equal
 constexpr double kClearanceMps = 0.2;     // m/s; speed of a shift away from fence or obstacle
 constexpr double kShiftPatienceS = 6.0;   // s; then a landing descends even if not over its spot
@@ -35,7 +35,8 @@ constexpr double kBlindSinkShare = 0.4;
 bool FlightGuard::Parts::keeps_to_course(Time now) const {
   const Setpoint commanded = course.at(now);
   return course.is_on_plan() && pose_age_s(now) < limits.pose_age_land_s &&
-         (pose.velocity_world_mps() - commanded.velocity_world_mps).norm() <= kSwerveMps &&
+         (pose.velocity_world_mps() - commanded.velocity_world_mps).norm() <=
+             kVelocityErrorMaxMps &&
          (pose.predict_m(now, kPredictS) - commanded.position_world_m).norm() <=
              limits.tracking_hold_m;
 }
@@ -129,7 +130,9 @@ void FlightGuard::Parts::update_inputs(Time now) {
   const auto aged = [&](double age_s) {
     return age_s == kNever && airborne ? to_seconds(now - started_at) : age_s;
   };
-  const auto age = [&](bool heard, Time at) { return aged(heard ? to_seconds(now - at) : kNever); };
+  const auto age = [&](bool is_received, Time at) {
+    return aged(is_received ? to_seconds(now - at) : kNever);
+  };
   in.pose_age_s = aged(in.pose_age_s);
   in.telemetry_age_s = aged(in.telemetry_age_s);
   in.operator_age_s = aged(in.operator_age_s);

@@ -21,8 +21,9 @@ void MocapSource::record_frame(const models::MocapFrame& frame, Time now) {
 MocapSource::Standing MocapSource::judge(const models::MocapFrame& frame, Time now) {
   const Time stamp = frame.stamp.time;
   if (run_id_ == frame.stamp.run_id) {
-    const bool goes_on = frame.frame_number > number_ && frame.frame_number - number_ <= kGoesOnMax;
-    if (!goes_on && !is_current(stamp, {}, now) && !is_current(stamp, ahead_, now)) {
+    const bool is_continuation =
+        frame.frame_number > number_ && frame.frame_number - number_ <= kLostMax;
+    if (!is_continuation && !is_current(stamp, {}, now) && !is_current(stamp, ahead_, now)) {
       ++other_time_;
       other_time_received_at_ = now;
       return Standing::kRefused;

@@ -28,7 +28,7 @@ class MocapSource {
   static constexpr double kSilentS = 0.3;
   static constexpr double kFreshS = 2.0;
   /// maximum number of frames lost while the source's clock is set
-  static constexpr std::int64_t kGoesOnMax = 1000;
+  static constexpr std::int64_t kLostMax = 1000;
 
   /// Decision about a frame.
   enum class [[nodiscard]] Standing{

@@ -30,9 +30,10 @@ double unseen_s(const OtherBody& body, const SafetyLimits& limits) {
 // Returns the uncertainty radius of a body around its extrapolated position, m. A robot without
 // poses stops; any other moving body may continue for a second.
 double strayed_m(const OtherBody& body, const SafetyLimits& limits) {
-  constexpr double kGoesOnS = 1.0;
+  constexpr double kExtrapolationMaxS = 1.0;
   const double growth_mps = std::max(limits.other_pose_growth_mps, body.last_speed_mps);
-  const double most_m = std::max(limits.other_pose_growth_max_m, kGoesOnS * body.last_speed_mps);
+  const double most_m =
+      std::max(limits.other_pose_growth_max_m, kExtrapolationMaxS * body.last_speed_mps);
   return std::min(most_m, growth_mps * unseen_s(body, limits));
 }
 
@@ -281,14 +282,14 @@ bool is_climb_blocked(const Eigen::Vector3d& position_m, double goal_m,
   constexpr double kRoomM = 0.25;  // m; allowance for a turn of the other body meanwhile
   return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
     const double z_m = body.position_world_m.z();
-    const bool is_on_the_way =
+    const bool is_in_climb_range =
         body.robot >= 0 && z_m > position_m.z() && z_m < goal_m + limits.separation_hold_m;
     const Eigen::Vector3d flat(1.0, 1.0, 0.0);
     const Eigen::Vector3d here_m = position_m.cwiseProduct(flat);
     const Eigen::Vector3d from_m = body.position_world_m.cwiseProduct(flat);
     const Eigen::Vector3d to_m = from_m + kPredictionS * body.velocity_world_mps.cwiseProduct(flat);
     const double needed_m = limits.separation_hold_m + kRoomM + tube_m(body, limits);
-    return is_on_the_way && models::closest_approach_m(here_m, here_m, from_m, to_m) < needed_m;
+    return is_in_climb_range && models::closest_approach_m(here_m, here_m, from_m, to_m) < needed_m;
   });
 }
 

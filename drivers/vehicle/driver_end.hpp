@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "core/life_line.hpp"
+#include "core/liveness.hpp"
 #include "core/time.hpp"
 
 namespace vantage::drivers {

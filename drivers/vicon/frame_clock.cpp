@@ -28,10 +28,10 @@ constexpr double kSlowEcho_s = 0.1;
 constexpr Duration kSlowFor = std::chrono::seconds(2);
 /// After an echo with a shorter round trip, frames have not waited for long.
 constexpr double kFastEcho_s = 0.05;
-constexpr double kSamePace = 0.01;
-constexpr double kOtherPace = 0.003;
+constexpr double kSamePeriod = 0.01;
+constexpr double kOtherPeriod = 0.003;
 
-double pace_s(const FrameMark& from, const FrameMark& to) {
+double tick_period_s(const FrameMark& from, const FrameMark& to) {
   return (to.arrival_s - from.arrival_s) / static_cast<double>(to.tick - from.tick);
 }
 
@@ -90,7 +90,7 @@ void FrameClock::learn(const FrameMark& now, double late_s) {
     block_late_s_ = late_s;
   } else if (now.arrival_s - block_->arrival_s >= kBlock_s) {
     const bool is_faster = tick_s_ > 0.0 && block_late_s_ <= kJitter_s &&
-                           pace_s(*block_, now) < (1.0 - kFaster) * tick_s_;
+                           tick_period_s(*block_, now) < (1.0 - kFaster) * tick_s_;
     block_ = now;
     block_late_s_ = late_s;
     if (is_faster) {
@@ -132,11 +132,11 @@ void FrameClock::check_stated(const FrameMark& now) {
   if (passed_s < kBlock_s || now.tick <= echo_mark_->tick) {
     return;
   }
-  const double measured_s = pace_s(*echo_mark_, now);
+  const double measured_s = tick_period_s(*echo_mark_, now);
   const double error_s =
       (round_trip_s_ + measured_s) / static_cast<double>(now.tick - echo_mark_->tick);
-  const bool is_other = std::abs(measured_s - tick_s_) > error_s + kOtherPace * tick_s_;
-  const bool is_same = std::abs(measured_s - refuted_tick_s_) < kSamePace * measured_s;
+  const bool is_other = std::abs(measured_s - tick_s_) > error_s + kOtherPeriod * tick_s_;
+  const bool is_same = std::abs(measured_s - refuted_tick_s_) < kSamePeriod * measured_s;
   refutations_ = !is_other ? 0 : refutations_ > 0 && is_same ? refutations_ + 1 : 1;
   refuted_tick_s_ = measured_s;
   echo_mark_ = now;

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "core/time.hpp"
-#include "drivers/vicon/pace_fit.hpp"
+#include "drivers/vicon/tick_period_fit.hpp"
 
 namespace vantage::drivers::vicon {
 
@@ -29,8 +29,8 @@ struct FrameTiming {
 /// frame that arrives after the echo was sent after the ping.
 ///
 /// The period stated by the server is used until echoes show for kRefuted_s that it is wrong. If no
-/// period is stated, it is estimated (PaceFit). Until the period is known, lateness is 0, and a
-/// queue that exists from the first frame on is not detected.
+/// period is stated, it is estimated (TickPeriodFit). Until the period is known, lateness is 0, and
+/// a queue that exists from the first frame on is not detected.
 class FrameClock {
  public:
   /// Largest relative error of a known tick period.
@@ -65,7 +65,7 @@ class FrameClock {
   double drift_ = kDrift;
   bool is_learned_ = false;  ///< the tick period is estimated: none or a wrong one is stated
 
-  PaceFit fit_;
+  TickPeriodFit fit_;
   double next_fit_s_ = 0.0;         ///< s; time span of data at which the fit is computed again
   std::optional<FrameMark> block_;  ///< start of the check for a too long tick period
   double block_late_s_ = 0.0;

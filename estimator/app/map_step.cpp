@@ -13,8 +13,8 @@ constexpr std::size_t kScansWaiting = 64;
 constexpr std::size_t kMapsKeptPerRobot = 16;
 
 template <class Content>
-const Content* content_of(const std::optional<Heard<Content>>& heard) {
-  return heard ? heard->content.get() : nullptr;
+const Content* content_of(const std::optional<NamedMessage<Content>>& message) {
+  return message ? message->content.get() : nullptr;
 }
 
 }  // namespace
@@ -52,18 +52,18 @@ MapPublisher::MapPublisher(bus::Bus& bus, const scenario::Scenario& scenario,
   }
 }
 
-void MapPublisher::take_up(const models::RobotBelief& belief) {
-  for (const auto& [teammate, heard] : newest_) {
-    if (!map_.hears(belief, *heard.content)) {
+void MapPublisher::update_in_range(const models::RobotBelief& belief) {
+  for (const auto& [teammate, message] : newest_) {
+    if (!map_.accepts(belief, *message.content)) {
       continue;
     }
-    taken_[{teammate, heard.ref.run_id}] = heard;
+    in_range_[{teammate, message.ref.run_id}] = message;
     const auto is_of_mate = [&mate = teammate](const auto& each) {
       return each.first.first == mate;
     };
-    if (std::count_if(taken_.begin(), taken_.end(), is_of_mate) > kRunsKept) {
-      taken_.erase(
-          std::min_element(taken_.begin(), taken_.end(), [&](const auto& a, const auto& b) {
+    if (std::count_if(in_range_.begin(), in_range_.end(), is_of_mate) > kRunsKept) {
+      in_range_.erase(
+          std::min_element(in_range_.begin(), in_range_.end(), [&](const auto& a, const auto& b) {
             const bool is_a_of_mate = is_of_mate(a);
             return is_a_of_mate != is_of_mate(b)
                        ? is_a_of_mate
@@ -75,7 +75,7 @@ void MapPublisher::take_up(const models::RobotBelief& belief) {
 }
 
 void MapPublisher::step(const models::RobotBelief& belief, const models::InputRef& name) {
-  take_up(belief);
+  update_in_range(belief);
   std::vector<models::InputRef> names{name};
   MapInput input;
   input.belief = &belief;
@@ -92,9 +92,9 @@ void MapPublisher::step(const models::RobotBelief& belief, const models::InputRe
     names.push_back(scan->ref);
   }
   std::vector<const models::RobotMap*> teammates;
-  for (const auto& [run, heard] : taken_) {
-    teammates.push_back(heard.content.get());
-    names.push_back(heard.ref);
+  for (const auto& [run, message] : in_range_) {
+    teammates.push_back(message.content.get());
+    names.push_back(message.ref);
   }
   input.scans = scans;
   input.teammates = teammates;
@@ -143,11 +143,12 @@ bool MapReplayer::recompute(const models::RobotMap& logged) {
   MapInput input;
   std::vector<const models::RangeScan*> scans;
   std::vector<const models::RobotMap*> teammates;
-  std::vector<std::pair<models::InputRef, models::RobotMap>> standing;
+  std::vector<std::pair<models::InputRef, models::RobotMap>> used_maps;
   for (const models::InputRef& name : logged.inputs) {
-    const auto stood = std::find_if(standing_.begin(), standing_.end(),
-                                    [&](const auto& each) { return each.first == name; });
-    const models::RobotMap* map = stood != standing_.end() ? &stood->second : maps_.find(name);
+    const auto previous = std::find_if(previous_maps_.begin(), previous_maps_.end(),
+                                       [&](const auto& each) { return each.first == name; });
+    const models::RobotMap* map =
+        previous != previous_maps_.end() ? &previous->second : maps_.find(name);
     if (const auto* scan = scans_.find(name)) {
       scans.push_back(scan);
     } else if (const auto* belief = beliefs_.find(name)) {
@@ -156,7 +157,7 @@ bool MapReplayer::recompute(const models::RobotMap& logged) {
       input.before = map;
     } else if (map != nullptr) {
       teammates.push_back(map);
-      standing.emplace_back(name, *map);
+      used_maps.emplace_back(name, *map);
     } else {
       return false;
     }
@@ -169,7 +170,7 @@ bool MapReplayer::recompute(const models::RobotMap& logged) {
   models::RobotMap made = map_.step(input);
   made.inputs = logged.inputs;
   bus_.publish(bus::map_channel(robot_), made);
-  standing_ = std::move(standing);
+  previous_maps_ = std::move(used_maps);
   return true;
 }
 

@@ -34,16 +34,16 @@ class MapPublisher {
   static constexpr std::ptrdiff_t kRunsKept = 16;
   using Run = std::pair<std::string, std::int64_t>;  ///< robot, run id of its estimator
 
-  /// Copies the newest maps that were sent in range to taken_.
-  void take_up(const models::RobotBelief& belief);
+  /// Copies the newest maps that were sent in range to in_range_.
+  void update_in_range(const models::RobotBelief& belief);
 
   bus::Bus& bus_;
   std::string robot_;
   TeamMap map_;
-  std::deque<Heard<models::RangeScan>> scans_;             ///< not used in a step yet
-  std::map<std::string, Heard<models::RobotMap>> newest_;  ///< by teammate, in range or not
-  std::map<Run, Heard<models::RobotMap>> taken_;           ///< newest map in range, by run
-  std::optional<Heard<models::RobotMap>> own_;
+  std::deque<NamedMessage<models::RangeScan>> scans_;             ///< not used in a step yet
+  std::map<std::string, NamedMessage<models::RobotMap>> newest_;  ///< by teammate, in range or not
+  std::map<Run, NamedMessage<models::RobotMap>> in_range_;        ///< newest map in range, by run
+  std::optional<NamedMessage<models::RobotMap>> own_;
   std::int64_t scans_overflowed_ = 0;
   std::int64_t misaddressed_ = 0;
   std::int64_t runs_forgotten_ = 0;
@@ -71,7 +71,7 @@ class MapReplayer {
   bus::InputStore<models::RobotMap> maps_;
   /// Teammates' maps used by the previous step, stored because the log may reference them again
   /// long after their reception.
-  std::vector<std::pair<models::InputRef, models::RobotMap>> standing_;
+  std::vector<std::pair<models::InputRef, models::RobotMap>> previous_maps_;
   bus::ReplayQueue<models::RobotMap> logged_;  ///< not recomputed yet
   std::int64_t incomplete_ = 0;
 };

@@ -11,7 +11,7 @@ namespace vantage::estimator {
 
 namespace {
 
-constexpr std::size_t kLooksWaitingPerRobot = 64;
+constexpr std::size_t kMeasurementsWaitingPerRobot = 64;
 constexpr std::size_t kPosesKept = 256;
 
 /// Returns the last instant kτ ≤ `t`.
@@ -26,24 +26,24 @@ Time instant_before(Time t, Duration step) {
 
 EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
                              const scenario::Scenario& scenario, const std::string& robot,
-                             Believe believe)
+                             BeliefOverride belief_override)
     : bus_(bus),
       clock_(clock),
       filter_(filter_spec(scenario, robot)),
-      believe_(std::move(believe)),
+      belief_override_(std::move(belief_override)),
       robot_(robot),
       mocap_index_(static_cast<std::size_t>(scenario.find_robot(robot) - scenario.robots.data())),
       step_(from_seconds(scenario.planner.step_s)),
       lag_(step_ / 10),
       lag_max_(step_ / 6) {
   next_instant_ = instant_before(clock.now() - lag_, step_) + step_;
-  listen_to_looks_of(robot_);
+  subscribe_measurements(robot_);
   bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& frame) {
     neighbours_->on_frame(frame);
     on_mocap(frame);
   });
   neighbours_.emplace(
-      scenario, robot_, [this](const std::string& teammate) { listen_to(teammate); },
+      scenario, robot_, [this](const std::string& teammate) { subscribe_teammate(teammate); },
       [this](const std::string& teammate) {
         bus_.unsubscribe(bus::measurement_channel(teammate).name);
         bus_.unsubscribe(bus::belief_channel(teammate).name);
@@ -56,36 +56,36 @@ EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
 
 std::string EstimatorNode::name() const { return "ESTIMATOR_" + robot_; }
 
-void EstimatorNode::listen_to_looks_of(const std::string& looker) {
+void EstimatorNode::subscribe_measurements(const std::string& sender) {
   bus_.subscribe_shared<models::RobotMeasurement>(
-      bus::measurement_channel(looker),
-      [this, looker](const auto&, const auto& look) { on_look(looker, look); });
+      bus::measurement_channel(sender),
+      [this, sender](const auto&, const auto& look) { on_measurement(sender, look); });
 }
 
-void EstimatorNode::listen_to(const std::string& teammate) {
+void EstimatorNode::subscribe_teammate(const std::string& teammate) {
   if (filter_.spec().communication_range_m > 0.0) {
-    listen_to_looks_of(teammate);
+    subscribe_measurements(teammate);
   }
   bus_.subscribe_shared<models::RobotBelief>(
       bus::belief_channel(teammate),
       [this, teammate](const auto&, const auto& m) { on_belief(teammate, m); });
 }
 
-void EstimatorNode::on_look(const std::string& looker,
-                            const std::shared_ptr<const models::RobotMeasurement>& look) {
-  if (look->robot != looker) {
+void EstimatorNode::on_measurement(const std::string& sender,
+                                   const std::shared_ptr<const models::RobotMeasurement>& look) {
+  if (look->robot != sender) {
     ++misaddressed_;
     return;
   }
-  if (looks_.size() ==
-      kLooksWaitingPerRobot * std::max<std::size_t>(1, filter_.spec().team.size())) {
-    looks_.pop_front();
+  if (measurements_.size() ==
+      kMeasurementsWaitingPerRobot * std::max<std::size_t>(1, filter_.spec().team.size())) {
+    measurements_.pop_front();
     ++looks_overflowed_;
   }
-  looks_.push_back({name_of(bus::measurement_channel(looker).name, look->stamp), look});
-  if (looker == robot_ && look->stamp.time > last_own_look_) {
-    last_own_look_ = look->stamp.time;
-    last_own_look_heard_ = clock_.now();
+  measurements_.push_back({name_of(bus::measurement_channel(sender).name, look->stamp), look});
+  if (sender == robot_ && look->stamp.time > last_own_measurement_) {
+    last_own_measurement_ = look->stamp.time;
+    last_own_measurement_received_ = clock_.now();
   }
 }
 
@@ -112,16 +112,16 @@ void EstimatorNode::on_belief(const std::string& teammate,
 
 StepMaterial EstimatorNode::gather(Time t) {
   StepMaterial material;
-  std::deque<Heard<models::RobotMeasurement>> later;
-  for (auto& look : looks_) {
+  std::deque<NamedMessage<models::RobotMeasurement>> later;
+  for (auto& look : measurements_) {
     if (look.content->stamp.time <= t) {
-      material.looks.push_back(std::move(look));
+      material.measurements.push_back(std::move(look));
     } else {
       later.push_back(std::move(look));
     }
   }
-  looks_ = std::move(later);
-  if (!has_viewpoint(material.looks, robot_, t, step_)) {
+  measurements_ = std::move(later);
+  if (!has_viewpoint(material.measurements, robot_, t, step_)) {
     for (const auto& pose : poses_) {
       if (pose.content->time <= t && pose.content->time > t - step_) {
         material.pose = pose;
@@ -138,12 +138,13 @@ StepMaterial EstimatorNode::gather(Time t) {
 Time EstimatorNode::next_tick() const {
   const Time soonest = next_instant_ + lag_;
   const Time latest = next_instant_ + lag_max_;
-  const Duration since_look = next_instant_ - last_own_look_;
-  if (since_look >= 2 * step_) {
+  const Duration since_measurement = next_instant_ - last_own_measurement_;
+  if (since_measurement >= 2 * step_) {
     return soonest;  // no observation of the last instant arrived: do not wait
   }
-  const bool is_awaited = since_look >= step_;
-  return is_awaited ? latest : std::clamp(last_own_look_heard_ + step_ / 100, soonest, latest);
+  const bool is_awaited = since_measurement >= step_;
+  return is_awaited ? latest
+                    : std::clamp(last_own_measurement_received_ + step_ / 100, soonest, latest);
 }
 
 void EstimatorNode::tick(Time now) {
@@ -155,8 +156,8 @@ void EstimatorNode::tick(Time now) {
   next_instant_ = t + step_;
   const StepMaterial material = gather(t);
   models::RobotBelief made = make_step(filter_, t, steps_++, material);
-  if (believe_) {
-    made.targets = believe_(t, material.looks);
+  if (belief_override_) {
+    made.targets = belief_override_(t, material.measurements);
   } else if (const auto mixture = mixture_of(filter_, made)) {
     bus_.publish(bus::mixture_channel(robot_), *mixture);
   }

@@ -36,14 +36,14 @@ class EstimatorNode : public bus::Node {
  public:
   /// Returns the beliefs of the targets at time t, sorted by target_id, including the observations
   /// of the step.
-  using Believe = std::function<std::vector<models::TargetBelief>(
-      Time t, const std::vector<Heard<models::RobotMeasurement>>& looks)>;
+  using BeliefOverride = std::function<std::vector<models::TargetBelief>(
+      Time t, const std::vector<NamedMessage<models::RobotMeasurement>>& measurements)>;
 
-  /// @param believe if not empty, the node publishes its beliefs of the targets instead of the
-  /// filter's
+  /// @param belief_override if not empty, the node publishes its beliefs of the targets instead of
+  /// the filter's
   /// @throws UsageError when `scenario` has no such robot.
   EstimatorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
-                const std::string& robot, Believe believe = {});
+                const std::string& robot, BeliefOverride belief_override = {});
 
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] Time next_tick() const override;
@@ -58,10 +58,10 @@ class EstimatorNode : public bus::Node {
   [[nodiscard]] const DistributedFilter& filter() const { return filter_; }
 
  private:
-  void listen_to_looks_of(const std::string& looker);
-  void listen_to(const std::string& teammate);
-  void on_look(const std::string& looker,
-               const std::shared_ptr<const models::RobotMeasurement>& look);
+  void subscribe_measurements(const std::string& sender);
+  void subscribe_teammate(const std::string& teammate);
+  void on_measurement(const std::string& sender,
+                      const std::shared_ptr<const models::RobotMeasurement>& look);
   void on_mocap(const models::MocapFrame& frame);
   void on_belief(const std::string& teammate,
                  const std::shared_ptr<const models::RobotBelief>& belief);
@@ -70,20 +70,20 @@ class EstimatorNode : public bus::Node {
   bus::Bus& bus_;
   const bus::Clock& clock_;
   DistributedFilter filter_;
-  Believe believe_;
+  BeliefOverride belief_override_;
   std::string robot_;
   std::size_t mocap_index_;  ///< index at which the robot is searched first in mocap frames
   Duration step_;
   Duration lag_;
   Duration lag_max_;
   Time next_instant_{};
-  Time last_own_look_{};        ///< instant of the robot's newest own observation
-  Time last_own_look_heard_{};  ///< time of its reception
+  Time last_own_measurement_{};           ///< instant of the robot's newest own observation
+  Time last_own_measurement_received_{};  ///< time of its reception
   std::int64_t steps_ = 0;
-  std::deque<Heard<models::RobotMeasurement>> looks_;         ///< not used in a step yet
-  std::deque<Heard<OwnPose>> poses_;                          ///< robot's mocap poses, newest last
-  std::map<std::string, Heard<models::RobotBelief>> newest_;  ///< newest belief, by teammate
-  std::optional<MapPublisher> map_;                           ///< only in a mapping scenario
+  std::deque<NamedMessage<models::RobotMeasurement>> measurements_;  ///< not used in a step yet
+  std::deque<NamedMessage<OwnPose>> poses_;  ///< robot's mocap poses, newest last
+  std::map<std::string, NamedMessage<models::RobotBelief>> newest_;  ///< newest belief, by teammate
+  std::optional<MapPublisher> map_;                                  ///< only in a mapping scenario
   std::optional<bus::NeighbourWatch> neighbours_;
   std::int64_t instants_missed_ = 0;
   std::int64_t looks_overflowed_ = 0;

@@ -12,7 +12,7 @@ namespace vantage::estimator {
 
 namespace {
 
-constexpr std::size_t kLooksKeptPerRobot = 1024;
+constexpr std::size_t kMeasurementsKeptPerRobot = 1024;
 constexpr std::size_t kFramesKept = 2048;
 constexpr std::size_t kBeliefsKeptPerTeammate = 64;
 constexpr double kTolerance = 1e-9;
@@ -32,7 +32,7 @@ bool close(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b, double 
 // True if an observation belongs to a step before the last rebase of the filter.
 bool reaches_behind(const StepMaterial& material, const std::optional<Time>& rebased_to) {
   return rebased_to &&
-         std::any_of(material.looks.begin(), material.looks.end(),
+         std::any_of(material.measurements.begin(), material.measurements.end(),
                      [&](const auto& look) { return look.content->stamp.time <= *rebased_to; });
 }
 
@@ -56,14 +56,14 @@ EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
       spec_(filter_spec(scenario, robot)),
       filter_(spec_),
       robot_(robot),
-      looks_(kLooksKeptPerRobot),
+      measurements_(kMeasurementsKeptPerRobot),
       frames_(kFramesKept),
       beliefs_(kBeliefsKeptPerTeammate),
       next_tick_(clock.now() + bus::kReplayTick) {
   for (const scenario::RobotSpec& each : scenario.robots) {
     bus_.subscribe_named<models::RobotMeasurement>(
         bus::measurement_channel(each.name), [this](const std::string& channel, const auto& look) {
-          looks_.add(channel, look);
+          measurements_.add(channel, look);
           work();
         });
   }
@@ -118,13 +118,13 @@ StepMaterial EstimatorReplayNode::gather(const models::RobotBelief& logged,
                                          std::int64_t& missing) const {
   StepMaterial material;
   for (const models::InputRef& ref : logged.inputs) {
-    if (const auto* look = looks_.find(ref)) {
-      material.looks.push_back({ref, borrowed(look)});
+    if (const auto* look = measurements_.find(ref)) {
+      material.measurements.push_back({ref, borrowed(look)});
     } else if (const auto* belief = beliefs_.find(ref)) {
       material.beliefs.push_back({ref, borrowed(belief)});
     } else if (const auto* frame = frames_.find(ref)) {
       if (const auto pose = own_pose(*frame, robot_)) {
-        material.pose = Heard<OwnPose>{ref, std::make_shared<const OwnPose>(*pose)};
+        material.pose = NamedMessage<OwnPose>{ref, std::make_shared<const OwnPose>(*pose)};
       }
     } else {
       ++missing;

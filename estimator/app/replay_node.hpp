@@ -60,7 +60,7 @@ class EstimatorReplayNode : public bus::Node {
   FilterSpec spec_;
   DistributedFilter filter_;
   std::string robot_;
-  bus::InputStore<models::RobotMeasurement> looks_;
+  bus::InputStore<models::RobotMeasurement> measurements_;
   bus::InputStore<models::MocapFrame> frames_;
   bus::InputStore<models::RobotBelief> beliefs_;
   bus::ReplayQueue<models::RobotBelief> logged_;  ///< not recomputed yet

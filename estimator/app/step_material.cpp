@@ -18,9 +18,9 @@ std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::stri
                  {flatten(body->world_from_body), body->world_from_body.translation_m.z()}};
 }
 
-bool has_viewpoint(const std::vector<Heard<models::RobotMeasurement>>& looks,
+bool has_viewpoint(const std::vector<NamedMessage<models::RobotMeasurement>>& measurements,
                    const std::string& robot, Time t, Duration step) {
-  return std::any_of(looks.begin(), looks.end(), [&](const auto& look) {
+  return std::any_of(measurements.begin(), measurements.end(), [&](const auto& look) {
     return look.content->robot == robot && look.content->stamp.time > t - step &&
            look.content->stamp.time <= t;
   });
@@ -30,12 +30,12 @@ models::RobotBelief make_step(DistributedFilter& filter, Time t, std::int64_t st
                               const StepMaterial& material) {
   StepInput input;
   input.time = t;
-  std::vector<const models::RobotMeasurement*> looks;
+  std::vector<const models::RobotMeasurement*> measurements;
   std::vector<const models::RobotBelief*> beliefs;
   std::vector<models::InputRef> names;
   Time newest = t - from_seconds(filter.spec().step_s);
-  for (const auto& look : material.looks) {
-    looks.push_back(look.content.get());
+  for (const auto& look : material.measurements) {
+    measurements.push_back(look.content.get());
     names.push_back(look.ref);
     if (look.content->robot == filter.spec().robot && look.content->stamp.time > newest &&
         look.content->stamp.time <= t) {
@@ -51,7 +51,7 @@ models::RobotBelief make_step(DistributedFilter& filter, Time t, std::int64_t st
     beliefs.push_back(belief.content.get());
     names.push_back(belief.ref);
   }
-  input.looks = looks;
+  input.measurements = measurements;
   input.beliefs = beliefs;
   models::RobotBelief made = filter.step(input);
   made.step = step;

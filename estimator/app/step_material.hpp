@@ -15,7 +15,7 @@ namespace vantage::estimator {
 
 /// A received message with the name by which other messages refer to it.
 template <class Content>
-struct Heard {
+struct NamedMessage {
   models::InputRef ref;
   std::shared_ptr<const Content> content;
 };
@@ -29,9 +29,9 @@ struct OwnPose {
 /// All inputs of one step. Live and replayed steps are computed from it by the same function, so
 /// their results are equal.
 struct StepMaterial {
-  std::vector<Heard<models::RobotMeasurement>> looks;
-  std::optional<Heard<OwnPose>> pose;  ///< used if the step has no own observation
-  std::vector<Heard<models::RobotBelief>> beliefs;
+  std::vector<NamedMessage<models::RobotMeasurement>> measurements;
+  std::optional<NamedMessage<OwnPose>> pose;  ///< used if the step has no own observation
+  std::vector<NamedMessage<models::RobotBelief>> beliefs;
 };
 
 /// Returns the name (channel, run, sequence number) of a message received on `channel`.
@@ -42,9 +42,9 @@ models::InputRef name_of(const std::string& channel, const models::Stamp& stamp)
 std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::string& robot,
                                 std::size_t hint = 0);
 
-/// True if one of `looks` was made by `robot` in the interval (t − τ, t], so that its viewpoint can
-/// be used at time t.
-bool has_viewpoint(const std::vector<Heard<models::RobotMeasurement>>& looks,
+/// True if one of `measurements` was made by `robot` in the interval (t − τ, t], so that its
+/// viewpoint can be used at time t.
+bool has_viewpoint(const std::vector<NamedMessage<models::RobotMeasurement>>& measurements,
                    const std::string& robot, Time t, Duration step);
 
 /// Advances `filter` to `t` and returns BELIEF_R; only run id and sequence number of its stamp are

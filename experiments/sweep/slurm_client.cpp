@@ -34,7 +34,7 @@ auto count_of(const SlurmQueue& queue, const Rule& rule) {
 
 }  // namespace
 
-std::string SlurmJobs::are() const {
+std::string SlurmJobs::subject_and_verb() const {
   return collector.empty()
              ? fmt::format("job {} is", job_text(array))
              : fmt::format("jobs {} and {} are", number_of(array), job_text(collector));
@@ -50,8 +50,8 @@ std::string SlurmQueue::describe() const {
 }
 
 std::string submit_job(const std::vector<std::string>& options, const std::string& script) {
-  const Result<ChildAnswer> answer =
-      ask(joined(joined({"sbatch", "--parsable"}, options), {script}));
+  const Result<CommandOutput> answer =
+      run_command(joined(joined({"sbatch", "--parsable"}, options), {script}));
   if (!answer.ok()) {
     throw StartupError(answer.error().message +
                        "; run --slurm on a machine that can submit jobs to a cluster");
@@ -63,13 +63,13 @@ std::string submit_job(const std::vector<std::string>& options, const std::strin
   return job;
 }
 
-Result<SlurmQueue> ask_queue(const SlurmJobs& jobs) {
+Result<SlurmQueue> query_queue(const SlurmJobs& jobs) {
   const std::string array = number_of(jobs.array);
   const std::string collector = number_of(jobs.collector);
-  const Result<ChildAnswer> answer =
-      ask(joined({"squeue", "--noheader", "--array", "--states=all", "--format=%i|%T",
-                  "--jobs=" + array + (collector.empty() ? "" : "," + collector)},
-                 cluster_option(jobs.array)));
+  const Result<CommandOutput> answer =
+      run_command(joined({"squeue", "--noheader", "--array", "--states=all", "--format=%i|%T",
+                          "--jobs=" + array + (collector.empty() ? "" : "," + collector)},
+                         cluster_option(jobs.array)));
   if (!answer.ok()) {
     return answer.error();
   }
@@ -94,8 +94,8 @@ void cancel_job(const std::string& job, const std::vector<std::string>& options)
   if (job.empty()) {
     return;
   }
-  static_cast<void>(ask(joined(joined(joined({"scancel", "--quiet"}, options), cluster_option(job)),
-                               {number_of(job)})));
+  static_cast<void>(run_command(joined(
+      joined(joined({"scancel", "--quiet"}, options), cluster_option(job)), {number_of(job)})));
 }
 
 std::string cancel_command(const SlurmJobs& jobs) {

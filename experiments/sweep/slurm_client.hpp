@@ -16,7 +16,7 @@ struct SlurmJobs {
   std::string collector;  ///< format of job_of(); empty: nothing was submitted
   int shards = 0;         ///< number of shards of the sweep
   /// Returns "jobs 12 and 13 are".
-  [[nodiscard]] std::string are() const;
+  [[nodiscard]] std::string subject_and_verb() const;
 };
 
 /// States of both jobs in Slurm. Slurm reports them until a few minutes after the jobs' end.
@@ -35,7 +35,7 @@ std::string submit_job(const std::vector<std::string>& options, const std::strin
 
 /// Queries the states of the jobs on their cluster. Returns an Error with the message of squeue if
 /// the query fails.
-Result<SlurmQueue> ask_queue(const SlurmJobs& jobs);
+Result<SlurmQueue> query_queue(const SlurmJobs& jobs);
 
 /// Cancels the job on its cluster, with additional options for scancel. Errors are ignored: the job
 /// may have ended already.

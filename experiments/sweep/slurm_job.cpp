@@ -29,8 +29,8 @@ SlurmScripts slurm_scripts(const std::vector<std::string>& command, int shards) 
   return {words + fmt::format(" --shard \"$SLURM_ARRAY_TASK_ID/{}\"\n", shards), words + "\n"};
 }
 
-std::vector<int> shards_lacking(const SweepPlan& plan, int of,
-                                const std::map<Unit, UnitRows>& done) {
+std::vector<int> incomplete_shards(const SweepPlan& plan, int of,
+                                   const std::map<Unit, UnitRows>& done) {
   std::vector<int> lacking;
   for (int number = 1; number <= of; ++number) {
     const std::vector<Unit> units = units_of(plan, {number, of});
@@ -103,7 +103,9 @@ bool is_live(const std::string& state) {
   return std::find(kEnded.begin(), kEnded.end(), state) == kEnded.end();
 }
 
-bool is_at_work(const std::string& state) { return is_live(state) && state != "COMPLETING"; }
+bool is_running_or_pending(const std::string& state) {
+  return is_live(state) && state != "COMPLETING";
+}
 
 bool is_failure(const std::string& state) {
   return !is_live(state) && !state.empty() && state != "COMPLETED";

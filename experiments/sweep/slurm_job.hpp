@@ -20,8 +20,8 @@ struct SlurmScripts {
 SlurmScripts slurm_scripts(const std::vector<std::string>& command, int shards);
 
 /// Returns the numbers of the shards, out of `of`, with a unit that is not in `done`.
-std::vector<int> shards_lacking(const SweepPlan& plan, int of,
-                                const std::map<Unit, UnitRows>& done);
+std::vector<int> incomplete_shards(const SweepPlan& plan, int of,
+                                   const std::map<Unit, UnitRows>& done);
 
 /// Returns ascending numbers in the format of sbatch --array: "1-3,7".
 std::string array_text(const std::vector<int>& numbers);
@@ -48,7 +48,7 @@ std::map<std::string, std::string> states_of(const std::string& answer);
 bool is_live(const std::string& state);
 /// As is_live(), but false for COMPLETING. If no unit is missing, only jobs in these states must be
 /// waited for.
-bool is_at_work(const std::string& state);
+bool is_running_or_pending(const std::string& state);
 /// True if the job ended without success.
 bool is_failure(const std::string& state);
 

@@ -47,22 +47,23 @@ class SlurmRun {
     claim_directory(options_.directory, identity_, sweep_.plan);
     read_submitted();
     if (!submitted_.array.empty() && is_in_queue()) {
-      slurm_.tell(fmt::format("{} in the queue: nothing is submitted", submitted_.are()));
+      slurm_.print_line(
+          fmt::format("{} in the queue: nothing is submitted", submitted_.subject_and_verb()));
     } else {
       const auto done = read_rows(options_.directory, sweep_.plan, identity_).done;
-      const std::vector<int> lacking = shards_lacking(sweep_.plan, slurm_.shards, done);
-      if (lacking.empty()) {
+      const std::vector<int> incomplete = incomplete_shards(sweep_.plan, slurm_.shards, done);
+      if (incomplete.empty()) {
         return collect();
       }
-      submit(lacking);
+      submit(incomplete);
     }
-    return slurm_.is_waiting ? wait() : left_alone();
+    return slurm_.is_waiting ? wait() : leave_running();
   }
 
  private:
   SlurmEnd collect() const {
     for (const std::string& line : run_sweep(sweep_, identity_, what_, options_).lines) {
-      slurm_.tell(line);
+      slurm_.print_line(line);
     }
     return SlurmEnd::kCollected;
   }
@@ -88,11 +89,11 @@ class SlurmRun {
   }
 
   [[nodiscard]] bool is_in_queue() const {
-    const Result<SlurmQueue> now = ask_queue(submitted_);
+    const Result<SlurmQueue> now = query_queue(submitted_);
     if (!now.ok()) {
       throw StartupError(fmt::format(
           "{} perhaps in the queue, but Slurm cannot be queried: {}; nothing is submitted",
-          submitted_.are(), now.error().message));
+          submitted_.subject_and_verb(), now.error().message));
     }
     return now.value().has_task(is_live) || is_live(now.value().collector);
   }
@@ -110,18 +111,18 @@ class SlurmRun {
     return submit_job(options, (folder_ / script).string());
   }
 
-  void submit(const std::vector<int>& lacking) {
+  void submit(const std::vector<int>& incomplete) {
     std::error_code error;
     fs::create_directories(folder_, error);
     const SlurmScripts scripts = slurm_scripts(slurm_.command, slurm_.shards);
     write_file(folder_ / "shards.sh", scripts.shards);
     write_file(folder_ / "collect.sh", scripts.collect);
-    for (const int shard : lacking) {
+    for (const int shard : incomplete) {
       fs::remove(log_of(shard),
                  error);  // removes an earlier job's log, which could be mistaken for the new one
     }
     submitted_ = {"", "", slurm_.shards};
-    submitted_.array = sbatch({"--array=" + array_text(lacking), "--output=shard_%a.log",
+    submitted_.array = sbatch({"--array=" + array_text(incomplete), "--output=shard_%a.log",
                                fmt::format("--cpus-per-task={}", slurm_.cores_per_task)},
                               "shards.sh", "");
     keep_submitted();
@@ -135,17 +136,17 @@ class SlurmRun {
                                      refusal.what(), job_text(submitted_.array)));
     }
     keep_submitted();
-    slurm_.tell(fmt::format(
+    slurm_.print_line(fmt::format(
         "submitted: job {} for shards {} of {}, job {} collects their results; logs in {}",
-        job_text(submitted_.array), array_text(lacking), slurm_.shards,
+        job_text(submitted_.array), array_text(incomplete), slurm_.shards,
         job_text(submitted_.collector), folder_.string()));
   }
 
-  SlurmEnd left_alone() const {
-    slurm_.tell(fmt::format(
+  SlurmEnd leave_running() const {
+    slurm_.print_line(fmt::format(
         "{} still in the queue; results will be in {}. Run the same command to wait for "
         "them. To cancel: {}",
-        submitted_.are(), options_.directory, cancel_command(submitted_)));
+        submitted_.subject_and_verb(), options_.directory, cancel_command(submitted_)));
     return SlurmEnd::kSubmitted;
   }
 
@@ -185,7 +186,7 @@ class SlurmRun {
     std::optional<Clock::time_point> ended;
     std::map<int, std::string> last;  // last known state of each task
     while (true) {
-      const Result<SlurmQueue> now = ask_queue(submitted_);
+      const Result<SlurmQueue> now = query_queue(submitted_);
       const SweepProgress progress = progress_now();
       if (slurm_.progress) {
         slurm_.progress(progress, now.ok() ? now.value().describe() : now.error().message);
@@ -196,7 +197,7 @@ class SlurmRun {
         }
       }
       const bool is_whole = progress.done >= progress.units;
-      if (now.ok() && now.value().has_task(is_whole ? is_at_work : is_live)) {
+      if (now.ok() && now.value().has_task(is_whole ? is_running_or_pending : is_live)) {
         ended.reset();  // a task was requeued
       } else if (now.ok()) {
         ended = ended.value_or(Clock::now());
@@ -209,32 +210,33 @@ class SlurmRun {
                                   });
           if (has_failed || Clock::now() - *ended > kSeenWithin) {
             cancel_job(submitted_.collector);
-            return tell_lacking(last);
+            return report_missing(last);
           }
-        } else if (is_at_work(now.value().collector)) {
+        } else if (is_running_or_pending(now.value().collector)) {
           cancel_job(submitted_.collector, {"--state=PENDING"});
         } else {
           return collect();
         }
       }
       if (!pause(ended ? std::chrono::milliseconds(500) : poll_period())) {
-        return left_alone();
+        return leave_running();
       }
     }
   }
 
-  SlurmEnd tell_lacking(const std::map<int, std::string>& last) const {
+  SlurmEnd report_missing(const std::map<int, std::string>& last) const {
     const auto done = read_rows(options_.directory, sweep_.plan, identity_).done;
-    for (const int shard : shards_lacking(sweep_.plan, submitted_.shards, done)) {
+    for (const int shard : incomplete_shards(sweep_.plan, submitted_.shards, done)) {
       const auto state = last.find(shard);
       const fs::path log = log_of(shard);
-      slurm_.tell(fmt::format("shard {} is incomplete: {}; {}", shard,
-                              state == last.end() ? "no longer in the queue" : state->second,
-                              fs::exists(log) ? log.string() + " ends with: " + last_line_of(log)
-                                              : "it did not start"));
+      slurm_.print_line(fmt::format("shard {} is incomplete: {}; {}", shard,
+                                    state == last.end() ? "no longer in the queue" : state->second,
+                                    fs::exists(log)
+                                        ? log.string() + " ends with: " + last_line_of(log)
+                                        : "it did not start"));
     }
-    slurm_.tell("run the same command to submit the missing shards");
-    return SlurmEnd::kLacking;
+    slurm_.print_line("run the same command to submit the missing shards");
+    return SlurmEnd::kIncomplete;
   }
 
   const Sweep& sweep_;

@@ -15,15 +15,15 @@ struct SlurmOptions {
   int cores_per_task = 1;
   std::vector<std::string> sbatch;  ///< options passed unchanged to sbatch, after our options
   bool is_waiting = true;
-  std::function<void(const std::string& line)> tell;
+  std::function<void(const std::string& line)> print_line;
   /// Called about once per query of the queue; the text describes the jobs' states.
   std::function<void(const SweepProgress&, const std::string& jobs)> progress;
 };
 
 enum class SlurmEnd {
-  kCollected,  ///< all units are done and the results are written
-  kSubmitted,  ///< jobs are in the queue, and this call does not wait for them
-  kLacking,    ///< jobs have ended with units missing
+  kCollected,   ///< all units are done and the results are written
+  kSubmitted,   ///< jobs are in the queue, and this call does not wait for them
+  kIncomplete,  ///< jobs have ended with units missing
 };
 
 /// Runs `sweep` in options.directory, which all nodes must share. It submits an array of jobs, one

@@ -129,7 +129,7 @@ SweepOutcome run_sweep(const Sweep& sweep, const SweepIdentity& identity, const 
     RowWriter writer(options.directory, this_process(options.jobs, options.shard.value_or(Shard{})),
                      identity, sweep.plan);
     const auto start = std::chrono::steady_clock::now();
-    const auto tell = [&] {
+    const auto report_progress = [&] {
       progress.elapsed_s =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       progress.is_stopping = options.stop && options.stop();
@@ -138,12 +138,12 @@ SweepOutcome run_sweep(const Sweep& sweep, const SweepIdentity& identity, const 
       }
     };
     run_units(
-        left, {options.jobs, options.stop, tell},
+        left, {options.jobs, options.stop, report_progress},
         [&](const Unit& unit) { return run_unit(sweep, unit, identity.seed); },
         [&](const Unit& unit, const UnitRows& rows) {
           writer.append(unit_line(sweep.plan, unit, rows));
           ++progress.done;
-          tell();
+          report_progress();
         });
   }
   outcome.is_stopped = progress.done < progress.units;

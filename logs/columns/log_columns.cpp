@@ -137,7 +137,7 @@ std::vector<LogColumns::Field> LogColumns::plan(const bus::WireSchema& schema,
     } else {
       LogColumn column;
       column.name = name;
-      column.is_truth = wire.number == WireNumber::kBoolean;
+      column.is_boolean = wire.number == WireNumber::kBoolean;
       column.list = rows;
       column.values = no_values(wire);
       for (std::size_t d = 0; field.list < 0 && d < static_cast<std::size_t>(wire.rank); ++d) {

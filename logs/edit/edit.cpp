@@ -45,7 +45,7 @@ EditCounts edit_log(const IndexedLog& log, EditRules& rules, const EventSink& si
   const auto write = [&](LogEvent event) {
     const auto name = rules.names.rename(event.channel);
     if (!name) {
-      ++counts.name_too_long;
+      ++counts.invalid_names;
       return;
     }
     event.channel = *name;

@@ -376,10 +376,11 @@ void Stream::extend_trail(const std::string& body, const Eigen::Vector3d& positi
   if (points.size() >= 2) {
     // Drop points between collinear neighbours: most of a path is straight.
     const auto& [from_time, from_m] = points[points.size() - 2];
-    const Eigen::Vector3d way_m = position_m - from_m;
+    const Eigen::Vector3d piece_m = position_m - from_m;
     const Eigen::Vector3d to_last_m = points.back().second - from_m;
-    const double along = std::clamp(to_last_m.dot(way_m) / way_m.squaredNorm(), 0.0, 1.0);
-    if (time - from_time <= kTrackPieceMax && (to_last_m - along * way_m).norm() <= kTrackBend_m) {
+    const double along = std::clamp(to_last_m.dot(piece_m) / piece_m.squaredNorm(), 0.0, 1.0);
+    if (time - from_time <= kTrackPieceMax &&
+        (to_last_m - along * piece_m).norm() <= kTrackBend_m) {
       points.pop_back();
     }
   }

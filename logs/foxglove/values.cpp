@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "logs/foxglove/scene.hpp"
-#include "models/mapping/looks.hpp"
+#include "models/mapping/cell_counts.hpp"
 
 namespace vantage::logs::foxglove {
 namespace {

@@ -14,11 +14,11 @@ std::vector<models::TargetBelief> assign_ids_by_position(
     std::span<const models::TargetBelief> tracks, const TruthHistory& truth, int targets,
     Time time) {
   std::vector<const models::TargetBelief*> usable;
-  std::vector<Eigen::Vector2d> told_m;
+  std::vector<Eigen::Vector2d> estimated_m;
   for (const models::TargetBelief& track : tracks) {
     if (const auto estimate = position_estimate(track, "", time, 2)) {
       usable.push_back(&track);
-      told_m.emplace_back(estimate->mean_m.head<2>());
+      estimated_m.emplace_back(estimate->mean_m.head<2>());
     }
   }
   std::vector<int> ids;
@@ -30,8 +30,8 @@ std::vector<models::TargetBelief> assign_ids_by_position(
     }
   }
   const bool is_by_truth = ids.size() <= usable.size();
-  const auto& rows_m = is_by_truth ? true_m : told_m;
-  const auto& columns_m = is_by_truth ? told_m : true_m;
+  const auto& rows_m = is_by_truth ? true_m : estimated_m;
+  const auto& columns_m = is_by_truth ? estimated_m : true_m;
   std::vector<double> cost_m2;
   for (const Eigen::Vector2d& row_m : rows_m) {
     for (const Eigen::Vector2d& column_m : columns_m) {

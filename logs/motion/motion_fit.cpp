@@ -77,9 +77,9 @@ Point minimise(const Cost& cost, const Point& start, double edge) {
 /// Returns the oscillator of one coordinate with the given logarithms of σ_p, σ_v and γ.
 models::TargetModel oscillator(const Point& logarithms, Eigen::Index axis) {
   models::TargetModel model{models::TargetKind::kDampedOscillator};
-  model.surroundings.position_sigma_m(axis) = std::exp(logarithms.x());
-  model.surroundings.velocity_sigma_mps(axis) = std::exp(logarithms.y());
-  model.surroundings.damping_per_s(axis) = std::exp(logarithms.z());
+  model.oscillator.position_sigma_m(axis) = std::exp(logarithms.x());
+  model.oscillator.velocity_sigma_mps(axis) = std::exp(logarithms.y());
+  model.oscillator.damping_per_s(axis) = std::exp(logarithms.z());
   return model;
 }
 
@@ -172,7 +172,7 @@ models::TargetModel fit_free(models::TargetKind kind, const MotionSample& sample
 
 models::TargetModel fit_oscillator(const MotionSample& sample) {
   models::TargetModel fitted{models::TargetKind::kDampedOscillator};
-  fitted.surroundings.center_m = sample.center_m;
+  fitted.oscillator.center_m = sample.center_m;
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
     const auto& moments = sample.moments[static_cast<std::size_t>(axis)];
     const auto cost = [&](const Point& logarithms) {
@@ -192,10 +192,10 @@ models::TargetModel fit_oscillator(const MotionSample& sample) {
     constexpr double kLeast = 1e-12;  // of a mean square, for targets that did not move
     const Point start(0.5 * std::log(std::max(mean(1, 1), kLeast)),
                       0.5 * std::log(std::max(mean(2, 2), kLeast)), 0.0);
-    const models::Surroundings best = oscillator(minimise(cost, start, 0.3), axis).surroundings;
-    fitted.surroundings.position_sigma_m(axis) = best.position_sigma_m(axis);
-    fitted.surroundings.velocity_sigma_mps(axis) = best.velocity_sigma_mps(axis);
-    fitted.surroundings.damping_per_s(axis) = best.damping_per_s(axis);
+    const models::DampedOscillator best = oscillator(minimise(cost, start, 0.3), axis).oscillator;
+    fitted.oscillator.position_sigma_m(axis) = best.position_sigma_m(axis);
+    fitted.oscillator.velocity_sigma_mps(axis) = best.velocity_sigma_mps(axis);
+    fitted.oscillator.damping_per_s(axis) = best.damping_per_s(axis);
   }
   return fitted;
 }

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "logs/picture/map_layer.hpp"
-#include "models/mapping/looks.hpp"
+#include "models/mapping/cell_counts.hpp"
 
 namespace vantage::logs {
 namespace {

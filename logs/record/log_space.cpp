@@ -21,8 +21,8 @@ std::uint64_t log_bytes_needed(const scenario::Scenario& scenario) {
   return static_cast<std::uint64_t>(rate * (scenario.duration_s + kLogSpareS));
 }
 
-LogRoom room_for_log(const scenario::Scenario& scenario, const std::string& path,
-                     std::optional<std::uint64_t> free_bytes) {
+LogSpaceCheck check_log_space(const scenario::Scenario& scenario, const std::string& path,
+                              std::optional<std::uint64_t> free_bytes) {
   const std::uint64_t needed_bytes = log_bytes_needed(scenario);
   if (!free_bytes) {
     return {true, "log: the free disk space is unknown for " + path};

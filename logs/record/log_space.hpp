@@ -20,12 +20,12 @@ inline constexpr double kLogSpareS = 60.0;
 /// Returns the maximum size of the log of a complete trial.
 std::uint64_t log_bytes_needed(const scenario::Scenario& scenario);
 /// Result of comparing free and needed space for a log, with a sentence that states both.
-struct LogRoom {
+struct LogSpaceCheck {
   bool is_enough = true;
   std::string summary;
 };
-LogRoom room_for_log(const scenario::Scenario& scenario, const std::string& path,
-                     std::optional<std::uint64_t> free_bytes);
+LogSpaceCheck check_log_space(const scenario::Scenario& scenario, const std::string& path,
+                              std::optional<std::uint64_t> free_bytes);
 
 /// Monitor that detects during flight that a log is not being written, or soon will not be. It has
 /// no side effects.

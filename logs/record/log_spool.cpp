@@ -65,8 +65,8 @@ LogSpool::LogSpool(SpoolOptions options, OpenFile open)
     bytes_before_ += error ? 0 : bytes;
   }
   if (report_.trimmed_bytes > 0) {
-    news_.push_back(report_.path + ": " + std::to_string(report_.trimmed_bytes) +
-                    " bytes of an unfinished event were removed from its end");
+    notices_.push_back(report_.path + ": " + std::to_string(report_.trimmed_bytes) +
+                       " bytes of an unfinished event were removed from its end");
   }
   report_.free_bytes = file_->free_bytes();
   queued_.reserve(kWakeBytes);
@@ -87,7 +87,7 @@ bool LogSpool::write(Time time, std::string_view channel, std::span<const std::u
   if (is_closing_ || bytes > options_.queue_bytes_max) {
     ++report_.events_lost;
     if (!is_closing_ && !std::exchange(is_overflowing_, true)) {
-      news_.push_back(report_.path + ": events are lost: the disk is slower than the bus");
+      notices_.push_back(report_.path + ": events are lost: the disk is slower than the bus");
     }
     return false;
   }
@@ -101,9 +101,9 @@ bool LogSpool::write(Time time, std::string_view channel, std::span<const std::u
   return true;
 }
 
-std::vector<std::string> LogSpool::take_news() {
+std::vector<std::string> LogSpool::take_notices() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(news_, {});
+  return std::exchange(notices_, {});
 }
 
 SpoolReport LogSpool::report() const {
@@ -173,8 +173,8 @@ void LogSpool::put(std::span<std::uint8_t> events) {
       lose(count_events(events.subspan(at)));
       const std::lock_guard lock(mutex_);
       if (!std::exchange(report_.is_full, true)) {
-        news_.push_back(report_.path + ": the limit of " + std::to_string(options_.limit_bytes) +
-                        " bytes is reached");
+        notices_.push_back(report_.path + ": the limit of " + std::to_string(options_.limit_bytes) +
+                           " bytes is reached");
       }
       return;
     }
@@ -215,7 +215,7 @@ void LogSpool::put_run(std::span<const std::uint8_t> events) {
       lose(whole.events_beyond);
       if (uncut) {
         const std::lock_guard lock(mutex_);
-        news_.push_back(uncut->message);
+        notices_.push_back(uncut->message);
       }
       return;
     }
@@ -224,8 +224,8 @@ void LogSpool::put_run(std::span<const std::uint8_t> events) {
   const std::lock_guard lock(mutex_);
   is_overflowing_ = false;
   if (!events.empty() && !std::exchange(report_.is_written, true)) {
-    news_.push_back(report_.path +
-                    ": written again; events lost: " + std::to_string(report_.events_lost));
+    notices_.push_back(report_.path +
+                       ": written again; events lost: " + std::to_string(report_.events_lost));
   }
 }
 
@@ -265,7 +265,7 @@ bool LogSpool::wait_to_retry(const Error& error) {
   report_.free_bytes = free_bytes;
   if (std::exchange(report_.is_written, false)) {
     ++report_.write_errors;
-    news_.push_back("LOG NOT WRITTEN: " + error.message);
+    notices_.push_back("LOG NOT WRITTEN: " + error.message);
   }
   return !wake_writer_.wait_for(lock, options_.retry_period, [&] { return is_closing_; });
 }
@@ -315,12 +315,12 @@ void LogSpool::sync_loop() {
     report_.free_bytes = free_bytes;
     report_.syncs_late += at_risk_us > std::chrono::microseconds(kAtRiskMax).count() ? 1 : 0;
     if (error && report_.sync_errors++ == 0) {
-      news_.push_back("LOG NOT SAFE: " + error->message);
+      notices_.push_back("LOG NOT SAFE: " + error->message);
     }
     if (at_risk_us > warned_us) {
       warned_us = 2 * at_risk_us;
-      news_.push_back(report_.path + ": a power cut would have lost the last " +
-                      std::to_string(at_risk_us / 1'000) + " ms");
+      notices_.push_back(report_.path + ": a power cut would have lost the last " +
+                         std::to_string(at_risk_us / 1'000) + " ms");
     }
     wake_syncer_.wait_for(lock, options_.sync_period, [&] { return is_written_out_; });
   }

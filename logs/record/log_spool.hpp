@@ -82,7 +82,7 @@ class LogSpool {
   /// Queues an event. Returns false if it is lost. Precondition: is_event_channel(channel).
   bool write(Time time, std::string_view channel, std::span<const std::uint8_t> data);
   /// Returns sentences about failures and recoveries since the last call.
-  std::vector<std::string> take_news();
+  std::vector<std::string> take_notices();
   [[nodiscard]] SpoolReport report() const;
   /// Writes and syncs the queued events and waits for the disk. Events that the disk refuses now
   /// are lost, and the file ends with its last complete event.
@@ -114,7 +114,7 @@ class LogSpool {
   std::vector<std::shared_ptr<AppendFile>> unsynced_;
   std::int64_t unsynced_since_ns_ = 0;  ///< time of the oldest event in unsynced_
   std::int64_t syncing_since_ns_ = 0;   ///< time of the oldest event being synced
-  std::vector<std::string> news_;
+  std::vector<std::string> notices_;
   SpoolReport report_;
   bool is_overflowing_ = false;
   bool is_closing_ = false;

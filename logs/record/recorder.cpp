@@ -46,8 +46,8 @@ RecorderNode::RecorderNode(bus::Transport& transport, const bus::Clock& clock, L
 
 void RecorderNode::tick(Time now) {
   next_tick_ = now + kTickPeriod;
-  for (const std::string& news : spool_.take_news()) {
-    report_(news);
+  for (const std::string& notice : spool_.take_notices()) {
+    report_(notice);
   }
 }
 

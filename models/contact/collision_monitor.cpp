@@ -115,7 +115,7 @@ void CollisionMonitor::update(Time now, std::span<const Eigen::Vector3d> centres
   old_m_.swap(new_m_);
 }
 
-double CollisionMonitor::watched_m() const {
+double CollisionMonitor::check_distance_m() const {
   double radius_m = 0.0;
   double travelled_m = 0.0;
   int robots = 0;
@@ -143,7 +143,7 @@ double CollisionMonitor::watched_m() const {
 }
 
 void CollisionMonitor::check_pairs(Time now, std::vector<CollisionReport>& new_contacts) {
-  const std::vector<NearPairs::Pair>& near = near_.find(new_m_, watched_m());
+  const std::vector<NearPairs::Pair>& near = near_.find(new_m_, check_distance_m());
   candidates_.clear();
   std::set_union(near.begin(), near.end(), in_contact_.begin(), in_contact_.end(),
                  std::back_inserter(candidates_));
@@ -153,7 +153,7 @@ void CollisionMonitor::check_pairs(Time now, std::vector<CollisionReport>& new_c
       check_pair(now, i, j, new_contacts);
     }
     const Contact& contact = pairs_[std::size_t{j} * (j - 1) / 2 + i];
-    if (contact.touching || contact.near) {
+    if (contact.touching || contact.too_near) {
       in_contact_.emplace_back(i, j);
     }
   }
@@ -164,11 +164,11 @@ void CollisionMonitor::check_pair(Time now, std::size_t i, std::size_t j,
   const std::size_t pair = j * (j - 1) / 2 + i;
   const double radii_m = bodies_[i].radius_m + bodies_[j].radius_m;
   const double apart_m = closest_approach_m(old_m_[i], new_m_[i], old_m_[j], new_m_[j]);
-  const Judgement judgement{fcl_hit(geometry_->bodies[i], geometry_->bodies[j]),
-                            (new_m_[i] - new_m_[j]).norm() - radii_m, apart_m - radii_m};
-  judge(now, judgement, bodies_[i].name, bodies_[j].name, pairs_[pair], new_contacts);
+  const ContactCheck check{fcl_hit(geometry_->bodies[i], geometry_->bodies[j]),
+                           (new_m_[i] - new_m_[j]).norm() - radii_m, apart_m - radii_m};
+  update_contact(now, check, bodies_[i].name, bodies_[j].name, pairs_[pair], new_contacts);
   if (bodies_[i].is_robot && bodies_[j].is_robot) {
-    watch_separation(now, i, j, apart_m, pairs_[pair], new_contacts);
+    check_separation(now, i, j, apart_m, pairs_[pair], new_contacts);
   }
 }
 
@@ -177,56 +177,55 @@ void CollisionMonitor::check_surroundings(Time now, std::size_t i,
   const double radius_m = bodies_[i].radius_m;
   const double travelled_m = (new_m_[i] - old_m_[i]).norm();
   for (std::size_t k = 0; k < geometry_->boxes.size(); ++k) {
-    Judgement judgement;
-    judgement.fcl_hit = fcl_hit(geometry_->bodies[i], geometry_->obstacles[k]);
-    judgement.distance_m = signed_distance_m(geometry_->boxes[k], new_m_[i]) - radius_m;
-    judgement.swept_distance_m =
-        judgement.distance_m > travelled_m
-            ? judgement.distance_m
+    ContactCheck check;
+    check.fcl_hit = fcl_hit(geometry_->bodies[i], geometry_->obstacles[k]);
+    check.distance_m = signed_distance_m(geometry_->boxes[k], new_m_[i]) - radius_m;
+    check.swept_distance_m =
+        check.distance_m > travelled_m
+            ? check.distance_m
             : swept_distance_m(geometry_->boxes[k], old_m_[i], new_m_[i]) - radius_m;
-    judge(now, judgement, bodies_[i].name, obstacle_names_[k],
-          obstacles_[i * geometry_->boxes.size() + k], new_contacts);
+    update_contact(now, check, bodies_[i].name, obstacle_names_[k],
+                   obstacles_[i * geometry_->boxes.size() + k], new_contacts);
   }
-  Judgement judgement;
+  ContactCheck check;
   for (const Object& wall : geometry_->walls) {
-    judgement.fcl_hit = fcl_hit(geometry_->bodies[i], wall) || judgement.fcl_hit;
+    check.fcl_hit = fcl_hit(geometry_->bodies[i], wall) || check.fcl_hit;
   }
-  judgement.distance_m = distance_to_bounds_m(world_, new_m_[i]) - radius_m;
+  check.distance_m = distance_to_bounds_m(world_, new_m_[i]) - radius_m;
   // The space inside the bounds is convex, so a straight motion is nearest to them at one of its
   // ends.
-  judgement.swept_distance_m =
-      std::min(judgement.distance_m, distance_to_bounds_m(world_, old_m_[i]) - radius_m);
-  judge(now, judgement, bodies_[i].name, "bounds", bounds_[i], new_contacts);
+  check.swept_distance_m =
+      std::min(check.distance_m, distance_to_bounds_m(world_, old_m_[i]) - radius_m);
+  update_contact(now, check, bodies_[i].name, "bounds", bounds_[i], new_contacts);
 }
 
-void CollisionMonitor::judge(Time now, const Judgement& judgement, const std::string& a,
-                             const std::string& b, Contact& contact,
-                             std::vector<CollisionReport>& new_contacts) {
-  if (judgement.fcl_hit != (judgement.distance_m <= 0.0) &&
-      std::abs(judgement.distance_m) > kRoundingM) {
+void CollisionMonitor::update_contact(Time now, const ContactCheck& check, const std::string& a,
+                                      const std::string& b, Contact& contact,
+                                      std::vector<CollisionReport>& new_contacts) {
+  if (check.fcl_hit != (check.distance_m <= 0.0) && std::abs(check.distance_m) > kRoundingM) {
     ++disagreements_;
   }
-  const bool hit = judgement.fcl_hit || judgement.swept_distance_m <= 0.0;
+  const bool hit = check.fcl_hit || check.swept_distance_m <= 0.0;
   if (hit && !contact.touching) {
     CollisionReport report;
     report.stamp.time = now;
     report.kind = CollisionKind::kCollision;
     report.body_a = a;
     report.body_b = b;
-    report.distance_m = std::min(judgement.swept_distance_m, 0.0);
+    report.distance_m = std::min(check.swept_distance_m, 0.0);
     new_contacts.push_back(std::move(report));
   }
   // The contact ends if the bodies are apart at the end of the step, even if they touched during
   // it.
-  contact.touching = (hit || contact.touching) && judgement.distance_m <= kReleaseM;
+  contact.touching = (hit || contact.touching) && check.distance_m <= kReleaseM;
 }
 
-void CollisionMonitor::watch_separation(Time now, std::size_t i, std::size_t j,
+void CollisionMonitor::check_separation(Time now, std::size_t i, std::size_t j,
                                         double centres_apart_m, Contact& contact,
                                         std::vector<CollisionReport>& new_contacts) {
   min_separation_m_ = std::min(min_separation_m_, centres_apart_m);
   const bool too_near = centres_apart_m < separation_m_;
-  if (too_near && !contact.near) {
+  if (too_near && !contact.too_near) {
     CollisionReport report;
     report.stamp.time = now;
     report.kind = CollisionKind::kNearMiss;
@@ -236,7 +235,7 @@ void CollisionMonitor::watch_separation(Time now, std::size_t i, std::size_t j,
     new_contacts.push_back(std::move(report));
   }
   const double now_apart_m = (new_m_[i] - new_m_[j]).norm();
-  contact.near = (too_near || contact.near) && now_apart_m <= separation_m_ + kReleaseM;
+  contact.too_near = (too_near || contact.too_near) && now_apart_m <= separation_m_ + kReleaseM;
 }
 
 }  // namespace vantage::models

@@ -67,24 +67,25 @@ class CollisionMonitor {
   struct Geometry;  // keeps FCL out of this header
   struct Contact {
     bool touching = false;
-    bool near = false;
+    bool too_near = false;
   };
-  struct Judgement {
+  struct ContactCheck {
     bool fcl_hit = false;
     double distance_m = 0.0;        ///< between surfaces at the current step
     double swept_distance_m = 0.0;  ///< smallest distance since the last step
   };
 
-  void judge(Time now, const Judgement& judgement, const std::string& a, const std::string& b,
-             Contact& contact, std::vector<CollisionReport>& new_contacts);
-  void watch_separation(Time now, std::size_t i, std::size_t j, double centres_apart_m,
+  void update_contact(Time now, const ContactCheck& check, const std::string& a,
+                      const std::string& b, Contact& contact,
+                      std::vector<CollisionReport>& new_contacts);
+  void check_separation(Time now, std::size_t i, std::size_t j, double centres_apart_m,
                         Contact& contact, std::vector<CollisionReport>& new_contacts);
   void check_pairs(Time now, std::vector<CollisionReport>& new_contacts);
   void check_pair(Time now, std::size_t i, std::size_t j,
                   std::vector<CollisionReport>& new_contacts);
   /// Returns the distance beyond which a pair cannot have been in contact or too close since the
   /// last step.
-  [[nodiscard]] double watched_m() const;
+  [[nodiscard]] double check_distance_m() const;
   void check_surroundings(Time now, std::size_t i, std::vector<CollisionReport>& new_contacts);
 
   World world_;
@@ -95,7 +96,7 @@ class CollisionMonitor {
   std::vector<Eigen::Vector3d> new_m_;
   NearPairs near_;
   std::vector<NearPairs::Pair> candidates_;
-  std::vector<NearPairs::Pair> in_contact_;  ///< touching or near at the last step, ascending
+  std::vector<NearPairs::Pair> in_contact_;  ///< touching or too near at the last step, ascending
   std::vector<Contact> pairs_;               ///< index of i < j: j (j − 1) / 2 + i
   std::vector<Contact> obstacles_;           ///< index: body · number of obstacles + obstacle
   std::vector<Contact> bounds_;              ///< per body

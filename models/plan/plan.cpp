@@ -172,7 +172,7 @@ std::vector<PlanSegment> brake(double speed_mps, double brake_mps2) {
 }
 
 bool keeps_separation(const Trajectory& a, const Trajectory& b, Time from, double separation_m,
-                      double piece_s, bool from_above) {
+                      double piece_s, bool ignore_height) {
   constexpr double kSlack_m = 1.0;  // deviation of arcs from their pieces is only centimetres
   if ((a.start.position_m() - b.start.position_m()).norm() >
       length_at_most_m(a) + length_at_most_m(b) + separation_m + kSlack_m) {
@@ -180,7 +180,7 @@ bool keeps_separation(const Trajectory& a, const Trajectory& b, Time from, doubl
   }
   Walker walk_a(a, from);
   Walker walk_b(b, from);
-  const double height_difference_m = from_above ? 0.0 : a.height_m - b.height_m;
+  const double height_difference_m = ignore_height ? 0.0 : a.height_m - b.height_m;
   for (double t_s = 0.0;;) {
     const double change_s = std::min(walk_a.piece_end_s(), walk_b.piece_end_s());
     if (std::isinf(change_s)) {  // both hover permanently

@@ -60,11 +60,11 @@ std::vector<PlanSegment> brake(double speed_mps, double brake_mps2);
 inline constexpr double kPlanPiece_s = 0.1;
 
 /// True if two trajectories, each at its own height, keep at least `separation_m` in space at all
-/// times from `from` on, hovers included. If `from_above`, only horizontal distances count.
+/// times from `from` on, hovers included. If `ignore_height`, only horizontal distances count.
 /// Conservative: pieces of at most `piece_s` are treated as straight, and the sagitta of each arc
 /// is subtracted.
 bool keeps_separation(const Trajectory& a, const Trajectory& b, Time from, double separation_m,
-                      double piece_s = kPlanPiece_s, bool from_above = false);
+                      double piece_s = kPlanPiece_s, bool ignore_height = false);
 
 /// True if a disc of `radius_m` that follows the trajectory stays clear of all obstacles and inside
 /// the bounds at all times from `from` on.

@@ -10,10 +10,10 @@ namespace vantage::models {
 namespace {
 
 /// True if range and field of view alone determine what is in view.
-bool is_sector(const SensorModel& sensor) { return sensor.kind.law().sees == nullptr; }
+bool is_sector(const SensorModel& sensor) { return sensor.kind.law().can_measure == nullptr; }
 
 double fov_rad(const SensorModel& sensor) {
-  return sees_all_around(sensor) ? 2.0 * kPi : sensor.fov_rad;
+  return has_full_view(sensor) ? 2.0 * kPi : sensor.fov_rad;
 }
 
 PositionVector ahead_m(const Viewpoint& from, double range_m, double bearing_rad) {

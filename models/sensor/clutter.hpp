@@ -18,7 +18,7 @@ struct DetectionModel {
 
 /// Returns the area of the ground in view, m², if no walls block the view. The result for a tilted
 /// camera is exact to about one percent. Constant computation time; about 50 µs for kinds with
-/// SensorLaw::sees.
+/// SensorLaw::can_measure.
 double view_area_m2(const SensorModel& sensor, const Viewpoint& from);
 
 /// Returns the false alarms of one measurement. Their number is Poisson distributed with mean

@@ -49,7 +49,7 @@ struct SensorLaw {
   bool is_linear = false;
   int (*measurement_dim)(int position_dim) = nullptr;
   /// True if a target within range and field of view can be measured; null: always.
-  bool (*sees)(const SensorModel&, const Viewpoint&, const SightLine&) = nullptr;
+  bool (*can_measure)(const SensorModel&, const Viewpoint&, const SightLine&) = nullptr;
   MeasurementVector (*observe)(const SensorModel&, const Viewpoint&, const SightLine&,
                                int position_dim) = nullptr;
   MeasurementJacobian (*jacobian)(const SensorModel&, const Viewpoint&, const SightLine&,
@@ -76,7 +76,7 @@ struct SensorLaw {
 /// Returns the factor on range and bearing variances at `range_m`.
 double variance_growth(const SensorModel& sensor, double range_m);
 /// True if the field of view is a full circle.
-bool sees_all_around(const SensorModel& sensor);
+bool has_full_view(const SensorModel& sensor);
 SightLine sight_line(const Viewpoint& from, const PositionVector& target_world_m);
 /// Returns the bearing from body x, wrapped, rad.
 double bearing_rad(const Viewpoint& from, const SightLine& to);

@@ -40,7 +40,7 @@ double variance_growth(const SensorModel& sensor, double range_m) {
              : 1.0;
 }
 
-bool sees_all_around(const SensorModel& sensor) {
+bool has_full_view(const SensorModel& sensor) {
   return sensor.fov_rad >= 2.0 * kPi - kFullTurnSlack_rad;
 }
 
@@ -63,10 +63,10 @@ bool in_view(const SensorModel& sensor, const Viewpoint& from,
   if (law.measures_range && to.range_m < kLeastRange_m) {
     return false;
   }
-  if (!sees_all_around(sensor) && !(std::abs(bearing_rad(from, to)) < 0.5 * sensor.fov_rad)) {
+  if (!has_full_view(sensor) && !(std::abs(bearing_rad(from, to)) < 0.5 * sensor.fov_rad)) {
     return false;
   }
-  return law.sees == nullptr || law.sees(sensor, from, to);
+  return law.can_measure == nullptr || law.can_measure(sensor, from, to);
 }
 
 MeasurementVector observe(const SensorModel& sensor, const Viewpoint& from,

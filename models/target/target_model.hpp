@@ -18,13 +18,13 @@ using StateMatrix =
 /// Parameters of a damped oscillator on each axis: ÿ = −(σ_v²/σ_p²)(y − c) − γ ẏ + white noise of
 /// density 2 γ σ_v². Its stationary distribution has position N(c, σ_p²) and velocity N(0, σ_v²),
 /// independent of each other.
-struct Surroundings {
+struct DampedOscillator {
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();            ///< m; c
   Eigen::Vector2d position_sigma_m = Eigen::Vector2d::Ones();    ///< m; σ_p
   Eigen::Vector2d velocity_sigma_mps = Eigen::Vector2d::Ones();  ///< m/s; σ_v
   Eigen::Vector2d damping_per_s = Eigen::Vector2d::Ones();       ///< 1/s; γ
 
-  bool operator==(const Surroundings&) const = default;
+  bool operator==(const DampedOscillator&) const = default;
 };
 
 /// Linear motion of one target, y' = c + A (y − c) + w, w ~ N(0, W); see TargetLaw for A, c and W
@@ -35,7 +35,7 @@ struct TargetModel {
   int position_dim = 2;  ///< 2 or 3; models with a velocity are planar
   double q = 0.0;  ///< process noise: m²/s for a random walk, m²/s³ for a double integrator, m² for
                    ///< growing uncertainty; other kinds do not use it
-  Surroundings surroundings = {};  ///< damped oscillator only
+  DampedOscillator oscillator = {};  ///< damped oscillator only
 
   bool operator==(const TargetModel&) const = default;
 

@@ -275,11 +275,11 @@ std::vector<Eigen::Vector2d> VisibilityGrid::frontiers(Time now, double spacing_
     }
     const int column = index % geometry_.columns;
     const int row = index / geometry_.columns;
-    const bool beside_known = (column > 0 && is_known(index - 1)) ||
-                              (column + 1 < geometry_.columns && is_known(index + 1)) ||
-                              (row > 0 && is_known(index - geometry_.columns)) ||
-                              (row + 1 < geometry_.rows && is_known(index + geometry_.columns));
-    if (beside_known || !anything_known) {
+    const bool is_next_to_known = (column > 0 && is_known(index - 1)) ||
+                                  (column + 1 < geometry_.columns && is_known(index + 1)) ||
+                                  (row > 0 && is_known(index - geometry_.columns)) ||
+                                  (row + 1 < geometry_.rows && is_known(index + geometry_.columns));
+    if (is_next_to_known || !anything_known) {
       thinner.offer(geometry_.centre_m(index));
     }
   }

@@ -28,11 +28,11 @@ Duration closing_of(const RoundSchedule::Slot& slot) {
 // Time for which a planner only receives after a restart. It first needs its vehicle's status,
 // published at 10 Hz, and a plan of every teammate; a teammate without a plan is assumed to hover.
 // All teammates have a slot in the round before the planner's own.
-constexpr Duration kListening{350'000};
+constexpr Duration kStartupWait{350'000};
 
-Time end_of_listening(const bus::Clock& clock, const RoundSchedule& schedule) {
+Time end_of_startup_wait(const bus::Clock& clock, const RoundSchedule& schedule) {
   const Time now = clock.now();
-  return clock.is_real_time() ? now + kListening + schedule.round_length() : now;
+  return clock.is_real_time() ? now + kStartupWait + schedule.round_length() : now;
 }
 
 // The velocity of a body other than a robot is computed over one to two times this interval.
@@ -65,7 +65,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
       robot_(robot),
       planner_(workspace_, robot),
       schedule_(spec_, planner_.robot_index(), planner_.robot_count()),
-      slot_(schedule_.next_slot(end_of_listening(clock, schedule_))) {
+      slot_(schedule_.next_slot(end_of_startup_wait(clock, schedule_))) {
   if (clock.is_real_time()) {
     planner_.prefault();
   }
@@ -81,7 +81,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
   }
   if (scenario::is_external(spec_)) {
     subscribe_to<models::RobotPlan>(bus::external_plan_channel(robot), robot,
-                                    [this](const auto& m) { hear_answer(m); });
+                                    [this](const auto& m) { take_answer(m); });
   }
   bus_.subscribe_shared<models::MocapFrame>(bus::kVicon,
                                             [this](const auto& /*name*/, const auto& m) {
@@ -90,11 +90,12 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
                                             });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) {
     inputs_.attack = m;
-    attack_heard_ = clock_.now();
+    attack_received_ = clock_.now();
   });
-  listen_to_status_of(robot);
+  subscribe_to_status(robot);
   neighbours_.emplace(
-      workspace_->scenario(), robot, [this](const std::string& name) { listen_to(name); },
+      workspace_->scenario(), robot,
+      [this](const std::string& name) { subscribe_to_teammate(name); },
       [this](const std::string& name) {
         bus_.unsubscribe(bus::vehicle_channel(name).name);
         bus_.unsubscribe(bus::plan_channel(name).name);
@@ -103,17 +104,17 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
       });
 }
 
-void PlannerNode::listen_to_status_of(const std::string& name) {
+void PlannerNode::subscribe_to_status(const std::string& name) {
   subscribe_to<models::VehicleStatus>(
       bus::vehicle_channel(name), name,
       [this, name](const auto& m) { inputs_.team_statuses.insert_or_assign(name, m); });
 }
 
-void PlannerNode::listen_to(const std::string& name) {
-  listen_to_status_of(name);
+void PlannerNode::subscribe_to_teammate(const std::string& name) {
+  subscribe_to_status(name);
   if (spec_.team_algorithm.exchanges_solutions()) {
     subscribe_to<models::TeamProposal>(bus::team_proposal_channel(name), name,
-                                       [this](const auto& m) { hear(m); });
+                                       [this](const auto& m) { take_proposal(m); });
   }
   if (spec_.attacks_max > 0) {
     subscribe_to<models::PlanProposal>(
@@ -231,19 +232,19 @@ void PlannerNode::tick(Time now) {
     return;
   }
   next_exchange_ = Time::max();
-  if (now >= slot_.end && !is_asking_) {  // the slot has passed
+  if (now >= slot_.end && !is_request_pending_) {  // the slot has passed
     ++slots_skipped_;
     ++late_;
     move_on(now);
     return;
   }
   inputs_.slot = slot_;
-  if (!is_asking_ && scenario::is_external(spec_) && ask(now)) {
+  if (!is_request_pending_ && scenario::is_external(spec_) && request_plan(now)) {
     return;  // wait for the answer or its deadline
   }
-  is_asking_ = false;
+  is_request_pending_ = false;
   use_frames();
-  if (now - attack_heard_ > models::kAttackTimeout) {
+  if (now - attack_received_ > models::kAttackTimeout) {
     inputs_.attack.reset();
   }
   if (slot_.is_proposal && spec_.team_algorithm.exchanges_solutions()) {
@@ -257,8 +258,9 @@ void PlannerNode::tick(Time now) {
 }
 
 void PlannerNode::move_on(Time after) {
-  const std::optional<int> place = planner_.next_place(inputs_);
-  slot_ = place ? schedule_.slot_after(slot_.round, after, *place) : schedule_.next_slot(after);
+  const std::optional<int> slot_index = planner_.next_slot_index(inputs_);
+  slot_ = slot_index ? schedule_.slot_after(slot_.round, after, *slot_index)
+                     : schedule_.next_slot(after);
 }
 
 void PlannerNode::propose(Time now) {
@@ -292,21 +294,21 @@ void PlannerNode::begin_exchange(Time now) {
     return;
   }
   exchange_inputs_ = names_of(inputs_, robot_);
-  for (const auto& [teammate, proposal] : overheard_) {
-    hear(proposal);
+  for (const auto& [teammate, proposal] : newest_proposals_) {
+    take_proposal(proposal);
   }
   exchange_end_ = slot_.end - closing_of(slot_);  // leaves time for the last proposals to arrive
   next_exchange_ = now + kExchangePeriod;
 }
 
-void PlannerNode::hear(const models::TeamProposal& proposal) {
-  overheard_.insert_or_assign(proposal.robot, proposal);
+void PlannerNode::take_proposal(const models::TeamProposal& proposal) {
+  newest_proposals_.insert_or_assign(proposal.robot, proposal);
   if (!exchange_) {
     return;
   }
-  const Heard heard = exchange_->hear(proposal);
-  proposals_refused_ += heard == Heard::kRefused ? 1 : 0;
-  if (heard == Heard::kTaken) {
+  const ReceiveOutcome outcome = exchange_->receive(proposal);
+  proposals_refused_ += outcome == ReceiveOutcome::kRefused ? 1 : 0;
+  if (outcome == ReceiveOutcome::kTaken) {
     inputs_.solution = proposal;
   }
 }
@@ -335,34 +337,34 @@ void PlannerNode::exchange(Time now) {
   }
 }
 
-bool PlannerNode::ask(Time now) {
+bool PlannerNode::request_plan(Time now) {
   inputs_.answer.reset();
   use_frames();
-  std::optional<models::RobotPlan> question = planner_.question(inputs_);
+  std::optional<models::RobotPlan> request = planner_.external_request(inputs_);
   answer_due_ = slot_.end - closing_of(slot_);
-  if (!question || now >= answer_due_) {
+  if (!request || now >= answer_due_) {
     return false;
   }
-  question->deadline = answer_due_;
-  question->finish = now;
-  question->inputs = names_of(inputs_, robot_);
-  is_asking_ = true;  // set first, because the answer may arrive during publish()
-  asked_round_ = slot_.round;
-  bus_.publish(bus::external_request_channel(robot_), *question);
+  request->deadline = answer_due_;
+  request->finish = now;
+  request->inputs = names_of(inputs_, robot_);
+  is_request_pending_ = true;  // set first, because the answer may arrive during publish()
+  requested_round_ = slot_.round;
+  bus_.publish(bus::external_request_channel(robot_), *request);
   return true;
 }
 
-void PlannerNode::hear_answer(const models::RobotPlan& answer) {
-  const bool is_of_slot = answer.round == asked_round_;
+void PlannerNode::take_answer(const models::RobotPlan& answer) {
+  const bool is_of_slot = answer.round == requested_round_;
   const bool is_first = !inputs_.answer || inputs_.answer->round != answer.round;
-  if (is_asking_ && is_of_slot && is_first) {
+  if (is_request_pending_ && is_of_slot && is_first) {
     ++answers_;
     inputs_.answer = answer;
     answer_due_ = clock_.now();
-  } else if (answer.round <= asked_round_ && is_first) {
+  } else if (answer.round <= requested_round_ && is_first) {
     ++answers_late_;
   } else {
-    ++answers_unasked_;
+    ++answers_unsolicited_;
   }
 }
 
@@ -373,7 +375,7 @@ bool PlannerNode::is_short_of_processor() const {
 }
 
 void PlannerNode::plan(Time now) {
-  if (scenario::is_external(spec_) && asked_round_ == slot_.round && !inputs_.answer) {
+  if (scenario::is_external(spec_) && requested_round_ == slot_.round && !inputs_.answer) {
     ++answers_missing_;
   }
   const bool stops = is_short_of_processor();
@@ -407,8 +409,8 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
                                       {"fallbacks_braking", counts.fallbacks_braking},
                                       {"off_plan", counts.off_plan},
                                       {"turns_away", counts.turns_away},
-                                      {"bait_rounds", counts.baits},
-                                      {"rest_rounds", counts.rests},
+                                      {"bait_rounds", counts.bait_rounds},
+                                      {"rest_rounds", counts.rest_rounds},
                                       {"plan_checks_failed", counts.checks_failed},
                                       {"rounds_without_pose", counts.no_pose},
                                       {"rounds_of_unknown_plan", counts.unknown_plan},
@@ -420,13 +422,13 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
                                       {"external_rounds", answers_},
                                       {"external_missing", answers_missing_},
                                       {"external_late", answers_late_},
-                                      {"external_unasked", answers_unasked_},
+                                      {"external_unasked", answers_unsolicited_},
                                       {"external_refused", counts.answers_refused}};
   if (counts.bodies_dropped > 0) {
     all.push_back({"bodies_dropped", counts.bodies_dropped});
   }
   if (schedule_.is_shared()) {
-    all.push_back({"yielded_rounds", counts.yields});
+    all.push_back({"yielded_rounds", counts.yielded_rounds});
   }
   return all;
 }

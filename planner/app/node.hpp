@@ -36,7 +36,7 @@ class PlannerNode : public bus::Node {
 
   [[nodiscard]] std::string name() const override { return "PLANNER_" + robot_; }
   [[nodiscard]] Time next_tick() const override {
-    return is_asking_ ? answer_due_ : std::min(slot_.begin, next_exchange_);
+    return is_request_pending_ ? answer_due_ : std::min(slot_.begin, next_exchange_);
   }
   void tick(Time now) override;
   void on_processor_wait(double wait_s) override { processor_wait_s_ = wait_s; }
@@ -70,12 +70,12 @@ class PlannerNode : public bus::Node {
   void begin_exchange(Time now);
   /// Continues the local search for a limited time and publishes its result.
   void exchange(Time now);
-  void listen_to_status_of(const std::string& name);
-  void listen_to(const std::string& name);
-  void hear(const models::TeamProposal& proposal);
+  void subscribe_to_status(const std::string& name);
+  void subscribe_to_teammate(const std::string& name);
+  void take_proposal(const models::TeamProposal& proposal);
   /// Requests the slot's plan from the external process; false if no request can be made.
-  bool ask(Time now);
-  void hear_answer(const models::RobotPlan& answer);
+  bool request_plan(Time now);
+  void take_answer(const models::RobotPlan& answer);
   void plan(Time now);
   /// Selects the robot's first slot that begins after `after`.
   void move_on(Time after);
@@ -90,7 +90,7 @@ class PlannerNode : public bus::Node {
   RoundSchedule schedule_;
   RoundSchedule::Slot slot_;
   PlanInputs inputs_;
-  Time attack_heard_{};
+  Time attack_received_{};
   std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest frame; input once the slot begins
   /// Earlier frames, at least kVelocityTime apart, for the velocity of bodies.
   std::shared_ptr<const models::MocapFrame> mocap_before_, mocap_between_;
@@ -100,16 +100,17 @@ class PlannerNode : public bus::Node {
   std::unique_ptr<TeamExchange> exchange_;  ///< exchange started last
   Time next_exchange_ = Time::max();
   Time exchange_end_{};
-  std::vector<models::InputRef> exchange_inputs_;          ///< inputs of the candidates
-  std::map<std::string, models::TeamProposal> overheard_;  ///< newest proposal of each teammate
+  std::vector<models::InputRef> exchange_inputs_;  ///< inputs of the candidates
+  std::map<std::string, models::TeamProposal>
+      newest_proposals_;  ///< newest proposal of each teammate
   // State of a request with planner.algorithm `external`.
-  bool is_asking_ = false;
+  bool is_request_pending_ = false;
   Time answer_due_{};  ///< deadline of the answer; then the robot plans without it
-  std::int64_t asked_round_ = -1;
+  std::int64_t requested_round_ = -1;
   std::int64_t answers_ = 0;
   std::int64_t answers_missing_ = 0;
   std::int64_t answers_late_ = 0;
-  std::int64_t answers_unasked_ = 0;
+  std::int64_t answers_unsolicited_ = 0;
   std::int64_t proposals_refused_ = 0;
   std::int64_t late_ = 0;
   std::int64_t slots_skipped_ = 0;

@@ -141,9 +141,9 @@ bool PlannerReplayNode::gather(const RoundSchedule::Slot& slot,
 
 PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::RobotPlan& logged) {
   PlanInputs inputs;
-  const std::optional<int> place = schedule_.place_of(logged);
+  const std::optional<int> slot_index = schedule_.slot_index_of(logged);
   const RoundSchedule::Slot slot =
-      place ? schedule_.slot(logged.round, *place) : schedule_.slot(logged.round);
+      slot_index ? schedule_.slot(logged.round, *slot_index) : schedule_.slot(logged.round);
   if (!gather(slot, logged.inputs, inputs)) {
     return Outcome::kIncomplete;
   }
@@ -169,7 +169,8 @@ PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::TeamProposal&
     return Outcome::kIncomplete;
   }
   const auto exchange = planner_.begin_exchange(inputs, Deadline::nodes(logged.nodes));
-  if (!exchange || (inputs.solution && exchange->hear(*inputs.solution) != Heard::kTaken)) {
+  if (!exchange ||
+      (inputs.solution && exchange->receive(*inputs.solution) != ReceiveOutcome::kTaken)) {
     return Outcome::kDifferent;
   }
   auto proposal = exchange->improve(Deadline::never());

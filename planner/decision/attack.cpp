@@ -91,7 +91,7 @@ Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int 
     }
   }
   std::ranges::stable_sort(attack.robots, std::ranges::greater{}, [&](int robot) {
-    return oracle.alone(choice[static_cast<std::size_t>(robot)]);
+    return oracle.individual_value(choice[static_cast<std::size_t>(robot)]);
   });
   const auto count = static_cast<std::size_t>(std::max(attacks_max, 0));
   attack.robots.resize(std::min(count, attack.robots.size()));

@@ -18,7 +18,7 @@ bool is_better(const Proposal& a, const Proposal& b) {
 BestAddition::BestAddition(const TeamOracle& oracle, int robot, bool lazy)
     : oracle_(&oracle), robot_(robot), lazy_(lazy) {
   for (const CandidateId id : oracle.by_value(robot)) {  // descending values already form a heap
-    heap_.push_back({oracle.alone(id), id});
+    heap_.push_back({oracle.individual_value(id), id});
   }
 }
 

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "core/check.hpp"
-#include "planner/problem/look.hpp"
+#include "planner/problem/information_at.hpp"
 #include "planner/problem/motion_table.hpp"
 #include "planner/search/crossing_index.hpp"
 #include "scenario/energy_cost.hpp"
@@ -42,14 +42,15 @@ class CandidateMaker {
           continue;  // out of range: the distance in space is at least this distance
         }
         const models::PositionVector target_m = mean_m.head(spatial ? 3 : 2);
-        const models::PositionMatrix M =
-            look(sight_world(problem_), problem_.sensors, {poses[t], problem_.height_m}, target_m);
+        const models::PositionMatrix M = information_at(sight_world(problem_), problem_.sensors,
+                                                        {poses[t], problem_.height_m}, target_m);
         if (M.isZero(0.0)) {
           continue;
         }
-        Look seen{static_cast<std::uint16_t>(m), static_cast<std::uint16_t>(t + 1), {}};
+        PredictedMeasurement seen{
+            static_cast<std::uint16_t>(m), static_cast<std::uint16_t>(t + 1), {}};
         pack(spatial ? BlockLayout::kSpatial : BlockLayout::kPlanar, M, seen.information.m);
-        candidate.looks.push_back(seen);
+        candidate.measurements.push_back(seen);
       }
     }
     candidate.controls = std::move(controls);
@@ -66,10 +67,10 @@ class CandidateMaker {
                   &blocks[static_cast<std::size_t>(m) * kMaxPacked]);
     }
     double gained_nats = 0.0;
-    for_each_target(candidate.looks, [&](int m, TargetCourses::Looks looks) {
-      const int before = looks.front().step - 1;
-      gained_nats +=
-          courses_.follow(m, before, courses_.unseen(m, before), {&looks, 1}, kept_.data());
+    for_each_target(candidate.measurements, [&](int m, TargetCourses::Measurements measurements) {
+      const int before = measurements.front().step - 1;
+      gained_nats += courses_.follow(m, before, courses_.open_loop_course(m, before),
+                                     {&measurements, 1}, kept_.data());
       std::copy_n(kept_.back().block, packed_size(beliefs_.layout(m)),
                   &blocks[static_cast<std::size_t>(m) * kMaxPacked]);
     });

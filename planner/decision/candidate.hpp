@@ -17,13 +17,14 @@ namespace vantage::planner {
 struct Candidate {
   std::vector<int> controls;  ///< indices into its SearchProblem::controls, one per step
   std::vector<Pose2> poses;   ///< at the end of each step
-  std::vector<Look> looks;    ///< sorted by target, then step; only those with nonzero information
-  double energy_cost = 0.0;   ///< r_i C_i ≥ 0, nats
+  std::vector<PredictedMeasurement>
+      measurements;          ///< sorted by target, then step; only those with nonzero information
+  double energy_cost = 0.0;  ///< r_i C_i ≥ 0, nats
   /// Information gain about targets that only this robot knows, ≥ 0, nats; added in full.
   double unshared_nats = 0.0;
-  /// I(y_{1:T}; z_{1:T}) of these looks alone about the targets for which they were computed, nats,
-  /// if known. A TeamOracle of the same targets then does not evaluate it. Code that changes the
-  /// looks or the targets must clear it.
+  /// I(y_{1:T}; z_{1:T}) of these measurements alone about the targets for which they were
+  /// computed, nats, if known. A TeamOracle of the same targets then does not evaluate it. Code
+  /// that changes the measurements or the targets must clear it.
   std::optional<double> mutual_nats = std::nullopt;
 };
 
@@ -35,7 +36,8 @@ using EnergyModel = scenario::EnergySpec;
 double energy_used(const EnergyModel& energy, const SearchProblem& problem,
                    const std::vector<int>& controls, const std::vector<Pose2>& poses);
 
-/// Returns the candidate of `controls`: its poses, looks at the targets' predicted means, and cost.
+/// Returns the candidate of `controls`: its poses, measurements of the targets' predicted means,
+/// and cost.
 Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy,
                          std::vector<int> controls);
 

@@ -102,8 +102,10 @@ const std::vector<DecisionAlgorithm>& all_decision_algorithms() {
        .has_bait = true,
        .evaluations =
            [](const TeamOracle& oracle, const Options& options) {
-             return choices(oracle, ResilientRound(best_alone(oracle), options.attacks_max).rest(),
-                            true);
+             return choices(
+                 oracle,
+                 ResilientRound(best_individual_values(oracle), options.attacks_max).non_bait(),
+                 true);
            },
        .decide =
            [](const TeamOracle& oracle, const Options& options, const Deadline& /*deadline*/) {

@@ -12,13 +12,13 @@ namespace {
 
 // Returns the robot's candidate with the greatest positive gain found by the deadline; kNoCandidate
 // if no gain is positive. Precondition: the robot has no candidate in `team`.
-CandidateId best_beside(const TeamOracle& oracle, TeamSet& team, int robot, bool lazy,
-                        const Deadline& deadline) {
+CandidateId best_given_team(const TeamOracle& oracle, TeamSet& team, int robot, bool lazy,
+                            const Deadline& deadline) {
   const double before = team.value();
   double best_value = before;
   CandidateId best = kNoCandidate;
   for (const CandidateId id : oracle.by_value(robot)) {
-    if ((lazy && oracle.alone(id) < best_value - before - kGainRounding_nats) ||
+    if ((lazy && oracle.individual_value(id) < best_value - before - kGainRounding_nats) ||
         deadline.expired(team.calls())) {
       break;
     }
@@ -53,7 +53,7 @@ TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& 
       if (had != kNoCandidate) {
         team.drop(robot);
       }
-      const CandidateId best = best_beside(oracle, team, robot, lazy, deadline);
+      const CandidateId best = best_given_team(oracle, team, robot, lazy, deadline);
       if (best != kNoCandidate) {
         team.add(best);
       }

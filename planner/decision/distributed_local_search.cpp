@@ -2,7 +2,7 @@
 
 #include "planner/decision/best_addition.hpp"
 #include "planner/decision/proposal_search.hpp"
-#include "planner/decision/rounds_of_search.hpp"
+#include "planner/decision/search_rounds.hpp"
 #include "planner/decision/team_set.hpp"
 
 namespace vantage::planner {

@@ -1,6 +1,6 @@
 #include "planner/decision/local_search.hpp"
 
-#include "planner/decision/rounds_of_search.hpp"
+#include "planner/decision/search_rounds.hpp"
 #include "planner/decision/team_set.hpp"
 
 namespace vantage::planner {

@@ -71,7 +71,7 @@ double information_alone(const TeamProblem& problem, const Candidate& candidate)
   alone.candidates = {{candidate}};
   alone.candidates[0][0].energy_cost = 0.0;
   alone.candidates[0][0].unshared_nats = 0.0;
-  return TeamOracle(alone).alone(0);
+  return TeamOracle(alone).individual_value(0);
 }
 
 LocalSearchSession::LocalSearchSession(SessionSetup setup) : setup_(std::move(setup)) {
@@ -85,15 +85,16 @@ LocalSearchSession::LocalSearchSession(SessionSetup setup) : setup_(std::move(se
     const CandidateId id = oracle_->begin(setup_.robot) + static_cast<CandidateId>(i);
     setup_.own[i].robot = setup_.robots[index(setup_.robot)];
     setup_.own[i].energy_nats = own[i].energy_cost;
-    setup_.own[i].information_nats = std::max(0.0, oracle_->alone(id) + own[i].energy_cost);
+    setup_.own[i].information_nats =
+        std::max(0.0, oracle_->individual_value(id) + own[i].energy_cost);
     own_.emplace(fingerprint(setup_.own[i]), i);
   }
   if (setup_.committed) {
-    begin_beside(*setup_.committed);
+    begin_from_committed(*setup_.committed);
   }
 }
 
-void LocalSearchSession::begin_beside(const std::vector<models::TeamChoice>& committed) {
+void LocalSearchSession::begin_from_committed(const std::vector<models::TeamChoice>& committed) {
   for (const models::TeamChoice& choice : committed) {
     const int robot = index_of(choice.robot);
     require(robot >= 0 && robot != setup_.robot, "local search: only teammates may be committed");
@@ -112,43 +113,44 @@ int LocalSearchSession::index_of(const std::string& robot) const {
   return found == setup_.robots.end() ? -1 : static_cast<int>(found - setup_.robots.begin());
 }
 
-bool LocalSearchSession::is_of_round(const models::TeamProposal& heard) const {
-  return heard.round == setup_.round && heard.stamp.time == setup_.activation;
+bool LocalSearchSession::belongs_to_round(const models::TeamProposal& received) const {
+  return received.round == setup_.round && received.stamp.time == setup_.activation;
 }
 
-bool LocalSearchSession::can_be(const models::TeamProposal& heard) const {
-  if (index_of(heard.robot) < 0 || heard.history.empty() || !(heard.value_nats > 0.0)) {
+bool LocalSearchSession::is_consistent(const models::TeamProposal& received) const {
+  if (index_of(received.robot) < 0 || received.history.empty() || !(received.value_nats > 0.0)) {
     return false;
   }
-  for (const models::TeamChoice& choice : heard.choices) {
+  for (const models::TeamChoice& choice : received.choices) {
     const int robot = index_of(choice.robot);
     if (robot < 0 || (robot == setup_.robot && own_.count(fingerprint(choice)) == 0)) {
       return false;
     }
   }
-  return fingerprint(setup_.robots, heard.choices) == heard.history.back();
+  return fingerprint(setup_.robots, received.choices) == received.history.back();
 }
 
-bool LocalSearchSession::hear(const models::TeamProposal& heard) {
-  if (!is_of_round(heard) || !can_be(heard)) {
+bool LocalSearchSession::receive(const models::TeamProposal& received) {
+  if (!belongs_to_round(received) || !is_consistent(received)) {
     return false;
   }
   const auto rank = [this](const models::TeamProposal& proposal) {
     return std::tuple(-proposal.value_nats, index_of(proposal.robot), proposal.history.back());
   };
-  if (held_ && !(rank(heard) < rank(*held_))) {
+  if (held_ && !(rank(received) < rank(*held_))) {
     return false;
   }
-  held_ = heard;
+  held_ = received;
   begin();
   return true;
 }
 
-const Candidate& LocalSearchSession::effect(const models::TeamChoice& choice) {
-  const Said key(fingerprint(choice), choice.information_nats, choice.energy_nats);
-  const auto known = effects_.find(key);
-  return known != effects_.end() ? known->second
-                                 : effects_.emplace(key, setup_.effect_of(choice)).first->second;
+const Candidate& LocalSearchSession::teammate_candidate(const models::TeamChoice& choice) {
+  const ChoiceKey key(fingerprint(choice), choice.information_nats, choice.energy_nats);
+  const auto known = teammate_candidates_.find(key);
+  return known != teammate_candidates_.end()
+             ? known->second
+             : teammate_candidates_.emplace(key, setup_.candidate_of(choice)).first->second;
 }
 
 void LocalSearchSession::begin() {
@@ -165,7 +167,7 @@ void LocalSearchSession::begin() {
     for (const models::TeamChoice& each : held_->choices) {
       const int robot = index_of(each.robot);
       if (robot != setup_.robot) {
-        setup_.problem.candidates[index(robot)].push_back(effect(each));
+        setup_.problem.candidates[index(robot)].push_back(teammate_candidate(each));
       }
     }
   }

@@ -25,7 +25,7 @@ struct SessionSetup {
   TeamProblem problem;                  ///< own beliefs; candidates of this robot only, or none
   std::vector<models::TeamChoice> own;  ///< motions of the own candidates, in their order
   /// Returns a teammate's choice as a candidate, evaluated on this robot's beliefs.
-  std::function<Candidate(const models::TeamChoice&)> effect_of;
+  std::function<Candidate(const models::TeamChoice&)> candidate_of;
   /// True if both motions may be flown at the same time; empty: always true.
   std::function<bool(const models::TeamChoice&, const models::TeamChoice&)> keep_apart;
   /// Choices to which teammates are committed, if any. The search then starts from them instead of
@@ -71,12 +71,12 @@ class LocalSearchSession {
   /// best known one; returns true if it was adopted. Rejects a proposal of another round, with
   /// unknown robots, or with a history that does not end in its own solution. Also rejects a
   /// proposal that assigns this robot a motion that it does not have, because it has restarted.
-  bool hear(const models::TeamProposal& heard);
+  bool receive(const models::TeamProposal& received);
 
   /// True if the proposal belongs to this round.
-  [[nodiscard]] bool is_of_round(const models::TeamProposal& heard) const;
+  [[nodiscard]] bool belongs_to_round(const models::TeamProposal& received) const;
   /// True if the content of the proposal is consistent.
-  [[nodiscard]] bool can_be(const models::TeamProposal& heard) const;
+  [[nodiscard]] bool is_consistent(const models::TeamProposal& received) const;
 
   /// Returns the next proposal, which becomes the best known one. nullopt: none exists, or none was
   /// found yet (then is_searching() is true). `deadline` counts this call's oracle calls as nodes
@@ -94,17 +94,17 @@ class LocalSearchSession {
 
   /// Starts a search around the best known solution.
   void begin();
-  void begin_beside(const std::vector<models::TeamChoice>& committed);
+  void begin_from_committed(const std::vector<models::TeamChoice>& committed);
   std::optional<models::TeamProposal> try_proposal(const Proposal& found);
   [[nodiscard]] bool is_compatible(const models::TeamProposal& solution) const;
   [[nodiscard]] int index_of(const std::string& robot) const;
   [[nodiscard]] models::TeamProposal solution_of(const Choice& choice) const;
-  const Candidate& effect(const models::TeamChoice& choice);
+  const Candidate& teammate_candidate(const models::TeamChoice& choice);
 
   SessionSetup setup_;
-  std::map<std::int64_t, std::size_t> own_;               ///< index by fingerprint
-  using Said = std::tuple<std::int64_t, double, double>;  ///< fingerprint, information, energy
-  std::map<Said, Candidate> effects_;                     ///< candidates of teammates' choices
+  std::map<std::int64_t, std::size_t> own_;                    ///< index by fingerprint
+  using ChoiceKey = std::tuple<std::int64_t, double, double>;  ///< fingerprint, information, energy
+  std::map<ChoiceKey, Candidate> teammate_candidates_;         ///< candidates of teammates' choices
   std::optional<models::TeamProposal> held_;
   Phase phase_ = Phase::kDone;
   std::int64_t calls_ = 0;

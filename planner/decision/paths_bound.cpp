@@ -97,7 +97,8 @@ PathsBound::Answer PathsBound::of(std::span<const SearchProblem> problems,
 PathsBound::Answer PathsBound::under_attack(std::span<const SearchProblem> problems,
                                             int attacks_max, InformationMeasure measure,
                                             std::int64_t nodes, bool (*is_cancelled)()) {
-  const Deadline half = Deadline::nodes(std::max<std::int64_t>(1, nodes / 2)).unless(is_cancelled);
+  const Deadline half =
+      Deadline::nodes(std::max<std::int64_t>(1, nodes / 2)).with_cancellation(is_cancelled);
   std::vector<int> robots(problems.size());
   std::iota(robots.begin(), robots.end(), 0);
   const Answer of_all = of(problems, robots, measure, half);

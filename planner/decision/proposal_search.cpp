@@ -82,7 +82,7 @@ ProposalSearch::State ProposalSearch::advance() {
     }
     while (next_addition_ < order_.size()) {
       const CandidateId id = order_[next_addition_++];
-      if (lazy_ && oracle_->alone(id) < needed_ - kGainRounding_nats) {
+      if (lazy_ && oracle_->individual_value(id) < needed_ - kGainRounding_nats) {
         break;
       }
       if (excluded_[static_cast<std::size_t>(id)] != 0 || id == chosen_by(robot_)) {

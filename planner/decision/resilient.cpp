@@ -12,22 +12,23 @@
 
 namespace vantage::planner {
 
-std::vector<int> bait_robots(std::span<const double> values_alone, int attacks_max) {
+std::vector<int> bait_robots(std::span<const double> individual_values, int attacks_max) {
   require(attacks_max >= 0, "resilient planning: attacks_max must be ≥ 0");
-  std::vector<int> robots(values_alone.size());
+  std::vector<int> robots(individual_values.size());
   std::iota(robots.begin(), robots.end(), 0);
-  std::stable_sort(robots.begin(), robots.end(),
-                   [&](int a, int b) { return values_alone[index(a)] > values_alone[index(b)]; });
+  std::stable_sort(robots.begin(), robots.end(), [&](int a, int b) {
+    return individual_values[index(a)] > individual_values[index(b)];
+  });
   robots.resize(std::min(robots.size(), index(attacks_max)));
   std::sort(robots.begin(), robots.end());
   return robots;
 }
 
-ResilientRound::ResilientRound(std::span<const double> values_alone, int attacks_max)
-    : bait_(bait_robots(values_alone, attacks_max)) {
-  for (int robot = 0; robot < std::ssize(values_alone); ++robot) {
+ResilientRound::ResilientRound(std::span<const double> individual_values, int attacks_max)
+    : bait_(bait_robots(individual_values, attacks_max)) {
+  for (int robot = 0; robot < std::ssize(individual_values); ++robot) {
     if (!is_bait(robot)) {
-      rest_.push_back(robot);
+      non_bait_.push_back(robot);
     }
   }
 }
@@ -36,26 +37,26 @@ bool ResilientRound::is_bait(int robot) const {
   return std::binary_search(bait_.begin(), bait_.end(), robot);
 }
 
-std::vector<int> ResilientRound::unseeing_for(int robot) const {
+std::vector<int> ResilientRound::robots_without_sensing_for(int robot) const {
   if (!is_bait(robot)) {
     return bait_;
   }
-  std::vector<int> all(bait_.size() + rest_.size());
+  std::vector<int> all(bait_.size() + non_bait_.size());
   std::iota(all.begin(), all.end(), 0);
   return all;
 }
 
 std::vector<int> plan_resiliently(int robot_count, int attacks_max, const PlanAlone& alone,
                                   const PlanTogether& together) {
-  std::vector<double> values_alone(index(robot_count), 0.0);
+  std::vector<double> individual_values(index(robot_count), 0.0);
   if (attacks_max > 0) {
     for (int robot = 0; robot < robot_count; ++robot) {
-      values_alone[index(robot)] = alone(robot);
+      individual_values[index(robot)] = alone(robot);
     }
   }
-  const ResilientRound round(values_alone, attacks_max);
-  if (!round.rest().empty()) {
-    together(round.rest());
+  const ResilientRound round(individual_values, attacks_max);
+  if (!round.non_bait().empty()) {
+    together(round.non_bait());
   }
   return round.bait();
 }
@@ -75,11 +76,11 @@ std::vector<int> plan_resiliently(int robot_count, int attacks_max, const PlanRo
 }
 
 TeamDecision plan_resiliently(const TeamOracle& oracle, int attacks_max, SubSolver sub_solver) {
-  const std::vector<double> values_alone = best_alone(oracle);
+  const std::vector<double> individual_values = best_individual_values(oracle);
   TeamDecision decision;
-  decision.choice.assign(values_alone.size(), kNoCandidate);
+  decision.choice.assign(individual_values.size(), kNoCandidate);
   const std::vector<int> bait = plan_resiliently(
-      oracle.robot_count(), attacks_max, [&](int robot) { return values_alone[index(robot)]; },
+      oracle.robot_count(), attacks_max, [&](int robot) { return individual_values[index(robot)]; },
       [&](const std::vector<int>& robots) {
         decision = sub_solver == SubSolver::kExhaustive
                        ? exhaustive_optimum(oracle, robots)
@@ -98,11 +99,11 @@ TeamDecision plan_resiliently(const TeamOracle& oracle, int attacks_max, SubSolv
   return decision;
 }
 
-std::vector<double> best_alone(const TeamOracle& oracle) {
+std::vector<double> best_individual_values(const TeamOracle& oracle) {
   std::vector<double> values;
   for (int robot = 0; robot < oracle.robot_count(); ++robot) {
     const auto sorted = oracle.by_value(robot);
-    values.push_back(sorted.empty() ? 0.0 : oracle.alone(sorted.front()));
+    values.push_back(sorted.empty() ? 0.0 : oracle.individual_value(sorted.front()));
   }
   return values;
 }

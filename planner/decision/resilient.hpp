@@ -10,7 +10,7 @@ namespace vantage::planner {
 
 /// Returns the bait: the `attacks_max` robots with the plans of greatest individual value,
 /// ascending; all robots if the team has no more than `attacks_max`. Ties: the lower numbers.
-std::vector<int> bait_robots(std::span<const double> values_alone, int attacks_max);
+std::vector<int> bait_robots(std::span<const double> individual_values, int attacks_max);
 
 /// Split of the team into bait and the others in a round of robust trajectory planning. The split
 /// depends only on the robots' individual values, so robots with the same values make the same
@@ -19,21 +19,21 @@ std::vector<int> bait_robots(std::span<const double> values_alone, int attacks_m
 class ResilientRound {
  public:
   /// @throws UsageError when attacks_max < 0
-  ResilientRound(std::span<const double> values_alone, int attacks_max);
+  ResilientRound(std::span<const double> individual_values, int attacks_max);
 
   /// Returns the bait robots, ascending. They keep the plans that they made alone.
   [[nodiscard]] const std::vector<int>& bait() const { return bait_; }
   /// Returns the other robots, ascending, which is their order in coordinate descent. They plan
   /// together as if the bait did not exist.
-  [[nodiscard]] const std::vector<int>& rest() const { return rest_; }
+  [[nodiscard]] const std::vector<int>& non_bait() const { return non_bait_; }
   [[nodiscard]] bool is_bait(int robot) const;
   /// Returns the robots that the plan of `robot` assumes to have no sensors: all robots if it is
   /// bait, otherwise the bait.
-  [[nodiscard]] std::vector<int> unseeing_for(int robot) const;
+  [[nodiscard]] std::vector<int> robots_without_sensing_for(int robot) const;
 
  private:
   std::vector<int> bait_;
-  std::vector<int> rest_;
+  std::vector<int> non_bait_;
 };
 
 /// Plans `robot` as if no other robot had sensors, keeps that plan, and returns its information
@@ -43,7 +43,7 @@ using PlanAlone = std::function<double(int robot)>;
 using PlanTogether = std::function<void(const std::vector<int>& robots)>;
 /// Plans `robot` given the current plans of the listed others, keeps that plan, and returns its
 /// information gain, nats.
-using PlanRobot = std::function<double(int robot, const std::vector<int>& beside)>;
+using PlanRobot = std::function<double(int robot, const std::vector<int>& fixed_robots)>;
 
 /// Robust trajectory planning for any kind of plan. If attacks are expected, all robots plan alone,
 /// then the robots outside the bait plan together; otherwise all plan together. Returns the bait,
@@ -69,6 +69,6 @@ TeamDecision plan_resiliently(const TeamOracle& oracle, int attacks_max, SubSolv
 
 /// Returns the individual value of each robot's best candidate, nats; 0 for a robot without
 /// candidates.
-std::vector<double> best_alone(const TeamOracle& oracle);
+std::vector<double> best_individual_values(const TeamOracle& oracle);
 
 }  // namespace vantage::planner

@@ -11,19 +11,19 @@ TargetCourses::TargetCourses(const SearchProblem& problem, InformationMeasure me
   beliefs_.reset(problem);
 }
 
-TargetCourses::Course TargetCourses::unseen(int target, int step) const {
+TargetCourses::Course TargetCourses::open_loop_course(int target, int step) const {
   Course course;
   std::copy_n(beliefs_.open_loop(target, step), packed_size(beliefs_.layout(target)), course.block);
   return course;
 }
 
-double TargetCourses::follow(int target, int from, Course course, std::span<Looks> looks,
-                             Course* kept) const {
+double TargetCourses::follow(int target, int from, Course course,
+                             std::span<Measurements> measurements, Course* kept) const {
   const BlockLayout layout = beliefs_.layout(target);
   const int entries = layout == BlockLayout::kSpatial ? 6 : 3;
   const bool is_mutual = measure_ == InformationMeasure::kMutual;
   int last = kept != nullptr || !is_mutual ? horizon_steps_ : 0;
-  for (Looks& of_robot : looks) {
+  for (Measurements& of_robot : measurements) {
     while (!of_robot.empty() && of_robot.front().step <= from) {
       of_robot = of_robot.subspan(1);
     }
@@ -33,7 +33,7 @@ double TargetCourses::follow(int target, int from, Course course, std::span<Look
     beliefs_.predict_into(target, t, course.block, course.block);
     PackedInformation M;
     bool is_seen = false;
-    for (Looks& of_robot : looks) {
+    for (Measurements& of_robot : measurements) {
       if (of_robot.empty() || of_robot.front().step != t) {
         continue;
       }

@@ -10,7 +10,7 @@
 namespace vantage::planner {
 
 /// Information of one measurement along a trajectory about one target.
-struct Look {
+struct PredictedMeasurement {
   std::uint16_t target = 0;
   std::uint16_t step = 0;  ///< 1 … T: on arrival at that step
   PackedInformation information;
@@ -33,16 +33,17 @@ class TargetCourses {
     bool is_seen = false;
   };
   /// One robot's measurements of one target, by step.
-  using Looks = std::span<const Look>;
+  using Measurements = std::span<const PredictedMeasurement>;
 
   /// Returns the course after `step` without any measurement.
-  [[nodiscard]] Course unseen(int target, int step = 0) const;
+  [[nodiscard]] Course open_loop_course(int target, int step = 0) const;
   /// Carries `course` from step `from` through the measurements of several robots, summed in the
   /// order given; returns the information gained at the end, nats. If `kept` is not null, writes
   /// the course after each step t > from to kept[t]. The result is a pure function of the
   /// measurements, bit for bit, independent of `from`; therefore no search in planner/decision can
-  /// cycle. Advances the spans of `looks` to their ends.
-  double follow(int target, int from, Course course, std::span<Looks> looks, Course* kept) const;
+  /// cycle. Advances the spans of `measurements` to their ends.
+  double follow(int target, int from, Course course, std::span<Measurements> measurements,
+                Course* kept) const;
 
  private:
   BeliefTable beliefs_;
@@ -50,16 +51,16 @@ class TargetCourses {
   InformationMeasure measure_;
 };
 
-/// Calls of(target, looks of the target) for every measured target, in order. Precondition: `looks`
-/// are sorted by target.
+/// Calls of(target, measurements of the target) for every measured target, in order. Precondition:
+/// `measurements` are sorted by target.
 template <class Of>
-void for_each_target(std::span<const Look> looks, Of&& of) {
-  for (std::size_t begin = 0; begin < looks.size();) {
+void for_each_target(std::span<const PredictedMeasurement> measurements, Of&& of) {
+  for (std::size_t begin = 0; begin < measurements.size();) {
     std::size_t end = begin + 1;
-    while (end < looks.size() && looks[end].target == looks[begin].target) {
+    while (end < measurements.size() && measurements[end].target == measurements[begin].target) {
       ++end;
     }
-    of(static_cast<int>(looks[begin].target), looks.subspan(begin, end - begin));
+    of(static_cast<int>(measurements[begin].target), measurements.subspan(begin, end - begin));
     begin = end;
   }
 }

@@ -12,22 +12,22 @@ double value_bound(const TeamOracle& oracle, const Choice& choice) {
   TeamSet team(oracle);
   team.become(choice);
   double alone = 0.0;
-  double beside = team.information();
+  double given_team = team.information();
   for (int robot = 0; robot < oracle.robot_count(); ++robot) {
     double most = 0.0;
     for (const CandidateId id : oracle.by_value(robot)) {
-      if (oracle.alone(id) <= most) {
+      if (oracle.individual_value(id) <= most) {
         break;  // the remaining candidates add no more
       }
       most = std::max(most, team.information_gain(id) + oracle.candidate(id).unshared_nats -
                                 oracle.candidate(id).energy_cost);
     }
-    beside += most;
+    given_team += most;
     if (!oracle.by_value(robot).empty()) {
-      alone += std::max(0.0, oracle.alone(oracle.by_value(robot).front()));
+      alone += std::max(0.0, oracle.individual_value(oracle.by_value(robot).front()));
     }
   }
-  return std::min(alone, beside);
+  return std::min(alone, given_team);
 }
 
 }  // namespace vantage::planner

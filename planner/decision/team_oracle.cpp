@@ -28,29 +28,30 @@ TeamOracle::TeamOracle(const TeamProblem& problem)
     : problem_(&problem), courses_(prediction_of(problem), problem.measure) {
   begin_.push_back(0);
   for (std::size_t robot = 0; robot < problem.candidates.size(); ++robot) {
-    double dearest = 0.0;
+    double greatest_cost = 0.0;
     for (const Candidate& candidate : problem.candidates[robot]) {
       candidates_.push_back(&candidate);
       robot_of_.push_back(static_cast<int>(robot));
-      dearest = std::max(dearest, candidate.energy_cost);
+      greatest_cost = std::max(greatest_cost, candidate.energy_cost);
     }
     begin_.push_back(static_cast<CandidateId>(candidates_.size()));
-    offset_ += dearest;
+    offset_ += greatest_cost;
   }
   check();
-  TeamSet nobody(*this);
+  TeamSet empty_set(*this);
   by_value_.resize(candidates_.size());
   std::iota(by_value_.begin(), by_value_.end(), 0);
   for (const CandidateId id : by_value_) {
     const Candidate& of = candidate(id);
-    alone_.push_back(of.mutual_nats && is_submodular()
-                         ? *of.mutual_nats + (of.unshared_nats - of.energy_cost)
-                         : nobody.value_with(id));
+    individual_values_.push_back(of.mutual_nats && is_submodular()
+                                     ? *of.mutual_nats + (of.unshared_nats - of.energy_cost)
+                                     : empty_set.value_with(id));
   }
-  calls_ = nobody.calls();
+  calls_ = empty_set.calls();
   for (int robot = 0; robot < robot_count(); ++robot) {
-    std::stable_sort(by_value_.begin() + begin(robot), by_value_.begin() + end(robot),
-                     [this](CandidateId a, CandidateId b) { return alone(a) > alone(b); });
+    std::stable_sort(
+        by_value_.begin() + begin(robot), by_value_.begin() + end(robot),
+        [this](CandidateId a, CandidateId b) { return individual_value(a) > individual_value(b); });
   }
 }
 
@@ -64,15 +65,15 @@ void TeamOracle::check() const {
     require(!candidate->mutual_nats ||
                 (*candidate->mutual_nats >= -kRounding && std::isfinite(*candidate->mutual_nats)),
             "team: a candidate's mutual_nats must be ≥ 0");
-    const Look* last = nullptr;
-    for (const Look& look : candidate->looks) {
-      require(
-          look.target < target_count() && look.step >= 1 && look.step <= problem_->horizon_steps,
-          "team: each look must name a target, and a step of the horizon");
-      require(last == nullptr || last->target < look.target ||
-                  (last->target == look.target && last->step < look.step),
+    const PredictedMeasurement* last = nullptr;
+    for (const PredictedMeasurement& measurement : candidate->measurements) {
+      require(measurement.target < target_count() && measurement.step >= 1 &&
+                  measurement.step <= problem_->horizon_steps,
+              "team: each look must name a target, and a step of the horizon");
+      require(last == nullptr || last->target < measurement.target ||
+                  (last->target == measurement.target && last->step < measurement.step),
               "team: looks must be ordered by target, then by step");
-      last = &look;
+      last = &measurement;
     }
   }
 }

@@ -22,7 +22,7 @@ using Choice = std::vector<CandidateId>;
 /// is largest.
 /// Source: dissertation Problem 4 (eq. 3.13).
 struct TeamProblem {
-  std::vector<SearchTarget> targets;  ///< in the order of Look::target
+  std::vector<SearchTarget> targets;  ///< in the order of PredictedMeasurement::target
   int horizon_steps = 10;
   double step_s = 0.5;
   InformationMeasure measure = InformationMeasure::kMutual;
@@ -48,7 +48,9 @@ class TeamOracle {
   [[nodiscard]] const Candidate& candidate(CandidateId id) const { return *candidates_[index(id)]; }
 
   /// Returns J({id}), nats; J(∅) = 0.
-  [[nodiscard]] double alone(CandidateId id) const { return alone_[index(id)]; }
+  [[nodiscard]] double individual_value(CandidateId id) const {
+    return individual_values_[index(id)];
+  }
   /// Returns the robot's candidates by descending individual value; equal values by id.
   [[nodiscard]] std::span<const CandidateId> by_value(int robot) const;
   /// Returns O = Σ_i max_a r_i C_i(a), so that g = J + O ≥ 0 everywhere.
@@ -72,7 +74,7 @@ class TeamOracle {
   std::vector<CandidateId> begin_;  ///< first id per robot; the last entry is the end
   std::vector<int> robot_of_;
   std::vector<const Candidate*> candidates_;
-  std::vector<double> alone_;
+  std::vector<double> individual_values_;
   std::vector<CandidateId> by_value_;
   double offset_ = 0.0;
 };

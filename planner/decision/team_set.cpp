@@ -9,13 +9,13 @@ TeamSet::TeamSet(const TeamOracle& oracle)
     : oracle_(&oracle),
       depths_(index(oracle.problem().horizon_steps + 1)),
       choice_(index(oracle.robot_count()), kNoCandidate),
-      seers_(index(oracle.target_count())),
+      observers_(index(oracle.target_count())),
       courses_(index(oracle.target_count()) * depths_),
       values_(index(oracle.target_count())) {
   scratch_.reserve(choice_.size() + 1);
   for (int m = 0; m < oracle.target_count(); ++m) {
     std::fill_n(courses(m), depths_, TargetCourses::Course{});
-    courses(m)[0] = oracle.courses().unseen(m);
+    courses(m)[0] = oracle.courses().open_loop_course(m);
     values_[index(m)] = oracle.courses().follow(m, 0, courses(m)[0], {}, courses(m));
   }
 }
@@ -28,20 +28,21 @@ double TeamSet::information() const {
   return total;
 }
 
-double TeamSet::value_of_target(int target, int left_out, const Seer& added, int first, bool keep) {
+double TeamSet::value_of_target(int target, int left_out, const Observer& added, int first,
+                                bool keep) {
   scratch_.clear();
-  bool is_added = added.looks.empty();
-  for (const Seer& seer : seers_[index(target)]) {
-    if (!is_added && added.robot < seer.robot) {
-      scratch_.push_back(added.looks);
+  bool is_added = added.measurements.empty();
+  for (const Observer& observer : observers_[index(target)]) {
+    if (!is_added && added.robot < observer.robot) {
+      scratch_.push_back(added.measurements);
       is_added = true;
     }
-    if (seer.robot != left_out) {
-      scratch_.push_back(seer.looks);
+    if (observer.robot != left_out) {
+      scratch_.push_back(observer.measurements);
     }
   }
   if (!is_added) {
-    scratch_.push_back(added.looks);
+    scratch_.push_back(added.measurements);
   }
   return oracle_->courses().follow(target, first - 1, courses(target)[first - 1], scratch_,
                                    keep ? courses(target) : nullptr);
@@ -51,14 +52,15 @@ double TeamSet::sum_with(CandidateId id, int left_out) {
   const int adder = left_out < 0 ? oracle_->robot_of(id) : -1;
   double total = 0.0;
   int next = 0;
-  for_each_target(oracle_->candidate(id).looks, [&](int m, TargetCourses::Looks looks) {
-    for (; next < m; ++next) {
-      total += values_[index(next)];
-    }
-    const Seer added{adder, adder >= 0 ? looks : TargetCourses::Looks{}};
-    total += value_of_target(m, left_out, added, looks.front().step, false);
-    next = m + 1;
-  });
+  for_each_target(
+      oracle_->candidate(id).measurements, [&](int m, TargetCourses::Measurements measurements) {
+        for (; next < m; ++next) {
+          total += values_[index(next)];
+        }
+        const Observer added{adder, adder >= 0 ? measurements : TargetCourses::Measurements{}};
+        total += value_of_target(m, left_out, added, measurements.front().step, false);
+        next = m + 1;
+      });
   for (; next < oracle_->target_count(); ++next) {
     total += values_[index(next)];
   }
@@ -84,29 +86,31 @@ double TeamSet::value_without(int robot) {
 double TeamSet::information_gain(CandidateId id) {
   ++calls_;
   double gain = 0.0;
-  for_each_target(oracle_->candidate(id).looks, [&](int m, TargetCourses::Looks looks) {
-    const Seer added{oracle_->robot_of(id), looks};
-    gain += value_of_target(m, -1, added, looks.front().step, false) - values_[index(m)];
-  });
+  for_each_target(
+      oracle_->candidate(id).measurements, [&](int m, TargetCourses::Measurements measurements) {
+        const Observer added{oracle_->robot_of(id), measurements};
+        gain += value_of_target(m, -1, added, measurements.front().step, false) - values_[index(m)];
+      });
   return gain;
 }
 
 void TeamSet::change(CandidateId id, int left_out) {
   value_ = sum_with(id, left_out);
   const int adder = left_out < 0 ? oracle_->robot_of(id) : -1;
-  for_each_target(oracle_->candidate(id).looks, [&](int m, TargetCourses::Looks looks) {
-    const Seer added{adder, adder >= 0 ? looks : TargetCourses::Looks{}};
-    values_[index(m)] = value_of_target(m, left_out, added, looks.front().step, true);
-    std::vector<Seer>& seers = seers_[index(m)];
-    const auto at = std::find_if(seers.begin(), seers.end(), [&](const Seer& seer) {
-      return seer.robot >= std::max(adder, left_out);
-    });
-    if (adder >= 0) {
-      seers.insert(at, added);
-    } else {
-      seers.erase(at);
-    }
-  });
+  for_each_target(
+      oracle_->candidate(id).measurements, [&](int m, TargetCourses::Measurements measurements) {
+        const Observer added{adder, adder >= 0 ? measurements : TargetCourses::Measurements{}};
+        values_[index(m)] = value_of_target(m, left_out, added, measurements.front().step, true);
+        std::vector<Observer>& observers = observers_[index(m)];
+        const auto at = std::find_if(
+            observers.begin(), observers.end(),
+            [&](const Observer& observer) { return observer.robot >= std::max(adder, left_out); });
+        if (adder >= 0) {
+          observers.insert(at, added);
+        } else {
+          observers.erase(at);
+        }
+      });
 }
 
 void TeamSet::add(CandidateId id) {

@@ -15,10 +15,10 @@ inline constexpr double kGainRounding_nats = 1e-9;
 /// its gain, so that sets with one candidate more or less are cheap to evaluate.
 ///
 /// An evaluation only processes the targets that the added or removed candidate measures, from its
-/// first measurement on. Cost: O(looks · robots that measure the same targets) and one addition per
-/// target. Values are pure functions of the set, bit for bit: neither the history of S nor the
-/// query affects them. Allocates nothing after construction, except when a target is measured by
-/// more robots than before.
+/// first measurement on. Cost: O(measurements · robots that measure the same targets) and one
+/// addition per target. Values are pure functions of the set, bit for bit: neither the history of S
+/// nor the query affects them. Allocates nothing after construction, except when a target is
+/// measured by more robots than before.
 class TeamSet {
  public:
   /// Creates the empty set. `oracle` must outlive this object.
@@ -47,16 +47,16 @@ class TeamSet {
   [[nodiscard]] std::int64_t calls() const { return calls_; }
 
  private:
-  struct Seer {
+  struct Observer {
     int robot = 0;
-    TargetCourses::Looks looks;
+    TargetCourses::Measurements measurements;
   };
   [[nodiscard]] TargetCourses::Course* courses(int target) {
     return &courses_[static_cast<std::size_t>(target) * depths_];
   }
   /// Returns the information gain about `target` if it is measured by the robots of S without
   /// `left_out` and with `added`. `first` is the step of the earliest changed measurement.
-  double value_of_target(int target, int left_out, const Seer& added, int first, bool keep);
+  double value_of_target(int target, int left_out, const Observer& added, int first, bool keep);
   /// Sums over targets and robots in their fixed order, with `id` added or `robot` left out.
   double sum_with(CandidateId id, int left_out);
   void change(CandidateId id, int left_out);
@@ -66,10 +66,10 @@ class TeamSet {
   Choice choice_;
   double value_ = 0.0;
   std::int64_t calls_ = 0;
-  std::vector<std::vector<Seer>> seers_;        ///< per target, sorted by robot
-  std::vector<TargetCourses::Course> courses_;  ///< [target][step]
-  std::vector<double> values_;                  ///< per target, nats
-  std::vector<TargetCourses::Looks> scratch_;
+  std::vector<std::vector<Observer>> observers_;  ///< per target, sorted by robot
+  std::vector<TargetCourses::Course> courses_;    ///< [target][step]
+  std::vector<double> values_;                    ///< per target, nats
+  std::vector<TargetCourses::Measurements> scratch_;
 };
 
 }  // namespace vantage::planner

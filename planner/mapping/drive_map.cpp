@@ -12,7 +12,7 @@
 namespace vantage::planner {
 namespace {
 
-constexpr double kNoWay_m = std::numeric_limits<double>::infinity();
+constexpr double kNoPath_m = std::numeric_limits<double>::infinity();
 
 std::size_t at(int cell) { return static_cast<std::size_t>(cell); }
 
@@ -96,18 +96,18 @@ bool DriveMap::has_open_neighbour(int cell, const models::OccupancyBelief& belie
 void DriveMap::fill_distances(const models::OccupancyBelief& belief) {
   using Entry = std::pair<double, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  to_frontier_m_.assign(at(geometry_.size()), kNoWay_m);
+  frontier_distance_m_.assign(at(geometry_.size()), kNoPath_m);
   for (int cell = 0; cell < geometry_.size(); ++cell) {
     if (near_[at(cell)] == 0 && belief.occupancy(cell) > options_.free_up_to &&
         has_open_neighbour(cell, belief)) {
-      to_frontier_m_[at(cell)] = 0.0;
+      frontier_distance_m_[at(cell)] = 0.0;
       open.push({0.0, cell});
     }
   }
   while (!open.empty()) {
-    const auto [way_m, cell] = open.top();
+    const auto [path_m, cell] = open.top();
     open.pop();
-    if (way_m > to_frontier_m_[at(cell)]) {
+    if (path_m > frontier_distance_m_[at(cell)]) {
       continue;
     }
     const int column = cell % geometry_.columns;
@@ -116,18 +116,18 @@ void DriveMap::fill_distances(const models::OccupancyBelief& belief) {
       for (int c = std::max(0, column - 1); c <= std::min(geometry_.columns - 1, column + 1); ++c) {
         const int other = r * geometry_.columns + c;
         const double step_m = geometry_.resolution_m * std::hypot(r - row, c - column);
-        if (near_[at(other)] == 0 && way_m + step_m < to_frontier_m_[at(other)]) {
-          to_frontier_m_[at(other)] = way_m + step_m;
-          open.push({way_m + step_m, other});
+        if (near_[at(other)] == 0 && path_m + step_m < frontier_distance_m_[at(other)]) {
+          frontier_distance_m_[at(other)] = path_m + step_m;
+          open.push({path_m + step_m, other});
         }
       }
     }
   }
 }
 
-double DriveMap::to_frontier_m(const Eigen::Vector2d& p_m) const {
+double DriveMap::frontier_distance_m(const Eigen::Vector2d& p_m) const {
   const int cell = geometry_.index_of(p_m);
-  return cell < 0 ? kNoWay_m : to_frontier_m_[at(cell)];
+  return cell < 0 ? kNoPath_m : frontier_distance_m_[at(cell)];
 }
 
 }  // namespace vantage::planner

@@ -36,7 +36,7 @@ class DriveMap {
   /// neighbours over cells where the disc may be. A frontier is such a cell that is not known to be
   /// free but has a known free cell among its 4 neighbours. Infinite if no path exists; 0 at a
   /// frontier.
-  [[nodiscard]] double to_frontier_m(const Eigen::Vector2d& p_m) const;
+  [[nodiscard]] double frontier_distance_m(const Eigen::Vector2d& p_m) const;
 
  private:
   [[nodiscard]] bool has_open_neighbour(int cell, const models::OccupancyBelief& belief) const;
@@ -46,7 +46,7 @@ class DriveMap {
   DriveOptions options_;
   std::vector<std::uint8_t> occupied_;
   std::vector<std::uint8_t> near_;  ///< 1 if a disc centred in the cell may touch an occupied cell
-  std::vector<double> to_frontier_m_;
+  std::vector<double> frontier_distance_m_;
 };
 
 }  // namespace vantage::planner

@@ -48,12 +48,13 @@ MapPlanner::MapPlanner(const scenario::Scenario& scenario)
   models::require_valid(planned_);
 }
 
-MapPlan MapPlanner::plan(const SearchProblem& problem, const models::Looks& looks,
+MapPlan MapPlanner::plan(const SearchProblem& problem, const models::CellCounts& looks,
                          const std::vector<FixedTeammate>& teammates, const Deadline& deadline) {
   const auto cells = static_cast<std::size_t>(geometry_.size());
-  require(looks.empty() || looks.size() == cells, "map planner: must have one observation count per cell");
+  require(looks.empty() || looks.size() == cells,
+          "map planner: must have one observation count per cell");
   const models::OccupancyBelief belief =
-      models::belief_of(geometry_, looks.empty() ? models::Looks(cells, 0) : looks, spec_);
+      models::belief_of(geometry_, looks.empty() ? models::CellCounts(cells, 0) : looks, spec_);
   ViewTable views(belief, planned_, {});
   DriveOptions drive_options;
   // The drive map is used only for distances to the frontier; the problem defines the allowed
@@ -87,14 +88,14 @@ MapPlan MapPlanner::plan(const SearchProblem& problem, const models::Looks& look
   result.controls = route.controls;
   result.poses = route.poses;
   result.moving_steps = static_cast<int>(route.controls.size());
-  result.cost = -route.worth_nats;
+  result.cost = -route.value_nats;
   const bool is_best = !route.is_cut && result.moving_steps == problem.horizon_steps;
   result.lower_bound = is_best ? result.cost : -kInfinity;
   result.epsilon = is_best ? 0.0 : kInfinity;
   result.delta_m = is_best ? 0.0 : kInfinity;
   result.passes = is_best ? 1 : 0;
   result.nodes_generated = route.nodes;
-  result.work_nodes = route.tried;
+  result.work_nodes = route.work_nodes;
   result.stop_reason = route.is_cut ? StopReason::kDeadline : StopReason::kFinished;
   plan.gain_nats = result.found ? std::max(0.0, route.gain_nats) : 0.0;
   return plan;

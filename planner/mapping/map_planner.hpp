@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/deadline.hpp"
-#include "models/mapping/looks.hpp"
+#include "models/mapping/cell_counts.hpp"
 #include "planner/mapping/mapping_search.hpp"
 #include "planner/problem/fixed_information.hpp"
 #include "planner/problem/motion_table.hpp"
@@ -33,7 +33,7 @@ class MapPlanner {
   /// Plans with the look counts `looks`, one per cell of the scenario's map; empty: all cells are
   /// unknown. Jammed teammates give no information but are still obstacles.
   /// @throws UsageError when `looks` has another number of cells.
-  MapPlan plan(const SearchProblem& problem, const models::Looks& looks,
+  MapPlan plan(const SearchProblem& problem, const models::CellCounts& looks,
                const std::vector<FixedTeammate>& teammates, const Deadline& deadline);
 
  private:

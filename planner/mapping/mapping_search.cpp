@@ -54,12 +54,12 @@ bool MappingSearch::is_apart(const Pose2& from, const Pose2& to, std::size_t ste
 
 double MappingSearch::end_cost_nats(const Pose2& at) const {
   return options_.frontier_nats_per_m *
-         std::min(farthest_m_, drive_->to_frontier_m(at.position_m()));
+         std::min(farthest_m_, drive_->frontier_distance_m(at.position_m()));
 }
 
 bool MappingSearch::is_over() {
-  path_.is_cut = path_.is_cut || deadline_->expired(path_.tried);
-  path_.tried += path_.is_cut ? 0 : 1;
+  path_.is_cut = path_.is_cut || deadline_->expired(path_.work_nodes);
+  path_.work_nodes += path_.is_cut ? 0 : 1;
   return path_.is_cut;
 }
 
@@ -85,7 +85,7 @@ void MappingSearch::push(int control, const Pose2& to) {
 void MappingSearch::pop(std::size_t mark) {
   path_.controls.pop_back();
   path_.poses.pop_back();
-  coverage_.take_back(mark);
+  coverage_.undo_to(mark);
 }
 
 MapRoute MappingSearch::greedy_route(const Pose2& start) {
@@ -106,14 +106,14 @@ MapRoute MappingSearch::greedy_route(const Pose2& start) {
       const std::size_t mark = coverage_.mark();
       const double nats =
           coverage_.add(views_->view(next), views_->options()) - end_cost_nats(next);
-      coverage_.take_back(mark);
+      coverage_.undo_to(mark);
       if (nats > best_nats) {
         best_nats = nats;
         best_control = c;
       }
     }
     if (best_control < 0 || path_.is_cut) {
-      coverage_.take_back(root);
+      coverage_.undo_to(root);
       return {};
     }
     at = models::step_unicycle(at, options_.controls[static_cast<std::size_t>(best_control)],
@@ -122,21 +122,21 @@ MapRoute MappingSearch::greedy_route(const Pose2& start) {
     route.controls.push_back(best_control);
     route.poses.push_back(at);
   }
-  coverage_.take_back(root);
-  route.worth_nats = route.gain_nats - end_cost_nats(at);
+  coverage_.undo_to(root);
+  route.value_nats = route.gain_nats - end_cost_nats(at);
   return route;
 }
 
 void MappingSearch::offer_stop(int control, double gain_nats) {
   const Pose2& at = path_.poses.back();
-  const double worth_nats = gain_nats - end_cost_nats(at);
+  const double value_nats = gain_nats - end_cost_nats(at);
   const bool is_better =
       path_.poses.size() > stop_.controls.size() ||
-      (path_.poses.size() == stop_.controls.size() && worth_nats > stop_.worth_nats);
+      (path_.poses.size() == stop_.controls.size() && value_nats > stop_.value_nats);
   if (is_better && may_end(at, control, path_.poses.size())) {
     stop_ = path_;
     stop_.gain_nats = gain_nats;
-    stop_.worth_nats = worth_nats;
+    stop_.value_nats = value_nats;
   }
 }
 
@@ -151,7 +151,7 @@ void MappingSearch::expand(const Pose2& at, double so_far_nats) {
         models::step_unicycle(at, options_.controls[static_cast<std::size_t>(c)], options_.step_s);
     const BeamView& view = views_->view(next);
     const double end_nats = is_last ? end_cost_nats(next) : 0.0;
-    if (is_last && so_far_nats + view.nats - end_nats <= best_worth_nats_) {
+    if (is_last && so_far_nats + view.nats - end_nats <= best_value_nats_) {
       continue;  // no improvement even if the complete view were new
     }
     if (!may_drive(at, c, next, step) || (is_last && !may_end(next, c, step + 1))) {
@@ -166,11 +166,11 @@ void MappingSearch::expand(const Pose2& at, double so_far_nats) {
         offer_stop(c, gain_nats);
       }
       expand(next, gain_nats);
-    } else if (gain_nats - end_nats > best_worth_nats_) {
-      best_worth_nats_ = gain_nats - end_nats;
+    } else if (gain_nats - end_nats > best_value_nats_) {
+      best_value_nats_ = gain_nats - end_nats;
       best_ = path_;
       best_.gain_nats = gain_nats;
-      best_.worth_nats = best_worth_nats_;
+      best_.value_nats = best_value_nats_;
     }
     pop(mark);
   }
@@ -197,10 +197,10 @@ MapRoute MappingSearch::plan(const Pose2& start, std::span<const MapRoute* const
   path_.start = start;
   best_ = {};
   stop_ = {};
-  best_worth_nats_ = -std::numeric_limits<double>::infinity();
+  best_value_nats_ = -std::numeric_limits<double>::infinity();
   MapRoute greedy = greedy_route(start);
   expand(start, 0.0);
-  if (path_.is_cut && !greedy.poses.empty() && greedy.worth_nats > best_worth_nats_) {
+  if (path_.is_cut && !greedy.poses.empty() && greedy.value_nats > best_value_nats_) {
     best_ = std::move(greedy);
   }
   if (best_.poses.empty()) {
@@ -208,13 +208,13 @@ MapRoute MappingSearch::plan(const Pose2& start, std::span<const MapRoute* const
     const Pose2 end = best_.poses.empty() ? start : best_.poses.back();
     best_.poses.resize(static_cast<std::size_t>(options_.horizon_steps), end);
     best_.gain_nats = cover(best_);
-    best_.worth_nats = best_.gain_nats - end_cost_nats(end);
+    best_.value_nats = best_.gain_nats - end_cost_nats(end);
   }
   best_.start = start;
   best_.nodes = path_.nodes;
-  best_.tried = path_.tried;
+  best_.work_nodes = path_.work_nodes;
   best_.is_cut = path_.is_cut;
-  coverage_.take_back(0);
+  coverage_.undo_to(0);
   fixed_ = {};
   deadline_ = nullptr;
   return best_;
@@ -225,7 +225,7 @@ double MappingSearch::value(std::span<const MapRoute* const> routes) {
   for (const MapRoute* route : routes) {
     sum_nats += route == nullptr ? 0.0 : cover(*route);
   }
-  coverage_.take_back(0);
+  coverage_.undo_to(0);
   return sum_nats;
 }
 

@@ -20,13 +20,13 @@ std::vector<models::UnicycleControl> mapping_primitives();
 /// A robot's path over one planning horizon.
 struct MapRoute {
   Pose2 start;
-  std::vector<int> controls;  ///< indices into the primitives, one per step; empty: stay
-  std::vector<Pose2> poses;   ///< at the end of each step, where a scan is taken
-  double gain_nats = 0.0;     ///< information in addition to that of the fixed scans
-  std::int64_t nodes = 0;     ///< nodes of the search tree
-  double worth_nats = 0.0;    ///< gain_nats less the frontier penalty
-  std::int64_t tried = 0;     ///< examined steps, allowed or not: unit of node budgets
-  bool is_cut = false;        ///< the deadline expired: there may be better routes
+  std::vector<int> controls;    ///< indices into the primitives, one per step; empty: stay
+  std::vector<Pose2> poses;     ///< at the end of each step, where a scan is taken
+  double gain_nats = 0.0;       ///< information in addition to that of the fixed scans
+  std::int64_t nodes = 0;       ///< nodes of the search tree
+  double value_nats = 0.0;      ///< gain_nats less the frontier penalty
+  std::int64_t work_nodes = 0;  ///< examined steps, allowed or not: unit of node budgets
+  bool is_cut = false;          ///< the deadline expired: there may be better routes
 };
 
 struct MappingSearchOptions {
@@ -108,7 +108,7 @@ class MappingSearch {
   MapRoute path_;  ///< from the root to the current node
   MapRoute best_;
   MapRoute stop_;  ///< longest route below the horizon that may end
-  double best_worth_nats_ = 0.0;
+  double best_value_nats_ = 0.0;
   double farthest_m_ = 0.0;  ///< used as the distance if no frontier can be reached
 };
 

@@ -37,34 +37,34 @@ double MapCoverage::add(const BeamView& view, const ViewOptions& options) {
   double gained_nats = 0.0;
   for (const BeamView::Beam& beam : view.beams) {
     if (options.dependence == BeamDependence::kDropBeams) {
-      double told_nats = 0.0;
+      double credited_nats = 0.0;
       for (std::uint32_t k = beam.begin; k < beam.end; ++k) {
         const BeamView::Share& share = view.shares[k];
-        told_nats += std::min(share.nats, told_nats_[static_cast<std::size_t>(share.cell)]);
+        credited_nats += std::min(share.nats, credited_nats_[static_cast<std::size_t>(share.cell)]);
       }
-      if (told_nats >= options.dependent_share * beam.nats) {
+      if (credited_nats >= options.dependent_share * beam.nats) {
         continue;
       }
       gained_nats += beam.nats;
     }
     for (std::uint32_t k = beam.begin; k < beam.end; ++k) {
       const BeamView::Share& share = view.shares[k];
-      double& told_nats = told_nats_[static_cast<std::size_t>(share.cell)];
-      if (share.nats > told_nats) {
+      double& credited_nats = credited_nats_[static_cast<std::size_t>(share.cell)];
+      if (share.nats > credited_nats) {
         if (options.dependence == BeamDependence::kBestOfCell) {
-          gained_nats += share.nats - told_nats;
+          gained_nats += share.nats - credited_nats;
         }
-        undo_.push_back({share.cell, told_nats});
-        told_nats = share.nats;
+        undo_.push_back({share.cell, credited_nats});
+        credited_nats = share.nats;
       }
     }
   }
   return gained_nats;
 }
 
-void MapCoverage::take_back(std::size_t mark) {
+void MapCoverage::undo_to(std::size_t mark) {
   while (undo_.size() > mark) {
-    told_nats_[static_cast<std::size_t>(undo_.back().cell)] = undo_.back().nats;
+    credited_nats_[static_cast<std::size_t>(undo_.back().cell)] = undo_.back().nats;
     undo_.pop_back();
   }
 }
@@ -143,7 +143,7 @@ BeamView ViewTable::look(const Eigen::Vector2d& from_m, double yaw_rad) {
       kept.nats += beam.nats;
     }
   }
-  within_.take_back(0);
+  within_.undo_to(0);
   return kept;
 }
 

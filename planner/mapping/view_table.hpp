@@ -57,20 +57,20 @@ struct BeamView {
 /// reverse order.
 class MapCoverage {
  public:
-  explicit MapCoverage(int cells) : told_nats_(static_cast<std::size_t>(cells), 0.0) {}
+  explicit MapCoverage(int cells) : credited_nats_(static_cast<std::size_t>(cells), 0.0) {}
 
   /// Adds `view`; returns the increase of information, in [0, view.nats].
   double add(const BeamView& view, const ViewOptions& options);
-  /// Returns the present state's mark, to which take_back() can return.
+  /// Returns the present state's mark, to which undo_to() can return.
   [[nodiscard]] std::size_t mark() const { return undo_.size(); }
-  void take_back(std::size_t mark);
+  void undo_to(std::size_t mark);
 
  private:
   struct Undo {
     int cell = 0;
     double nats = 0.0;
   };
-  std::vector<double> told_nats_;
+  std::vector<double> credited_nats_;
   std::vector<Undo> undo_;
 };
 

@@ -52,7 +52,7 @@ StepMotion step_motion(const models::TargetModel& model, double step_s) {
     motion.x = {A(0, 0), A(0, 2), A(2, 0), A(2, 2), W(0, 0), W(0, 2), W(2, 2)};
     motion.y = {A(1, 1), A(1, 3), A(3, 1), A(3, 3), W(1, 1), W(1, 3), W(3, 3)};
     const AxisMotion free{1.0, step_s, 0.0, 1.0, W(0, 0), W(0, 2), W(2, 2)};
-    motion.is_bound = motion.x != free || motion.y != free;
+    motion.has_axis_motion = motion.x != free || motion.y != free;
   }
   return motion;
 }

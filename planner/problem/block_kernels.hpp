@@ -47,19 +47,19 @@ struct AxisMotion {
 
 /// One step of prediction: the distinct entries of the target model's A and W. A freely moving
 /// target (A = [1 step_s; 0 1] on both axes) has one W for both axes. Any other motion, such as
-/// that of a damped oscillator (`is_bound`), has its own A and W on each axis.
+/// that of a damped oscillator (`has_axis_motion`), has its own A and W on each axis.
 struct StepMotion {
   double step_s = 0.5;
   double position = 0.0;  ///< added to the diagonal of P
   double cross = 0.0;     ///< added to the diagonal of C
   double velocity = 0.0;  ///< added to the diagonal of V
-  bool is_bound = false;
-  AxisMotion x = {};  ///< used if is_bound
+  bool has_axis_motion = false;
+  AxisMotion x = {};  ///< used if has_axis_motion
   AxisMotion y = {};
 
   /// True if A is the same on both axes.
-  [[nodiscard]] bool is_alike() const {
-    return !is_bound || (x.a == y.a && x.b == y.b && x.c == y.c && x.d == y.d);
+  [[nodiscard]] bool is_isotropic() const {
+    return !has_axis_motion || (x.a == y.a && x.b == y.b && x.c == y.c && x.d == y.d);
   }
 };
 
@@ -116,7 +116,8 @@ inline double trace(BlockLayout layout, const double* b) {
 }
 
 /// Predicts a moving block with separate A and W for each axis.
-inline void predict_bound(const AxisMotion& x, const AxisMotion& y, const double* in, double* out) {
+inline void predict_per_axis(const AxisMotion& x, const AxisMotion& y, const double* in,
+                             double* out) {
   const double p0 = in[0];
   const double p1 = in[1];
   const double p2 = in[2];
@@ -156,8 +157,8 @@ inline void predict(BlockLayout layout, const StepMotion& w, const double* in, d
     out[5] += w.position;
     return;
   }
-  if (w.is_bound) {
-    predict_bound(w.x, w.y, in, out);
+  if (w.has_axis_motion) {
+    predict_per_axis(w.x, w.y, in, out);
     return;
   }
   const double h = w.step_s;

@@ -1,7 +1,7 @@
 #include "planner/problem/fixed_information.hpp"
 
 #include "core/infinity.hpp"
-#include "planner/problem/look.hpp"
+#include "planner/problem/information_at.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -13,29 +13,29 @@ struct View {
 
 // Returns the bounding box of the expected target positions over the plan.
 models::Rectangle around_targets(const SearchProblem& problem) {
-  models::Rectangle around{Eigen::Vector2d::Constant(kInfinity),
-                           Eigen::Vector2d::Constant(-kInfinity)};
+  models::Rectangle bounding_box{Eigen::Vector2d::Constant(kInfinity),
+                                 Eigen::Vector2d::Constant(-kInfinity)};
   for (const SearchTarget& target : problem.targets) {
     models::StateVector mean = target.prior.mean;
     for (int t = 0; t <= problem.horizon_steps; ++t) {  // the mean's path can be a curve
       const Eigen::Vector2d at_m = mean.head<2>();
-      around.min_m = around.min_m.cwiseMin(at_m);
-      around.max_m = around.max_m.cwiseMax(at_m);
+      bounding_box.min_m = bounding_box.min_m.cwiseMin(at_m);
+      bounding_box.max_m = bounding_box.max_m.cwiseMax(at_m);
       mean = target.model.expected(mean, problem.step_s);
     }
   }
-  return around;
+  return bounding_box;
 }
 
 // False if no target is in range from any point of the teammate's path, as for most teammates in a
 // large team.
-bool may_see(const FixedTeammate& teammate, const models::Rectangle& around) {
+bool may_see(const FixedTeammate& teammate, const models::Rectangle& bounding_box) {
   constexpr double kSlack_m = 1e-3;
   const Eigen::Array2d within_m = Eigen::Array2d::Constant(
       models::length_at_most_m(teammate.trajectory) + teammate.sensor.range_max_m + kSlack_m);
   const Eigen::Array2d from_m = teammate.trajectory.start.position_m().array();
-  return !((from_m + within_m < around.min_m.array()).any() ||
-           (from_m - within_m > around.max_m.array()).any());
+  return !((from_m + within_m < bounding_box.min_m.array()).any() ||
+           (from_m - within_m > bounding_box.max_m.array()).any());
 }
 
 }  // namespace
@@ -44,10 +44,10 @@ std::vector<std::vector<models::PositionMatrix>> fixed_information(
     const SearchProblem& problem, const std::vector<FixedTeammate>& teammates) {
   const auto steps = static_cast<std::size_t>(problem.horizon_steps);
   // Each teammate's viewpoints, [step][teammate], computed once for all targets.
-  const models::Rectangle around = around_targets(problem);
+  const models::Rectangle bounding_box = around_targets(problem);
   std::vector<std::vector<View>> views(steps);
   for (const FixedTeammate& teammate : teammates) {
-    if (teammate.jammed || !may_see(teammate, around)) {
+    if (teammate.jammed || !may_see(teammate, bounding_box)) {
       continue;
     }
     for (std::size_t t = 0; t < steps; ++t) {
@@ -68,7 +68,8 @@ std::vector<std::vector<models::PositionMatrix>> fixed_information(
       mean = target.model.expected(mean, problem.step_s);
       const models::PositionVector position_m = mean.head(p);
       for (const View& view : views[t]) {
-        fixed[m][t] += look(sight_world(problem), {view.sensor, 1}, view.from, position_m);
+        fixed[m][t] +=
+            information_at(sight_world(problem), {view.sensor, 1}, view.from, position_m);
       }
     }
   }

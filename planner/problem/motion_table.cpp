@@ -60,8 +60,8 @@ MotionTable::MotionTable(int controls_max, int steps_max, int teammates_max) {
   const std::size_t steps = static_cast<std::size_t>(steps_max) * teammates;
   primitives_.reserve(static_cast<std::size_t>(controls_max));
   teammate_pieces_.reserve(steps * kPieces);
-  step_ways_m_.reserve(steps);
-  kept_m_.reserve(teammates);
+  step_distances_m_.reserve(steps);
+  required_m_.reserve(teammates);
 }
 
 // long: fills several tables in turn.
@@ -93,10 +93,10 @@ void MotionTable::reset(const SearchProblem& problem) {
   ends_.count = control_count();
 
   teammate_pieces_.clear();
-  step_ways_m_.clear();
-  kept_m_.clear();
+  step_distances_m_.clear();
+  required_m_.clear();
   for (std::size_t i = 0; i < problem.teammates.size(); ++i) {
-    kept_m_.push_back(kept_separation_m(problem, i));
+    required_m_.push_back(required_separation_m(problem, i));
   }
   int steps = problem.horizon_steps + 1;
   for (const models::Trajectory& teammate : problem.teammates) {
@@ -110,7 +110,7 @@ void MotionTable::reset(const SearchProblem& problem) {
   pieces_each_ = steps * kPieces;
   for (const models::Trajectory& teammate : problem.teammates) {
     const double since_start_s = to_seconds(problem.start_time - teammate.start_time);
-    const double height_m = kept_height_m(problem, teammate);
+    const double height_m = separation_height_m(problem, teammate);
     for (int depth = 0; depth < steps; ++depth) {
       double way_m = 0.0;
       for (int k = 0; k < kPieces; ++k) {
@@ -126,7 +126,7 @@ void MotionTable::reset(const SearchProblem& problem) {
         way_m += (piece.to_m - piece.from_m).norm() + 2.0 * piece.slack_m;
         teammate_pieces_.push_back(piece);
       }
-      step_ways_m_.push_back(way_m);
+      step_distances_m_.push_back(way_m);
     }
   }
 }
@@ -198,9 +198,9 @@ bool MotionTable::is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
     const TeammatePiece* pieces = &teammate_pieces_[i * static_cast<std::size_t>(pieces_each_) +
                                                     static_cast<std::size_t>(depth * kPieces)];
     // Too far apart to meet within one step: the robots move at most these distances.
-    const double far_m = kept_m_[i] + primitive.length_m +
-                         step_ways_m_[i * static_cast<std::size_t>(pieces_each_ / kPieces) +
-                                      static_cast<std::size_t>(depth)];
+    const double far_m = required_m_[i] + primitive.length_m +
+                         step_distances_m_[i * static_cast<std::size_t>(pieces_each_ / kPieces) +
+                                           static_cast<std::size_t>(depth)];
     if ((pieces[0].from_m - start).squaredNorm() > far_m * far_m) {
       continue;
     }
@@ -211,7 +211,7 @@ bool MotionTable::is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
                               from.y_m + sin_yaw * p.x() + cos_yaw * p.y(), problem_->height_m);
       const double nearest_m = models::closest_approach_m(a, b, pieces[k].from_m, pieces[k].to_m) -
                                primitive.sagitta_m - pieces[k].slack_m;
-      if (nearest_m < kept_m_[i]) {
+      if (nearest_m < required_m_[i]) {
         return false;
       }
       a = b;
@@ -249,7 +249,7 @@ bool MotionTable::can_stop_at(const Pose2& at, double speed_mps, int depth) cons
       const Eigen::Vector3d b = along(++since * piece_s);
       if (models::closest_approach_m(a, b, pieces[k].from_m, pieces[k].to_m) - slack_m -
               pieces[k].slack_m <
-          kept_m_[i]) {
+          required_m_[i]) {
         return false;
       }
       a = b;

@@ -103,8 +103,9 @@ class MotionTable {
   double reach_m_ = 0.0;
   int pieces_each_ = 0;                         ///< pieces per teammate: until all vehicles hover
   std::vector<TeammatePiece> teammate_pieces_;  ///< [teammate][depth][piece]
-  std::vector<double> step_ways_m_;  ///< [teammate][depth]: maximum distance covered in one step
-  std::vector<double> kept_m_;       ///< [teammate]: kept_separation_m()
+  std::vector<double>
+      step_distances_m_;            ///< [teammate][depth]: maximum distance covered in one step
+  std::vector<double> required_m_;  ///< [teammate]: required_separation_m()
 };
 
 /// True if a disc of `radius_m` that moves along `control` for `duration_s` stays clear of the

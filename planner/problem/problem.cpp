@@ -63,8 +63,8 @@ void require_valid_information(const SearchProblem& problem) {
   }
 }
 
-double kept_from_m(const SearchProblem& problem, const Pose2& start, double height_m,
-                   const models::Trajectory& other) {
+double required_separation_from_m(const SearchProblem& problem, const Pose2& start, double height_m,
+                                  const models::Trajectory& other) {
   // Steps are checked along chords. This margin ensures that their deviation does not forbid every
   // motion away from the teammate.
   constexpr double kChords_m = 0.01;
@@ -174,13 +174,13 @@ double score(const SearchProblem& problem, const std::vector<Pose2>& poses) {
   return cost;
 }
 
-double kept_separation_m(const SearchProblem& problem, std::size_t i) {
-  return kept_from_m(problem, problem.start, problem.height_m, problem.teammates[i]);
+double required_separation_m(const SearchProblem& problem, std::size_t i) {
+  return required_separation_from_m(problem, problem.start, problem.height_m, problem.teammates[i]);
 }
 
-double kept_separation_m(const SearchProblem& problem, const models::Trajectory& own,
-                         const models::Trajectory& other) {
-  return kept_from_m(problem, own.start, own.height_m, other);
+double required_separation_m(const SearchProblem& problem, const models::Trajectory& own,
+                             const models::Trajectory& other) {
+  return required_separation_from_m(problem, own.start, own.height_m, other);
 }
 
 }  // namespace vantage::planner

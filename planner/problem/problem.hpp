@@ -56,7 +56,7 @@ struct SearchProblem {
   bool obstacles_block_sight = true;  ///< false: sensors see over or through them
 
   /// Committed motion of the teammates. The plan keeps `separation_m` from it in space, or in the
-  /// plane if `separation_from_above`. See kept_separation_m() for a robot that starts closer.
+  /// plane if `separation_from_above`. See required_separation_m() for a robot that starts closer.
   std::vector<models::Trajectory> teammates;
   double separation_m = 0.0;
   bool separation_from_above = false;
@@ -74,17 +74,18 @@ inline const models::World* sight_world(const SearchProblem& problem) {
 
 /// Returns the height used for the distance to a teammate: the teammate's, or the robot's own if
 /// `separation_from_above`.
-inline double kept_height_m(const SearchProblem& problem, const models::Trajectory& teammate) {
+inline double separation_height_m(const SearchProblem& problem,
+                                  const models::Trajectory& teammate) {
   return problem.separation_from_above ? problem.height_m : teammate.height_m;
 }
 
 /// Returns the distance that a plan must keep from teammate i: `separation_m`, or the distance at
 /// the plan's start minus 1 cm if that is smaller. A robot that is too close may thus move away,
 /// but not closer.
-double kept_separation_m(const SearchProblem& problem, std::size_t i);
+double required_separation_m(const SearchProblem& problem, std::size_t i);
 /// As above, for any two motions that begin at the plan's start.
-double kept_separation_m(const SearchProblem& problem, const models::Trajectory& own,
-                         const models::Trajectory& other);
+double required_separation_m(const SearchProblem& problem, const models::Trajectory& own,
+                             const models::Trajectory& other);
 
 /// Throws UsageError with the violated rule. Rules: matching sizes, finite numbers, positive steps,
 /// forward controls, symmetric positive definite priors, information for every step. A search calls

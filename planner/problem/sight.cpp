@@ -17,7 +17,7 @@ void SightTable::reset(const SearchProblem& problem) {
   problem_ = &problem;
   sensors_.clear();
   range_max_m_ = 0.0;
-  asks_information_ = false;
+  lacks_planar_law_ = false;
   for (const models::SensorModel& model : problem.sensors) {
     Sensor sensor;
     sensor.range_max2_m2 = square(model.range_max_m);
@@ -30,16 +30,16 @@ void SightTable::reset(const SearchProblem& problem) {
       const models::PlanarLaw law = planar_law(model);
       sensor.along_sight = law.along_per_m2;
       sensor.across_sight = law.across_per_rad2;
-      sensor.all_ways = law.isotropic_per_m2;
-      sensor.tells_direction = law.along_per_m2 > 0.0 || law.across_per_rad2 > 0.0;
-      sensor.asks_information = sensor.tells_direction && sensor.all_ways > 0.0;
+      sensor.isotropic_per_m2 = law.isotropic_per_m2;
+      sensor.is_directional = law.along_per_m2 > 0.0 || law.across_per_rad2 > 0.0;
+      sensor.lacks_planar_law = sensor.is_directional && sensor.isotropic_per_m2 > 0.0;
       sensor.variance_grows = model.variance_grows_with_range;
       sensor.variance_floor = model.variance_floor;
       sensor.growth_per_m = 1.0 / model.range_max_m;
     } else {
-      sensor.asks_information = true;
+      sensor.lacks_planar_law = true;
     }
-    asks_information_ = asks_information_ || sensor.asks_information;
+    lacks_planar_law_ = lacks_planar_law_ || sensor.lacks_planar_law;
     range_max_m_ = std::max(range_max_m_, model.range_max_m);
     sensors_.push_back(sensor);
   }
@@ -47,15 +47,15 @@ void SightTable::reset(const SearchProblem& problem) {
   has_obstacles_ = world != nullptr && !world->obstacles.empty();
 }
 
-bool SightTable::look_planar(const Sensor& sensor, double dx_m, double dy_m, double cos_yaw,
-                             double sin_yaw, PackedInformation& sum) {
+bool SightTable::add_planar_information(const Sensor& sensor, double dx_m, double dy_m,
+                                        double cos_yaw, double sin_yaw, PackedInformation& sum) {
   const double r2 = dx_m * dx_m + dy_m * dy_m;
   if (r2 >= sensor.range_max2_m2 || r2 < sensor.range_min2_m2) {
     return false;
   }
   const bool all_around = sensor.cos_half_fov < -1.0;
   if (r2 == 0.0) {  // no direction: only an all-round position sensor sees the target
-    if (sensor.tells_direction || !all_around) {
+    if (sensor.is_directional || !all_around) {
       return false;
     }
   } else if (!all_around) {
@@ -66,9 +66,9 @@ bool SightTable::look_planar(const Sensor& sensor, double dx_m, double dy_m, dou
       return false;
     }
   }
-  if (!sensor.tells_direction) {
-    sum.m[0] += sensor.all_ways;
-    sum.m[2] += sensor.all_ways;
+  if (!sensor.is_directional) {
+    sum.m[0] += sensor.isotropic_per_m2;
+    sum.m[2] += sensor.isotropic_per_m2;
     return true;
   }
   double per_r2 = 1.0 / r2;
@@ -85,13 +85,13 @@ bool SightTable::look_planar(const Sensor& sensor, double dx_m, double dy_m, dou
   return true;
 }
 
-bool SightTable::look(const Eigen::Vector3d& target_m, bool spatial, const Pose2& at,
-                      double cos_yaw, double sin_yaw, PackedInformation& out) const {
+bool SightTable::add_information(const Eigen::Vector3d& target_m, bool spatial, const Pose2& at,
+                                 double cos_yaw, double sin_yaw, PackedInformation& out) const {
   bool seen = false;
   for (std::size_t s = 0; s < sensors_.size(); ++s) {
-    if (!spatial && !sensors_[s].asks_information) {
-      seen = look_planar(sensors_[s], target_m.x() - at.x_m, target_m.y() - at.y_m, cos_yaw,
-                         sin_yaw, out) ||
+    if (!spatial && !sensors_[s].lacks_planar_law) {
+      seen = add_planar_information(sensors_[s], target_m.x() - at.x_m, target_m.y() - at.y_m,
+                                    cos_yaw, sin_yaw, out) ||
              seen;
       continue;
     }
@@ -112,11 +112,11 @@ bool SightTable::look(const Eigen::Vector3d& target_m, bool spatial, const Pose2
   return seen && (!has_obstacles_ || line_of_sight(at.position_m(), target_m.head<2>()));
 }
 
-LaneMask SightTable::sees(const Sensor& sensor, const Lanes& r2, const Lanes& along) {
+LaneMask SightTable::visible_lanes(const Sensor& sensor, const Lanes& r2, const Lanes& along) {
   const Lanes zero = {};
   const LaneMask in_range = (r2 < sensor.range_max2_m2) & (r2 >= sensor.range_min2_m2);
   if (sensor.cos_half_fov < -1.0) {
-    return sensor.tells_direction ? in_range & (r2 > zero) : in_range;
+    return sensor.is_directional ? in_range & (r2 > zero) : in_range;
   }
   const Lanes along2 = along * along;
   const Lanes edge2 = sensor.cos2_half_fov * r2;
@@ -124,8 +124,8 @@ LaneMask SightTable::sees(const Sensor& sensor, const Lanes& r2, const Lanes& al
                                     : in_range & ((along > zero) | (along2 < edge2));
 }
 
-LaneMask SightTable::look_at(const Eigen::Vector3d& target_m, const Views& views, int group,
-                             InformationLanes& out) const {
+LaneMask SightTable::compute_lanes(const Eigen::Vector3d& target_m, const Views& views, int group,
+                                   InformationLanes& out) const {
   const Lanes zero = {};
   const int at = kLanes * group;
   const Lanes dx = target_m.x() - load(views.x_m + at);
@@ -137,15 +137,15 @@ LaneMask SightTable::look_at(const Eigen::Vector3d& target_m, const Views& views
   LaneMask seen = {};
   out = {zero, zero, zero};
   for (const Sensor& sensor : sensors_) {
-    const LaneMask now = sees(sensor, r2, along);
+    const LaneMask now = visible_lanes(sensor, r2, along);
     if (bits(now) == 0) {
       continue;
     }
     seen |= now;
-    if (!sensor.tells_direction) {
-      const Lanes all_ways = now ? broadcast(sensor.all_ways) : zero;
-      out.m00 += all_ways;
-      out.m11 += all_ways;
+    if (!sensor.is_directional) {
+      const Lanes isotropic_per_m2 = now ? broadcast(sensor.isotropic_per_m2) : zero;
+      out.m00 += isotropic_per_m2;
+      out.m11 += isotropic_per_m2;
       continue;
     }
     Lanes per_r2 = 1.0 / r2;

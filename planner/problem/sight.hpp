@@ -43,18 +43,18 @@ class SightTable {
 
   /// Returns the longest range of all sensors, m.
   [[nodiscard]] double range_max_m() const { return range_max_m_; }
-  /// True if look_at() supports every planar target, that is, no sensor is a camera.
-  [[nodiscard]] bool has_lanes() const { return !asks_information_; }
+  /// True if compute_lanes() supports every planar target, that is, no sensor is a camera.
+  [[nodiscard]] bool has_lanes() const { return !lacks_planar_law_; }
 
   /// Adds the information from `at` to `out`, packed. False if the target is not visible.
-  [[nodiscard]] bool look(const Eigen::Vector3d& target_m, bool spatial, const Pose2& at,
-                          double cos_yaw, double sin_yaw, PackedInformation& out) const;
+  [[nodiscard]] bool add_information(const Eigen::Vector3d& target_m, bool spatial, const Pose2& at,
+                                     double cos_yaw, double sin_yaw, PackedInformation& out) const;
 
   /// Computes the information about a planar target from the four views of `group`, and returns the
   /// mask of views that see it. Other views get zero. Does not check the line of sight.
   /// Precondition: has_lanes().
-  [[nodiscard]] LaneMask look_at(const Eigen::Vector3d& target_m, const Views& views, int group,
-                                 InformationLanes& out) const;
+  [[nodiscard]] LaneMask compute_lanes(const Eigen::Vector3d& target_m, const Views& views,
+                                       int group, InformationLanes& out) const;
 
   /// True if obstacles exist, so that line_of_sight() must be called.
   [[nodiscard]] bool has_obstacles() const { return has_obstacles_; }
@@ -67,23 +67,25 @@ class SightTable {
     double range_min2_m2 = 0.0;
     double cos_half_fov = -2.0;  ///< −2: full circle
     double cos2_half_fov = 0.0;
-    double along_sight = 0.0;   ///< 1/m²; information along the line of sight
-    double across_sight = 0.0;  ///< 1/rad²; information across it, times the squared distance
-    double all_ways = 0.0;      ///< 1/m²; information of a position sensor
-    double growth_per_m = 0.0;  ///< 1/m; variance factor is max(floor, r · growth_per_m)
+    double along_sight = 0.0;       ///< 1/m²; information along the line of sight
+    double across_sight = 0.0;      ///< 1/rad²; information across it, times the squared distance
+    double isotropic_per_m2 = 0.0;  ///< 1/m²; information of a position sensor
+    double growth_per_m = 0.0;      ///< 1/m; variance factor is max(floor, r · growth_per_m)
     double variance_floor = 1.0;
-    bool asks_information = false;  ///< no planar law: evaluate information() for each view
-    bool tells_direction = true;    ///< false: a position sensor
+    bool lacks_planar_law = false;  ///< no planar law: evaluate information() for each view
+    bool is_directional = true;     ///< false: a position sensor
     bool variance_grows = false;
   };
-  [[nodiscard]] static bool look_planar(const Sensor& sensor, double dx_m, double dy_m,
-                                        double cos_yaw, double sin_yaw, PackedInformation& sum);
-  [[nodiscard]] static LaneMask sees(const Sensor& sensor, const Lanes& r2, const Lanes& along);
+  [[nodiscard]] static bool add_planar_information(const Sensor& sensor, double dx_m, double dy_m,
+                                                   double cos_yaw, double sin_yaw,
+                                                   PackedInformation& sum);
+  [[nodiscard]] static LaneMask visible_lanes(const Sensor& sensor, const Lanes& r2,
+                                              const Lanes& along);
 
   const SearchProblem* problem_ = nullptr;
   std::vector<Sensor> sensors_;
   double range_max_m_ = 0.0;
-  bool asks_information_ = false;
+  bool lacks_planar_law_ = false;
   bool has_obstacles_ = false;
 };
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "planner/robot/trajectory_tools.hpp"
-#include "planner/robot/way_out.hpp"
+#include "planner/robot/turn_to_free_heading.hpp"
 
 namespace vantage::planner {
 
@@ -25,16 +25,17 @@ std::unique_ptr<TeamExchange> CandidatePlanner::round_of(
 
 std::optional<models::RobotPlan> CandidatePlanner::turned(SlotTask& task,
                                                           const models::TeamChoice* own) const {
-  const bool stays = rests(task.committed) && (own == nullptr || rests(own->trajectory));
-  if (!stays || has_way_out(task.round.search, 0.0)) {
+  const bool stays =
+      is_stationary(task.committed) && (own == nullptr || is_stationary(own->trajectory));
+  if (!stays || can_move_after_turn(task.round.search, 0.0)) {
     return std::nullopt;
   }
-  auto turning = turn_to_a_way_out(task.round.search, false,
-                                   scenario_.robots[robot_].limits.yaw_rate_max_radps);
+  auto turning = turn_to_free_heading(task.round.search, false,
+                                      scenario_.robots[robot_].limits.yaw_rate_max_radps);
   return turning ? std::optional(task.ladder.turned(std::move(*turning))) : std::nullopt;
 }
 
-models::RobotPlan WorthPlanner::plan(SlotTask& task, const Deadline& deadline) {
+models::RobotPlan CoordinateDescentPlanner::plan(SlotTask& task, const Deadline& deadline) {
   std::vector<models::TeamChoice> others;
   for (const FixedTeammate& teammate : task.round.teammates) {
     others.push_back({scenario().robots[teammate.robot].name, teammate.trajectory, 0.0, 0.0});
@@ -47,13 +48,13 @@ models::RobotPlan WorthPlanner::plan(SlotTask& task, const Deadline& deadline) {
   if (auto plan = turned(task, own)) {
     return *plan;
   }
-  if (auto plan = own != nullptr ? task.ladder.chosen(own->trajectory) : task.ladder.rest()) {
+  if (auto plan = own != nullptr ? task.ladder.chosen(own->trajectory) : task.ladder.hovering()) {
     return *plan;
   }
   return task.ladder.fall_back();
 }
 
-models::RobotPlan AgreedPlanner::plan(SlotTask& task, const Deadline& /*deadline*/) {
+models::RobotPlan TeamSolutionPlanner::plan(SlotTask& task, const Deadline& /*deadline*/) {
   const std::optional<models::TeamProposal>& solution = task.inputs.solution;
   const bool is_of_this_round = solution && solution->round == task.inputs.slot.round &&
                                 solution->stamp.time == task.inputs.slot.activation;
@@ -63,7 +64,7 @@ models::RobotPlan AgreedPlanner::plan(SlotTask& task, const Deadline& /*deadline
     return *plan;
   }
   if (own == nullptr) {
-    const auto plan = task.ladder.rest();
+    const auto plan = task.ladder.hovering();
     return plan ? *plan : task.ladder.fall_back();
   }
   const double off_m =
@@ -76,8 +77,8 @@ models::RobotPlan AgreedPlanner::plan(SlotTask& task, const Deadline& /*deadline
   return task.ladder.fall_back();
 }
 
-std::unique_ptr<TeamExchange> AgreedPlanner::begin_exchange(const SlotTask& task,
-                                                            const Deadline& deadline) {
+std::unique_ptr<TeamExchange> TeamSolutionPlanner::begin_exchange(const SlotTask& task,
+                                                                  const Deadline& deadline) {
   return round_of(task, std::nullopt, deadline);
 }
 

@@ -41,18 +41,20 @@ class CandidatePlanner : public SlotPlanner {
 /// Planner of a robot with an energy price: coordinate descent over candidates, including their
 /// costs. The robot stays if no candidate has a positive value. The candidate search uses a third
 /// of the time; the other steps take tens of milliseconds.
-class WorthPlanner : public CandidatePlanner {
+class CoordinateDescentPlanner : public CandidatePlanner {
  public:
-  WorthPlanner(Workspace& workspace, std::size_t robot) : CandidatePlanner(workspace, robot) {}
+  CoordinateDescentPlanner(Workspace& workspace, std::size_t robot)
+      : CandidatePlanner(workspace, robot) {}
   models::RobotPlan plan(SlotTask& task, const Deadline& deadline) override;
 };
 
 /// Planner of a team that uses local search. Flies the robot's motion in the solution of its inputs
 /// if the motion passes the closing check. A robot without such a motion stops and hovers. Source:
 /// docs/decisions/0006.
-class AgreedPlanner : public CandidatePlanner {
+class TeamSolutionPlanner : public CandidatePlanner {
  public:
-  AgreedPlanner(Workspace& workspace, std::size_t robot) : CandidatePlanner(workspace, robot) {}
+  TeamSolutionPlanner(Workspace& workspace, std::size_t robot)
+      : CandidatePlanner(workspace, robot) {}
   models::RobotPlan plan(SlotTask& task, const Deadline& deadline) override;
   std::unique_ptr<TeamExchange> begin_exchange(const SlotTask& task,
                                                const Deadline& deadline) override;

@@ -13,8 +13,8 @@ bool keeps_apart(const SearchProblem& problem, const models::Trajectory& motion,
                  double rounding_m) {
   for (std::size_t i = 0; i < problem.teammates.size(); ++i) {
     if (!models::keeps_separation(motion, problem.teammates[i], motion.start_time,
-                                  kept_separation_m(problem, i) - rounding_m, models::kPlanPiece_s,
-                                  problem.separation_from_above)) {
+                                  required_separation_m(problem, i) - rounding_m,
+                                  models::kPlanPiece_s, problem.separation_from_above)) {
       return false;
     }
   }
@@ -27,11 +27,11 @@ bool is_safe(const SearchProblem& problem, const models::Trajectory& motion) {
          keeps_apart(problem, motion, kRounding_m);
 }
 
-std::optional<std::size_t> too_near(const SearchProblem& problem) {
+std::optional<std::size_t> nearest_violating_teammate(const SearchProblem& problem) {
   std::optional<std::size_t> nearest;
   double least_m = problem.separation_m;
   for (std::size_t i = 0; i < problem.teammates.size(); ++i) {
-    const double kept_m = kept_separation_m(problem, i);
+    const double kept_m = required_separation_m(problem, i);
     if (kept_m < least_m) {
       least_m = kept_m;
       nearest = i;

@@ -18,6 +18,6 @@ bool is_safe(const SearchProblem& problem, const models::Trajectory& motion);
 
 /// Returns the index of the nearest teammate that is closer than the required separation; nullopt
 /// if there is none.
-std::optional<std::size_t> too_near(const SearchProblem& problem);
+std::optional<std::size_t> nearest_violating_teammate(const SearchProblem& problem);
 
 }  // namespace vantage::planner

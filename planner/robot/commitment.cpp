@@ -83,7 +83,7 @@ Commitment commitment_of(const scenario::Scenario& scenario, std::size_t robot,
       }
     }
     if (on_plan) {
-      commitment.motion = rest_of(last, inputs.slot.activation);
+      commitment.motion = remainder_of(last, inputs.slot.activation);
       return commitment;
     }
   }

@@ -75,8 +75,8 @@ std::optional<models::RobotPlan> PlanLadder::proposed(const models::RobotPlan& p
   return plan;
 }
 
-std::optional<models::RobotPlan> PlanLadder::rest() {
-  ++counts_.rests;
+std::optional<models::RobotPlan> PlanLadder::hovering() {
+  ++counts_.rest_rounds;
   models::Trajectory motion = stop();
   if (!is_safe(problem_, motion)) {
     return std::nullopt;

@@ -41,7 +41,7 @@ class PlanLadder {
   [[nodiscard]] std::optional<models::RobotPlan> proposed(const models::RobotPlan& proposal) const;
   /// Returns the plan to stop and hover, marked as the result of a search; nullopt if it is not
   /// safe.
-  [[nodiscard]] std::optional<models::RobotPlan> rest();
+  [[nodiscard]] std::optional<models::RobotPlan> hovering();
   /// Returns a turn on the spot, which is safe wherever hovering is.
   [[nodiscard]] models::RobotPlan turned(models::Trajectory turning);
   /// Returns braking to a hover if that is safe, otherwise fall_back().

@@ -11,11 +11,11 @@ struct PlannerCounts {
   std::int64_t off_plan = 0;       ///< vehicle farther from its plan than the tolerance
   std::int64_t checks_failed = 0;  ///< searched plans rejected by the closing check
   std::int64_t turns_away = 0;     ///< turns on the spot, because a teammate or wall is ahead
-  std::int64_t baits = 0;          ///< rounds in which this robot was bait
-  std::int64_t rests = 0;          ///< rounds in which every motion cost more energy than it gained
-  std::int64_t yields = 0;         ///< rounds without a search because its slot is shared
-  std::int64_t no_pose = 0;        ///< rounds without a known pose
-  std::int64_t unknown_plan = 0;   ///< rounds spent flying a plan from before a restart
+  std::int64_t bait_rounds = 0;    ///< rounds in which this robot was bait
+  std::int64_t rest_rounds = 0;    ///< rounds in which every motion cost more energy than it gained
+  std::int64_t yielded_rounds = 0;  ///< rounds without a search because its slot is shared
+  std::int64_t no_pose = 0;         ///< rounds without a known pose
+  std::int64_t unknown_plan = 0;    ///< rounds spent flying a plan from before a restart
   /// Targets that cannot be predicted (e.g. from a clock that was ahead) or are not in the
   /// scenario, and grids of another geometry.
   std::int64_t unusable_beliefs = 0;

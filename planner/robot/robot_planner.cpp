@@ -46,8 +46,8 @@ std::optional<models::Trajectory> RobotPlanner::committed_motion(const PlanInput
 }
 
 SlotTask RobotPlanner::task_of(const PlanInputs& inputs, const models::Trajectory& committed,
-                               const std::vector<int>& unseeing) {
-  round_ = problem_of_round(*workspace_, robot_, inputs, committed, unseeing);
+                               const std::vector<int>& robots_without_sensing) {
+  round_ = problem_of_round(*workspace_, robot_, inputs, committed, robots_without_sensing);
   counts_.unusable_beliefs += round_.unusable_beliefs;
   counts_.unusable_maps += round_.unusable_maps;
   counts_.bodies_dropped += round_.bodies_dropped;
@@ -64,8 +64,9 @@ ResilientRound RobotPlanner::resilient_round_of(const PlanInputs& inputs) const 
     }
   }
   // Robots without a proposal, or with a proposal that gains nothing, are not used as bait.
-  const auto worth_it = std::count_if(values.begin(), values.end(), [](double v) { return v > 0; });
-  return {values, std::min(scenario_.planner.attacks_max, static_cast<int>(worth_it))};
+  const auto useful_proposals =
+      std::count_if(values.begin(), values.end(), [](double v) { return v > 0; });
+  return {values, std::min(scenario_.planner.attacks_max, static_cast<int>(useful_proposals))};
 }
 
 std::vector<int> RobotPlanner::all_robots() const {
@@ -81,9 +82,9 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
     return std::nullopt;
   }
   const ResilientRound resilient = resilient_round_of(inputs);
-  SlotTask task = task_of(inputs, *committed, resilient.unseeing_for(robot_index()));
+  SlotTask task = task_of(inputs, *committed, resilient.robots_without_sensing_for(robot_index()));
   if (slots_ && !slots_->has_slot(inputs)) {
-    ++counts_.yields;
+    ++counts_.yielded_rounds;
     return task.ladder.fall_back();
   }
   task.is_bait = resilient.is_bait(robot_index());
@@ -108,15 +109,15 @@ std::unique_ptr<TeamExchange> RobotPlanner::begin_exchange(const PlanInputs& inp
              : nullptr;
 }
 
-std::optional<models::RobotPlan> RobotPlanner::question(const PlanInputs& inputs) const {
+std::optional<models::RobotPlan> RobotPlanner::external_request(const PlanInputs& inputs) const {
   Commitment commitment = commitment_of(scenario_, robot_, inputs);
   if (commitment.known != Commitment::Known::kMotion) {
     return std::nullopt;
   }
-  models::RobotPlan question = blank_plan_of(inputs);
-  question.source = models::PlanSource::kShifted;
-  question.trajectory = std::move(commitment.motion);
-  return question;
+  models::RobotPlan request = blank_plan_of(inputs);
+  request.source = models::PlanSource::kShifted;
+  request.trajectory = std::move(commitment.motion);
+  return request;
 }
 
 std::optional<models::RobotPlan> RobotPlanner::plan_without_search(const PlanInputs& inputs) {
@@ -137,11 +138,12 @@ std::optional<models::RobotPlan> RobotPlanner::plan_to_stop(const PlanInputs& in
 
 SlotTask RobotPlanner::task_without_search(const PlanInputs& inputs,
                                            const models::Trajectory& committed) {
-  return task_of(inputs, committed, resilient_round_of(inputs).unseeing_for(robot_index()));
+  return task_of(inputs, committed,
+                 resilient_round_of(inputs).robots_without_sensing_for(robot_index()));
 }
 
-std::optional<int> RobotPlanner::next_place(const PlanInputs& inputs) const {
-  return slots_ ? std::optional(slots_->next_place(inputs)) : std::nullopt;
+std::optional<int> RobotPlanner::next_slot_index(const PlanInputs& inputs) const {
+  return slots_ ? std::optional(slots_->next_slot_index(inputs)) : std::nullopt;
 }
 
 }  // namespace vantage::planner

@@ -67,7 +67,7 @@ class RobotPlanner {
   /// For planner.algorithm `external`: returns the request to the external process. The request is
   /// the committed motion from t_{k+1} on, as a plan without a search; an answer must start at the
   /// same pose and time. nullopt if plan() returns nullopt. Counts nothing.
-  [[nodiscard]] std::optional<models::RobotPlan> question(const PlanInputs& inputs) const;
+  [[nodiscard]] std::optional<models::RobotPlan> external_request(const PlanInputs& inputs) const;
 
   /// Returns the plan to publish when the search ended after its slot. The result continues the old
   /// plan, on which teammates may already rely and with which every other committed plan is
@@ -81,7 +81,7 @@ class RobotPlanner {
 
   /// Returns the robot's slot in the next round, for use after publication in its current one;
   /// nullopt if slots are not shared.
-  [[nodiscard]] std::optional<int> next_place(const PlanInputs& inputs) const;
+  [[nodiscard]] std::optional<int> next_slot_index(const PlanInputs& inputs) const;
 
   [[nodiscard]] const PlannerCounts& counts() const { return counts_; }
   [[nodiscard]] int robot_index() const { return static_cast<int>(robot_); }
@@ -94,9 +94,9 @@ class RobotPlanner {
   [[nodiscard]] models::RobotPlan blank_plan_of(const PlanInputs& inputs) const;
   /// Returns the robot's committed motion; nullopt, and counted, if it has none.
   std::optional<models::Trajectory> committed_motion(const PlanInputs& inputs);
-  /// Returns the slot's task for a problem that ignores the sensors of the `unseeing` robots.
+  /// Returns the slot's task for a problem that ignores the sensors of `robots_without_sensing`.
   SlotTask task_of(const PlanInputs& inputs, const models::Trajectory& committed,
-                   const std::vector<int>& unseeing);
+                   const std::vector<int>& robots_without_sensing);
   /// Returns the slot's task for a plan without a search; received proposals are used.
   SlotTask task_without_search(const PlanInputs& inputs, const models::Trajectory& committed);
   /// Computes the resilient round from the received proposals of the slot's round.

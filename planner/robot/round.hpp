@@ -35,36 +35,37 @@ class RoundSchedule {
     Time end{};         ///< deadline to publish the plan
     Time activation{};  ///< t_{k+1}, start of the plan
     bool is_proposal = false;
-    int place = 0;  ///< slot number within the round
+    int slot_index = 0;  ///< slot number within the round
   };
   /// Returns this robot's first slot that begins after `now`, for a proposal or a plan.
   [[nodiscard]] Slot next_slot(Time now) const;
   /// Returns this robot's slot of round k for its plan.
   [[nodiscard]] Slot slot(std::int64_t round) const;
-  /// Returns slot `place` of round k. Precondition: 0 ≤ place < slots().
-  [[nodiscard]] Slot slot(std::int64_t round, int place) const;
-  /// Returns slot `place` of the first round after `round` in which it begins after `now`.
-  [[nodiscard]] Slot slot_after(std::int64_t round, Time now, int place) const;
+  /// Returns slot `slot_index` of round k. Precondition: 0 ≤ slot_index < slots().
+  [[nodiscard]] Slot slot(std::int64_t round, int slot_index) const;
+  /// Returns slot `slot_index` of the first round after `round` in which it begins after `now`.
+  [[nodiscard]] Slot slot_after(std::int64_t round, Time now, int slot_index) const;
   [[nodiscard]] bool is_shared() const { return is_shared_; }
   [[nodiscard]] int slots() const { return slots_; }
   /// Returns the robot's initial slot, used until a conflict is received.
-  [[nodiscard]] int first_place() const { return place_; }
+  [[nodiscard]] int first_slot_index() const { return slot_index_; }
   /// Returns the slot number in which `plan` was made; nullopt if it was made in another schedule.
-  [[nodiscard]] std::optional<int> place_of(const models::RobotPlan& plan) const;
+  [[nodiscard]] std::optional<int> slot_index_of(const models::RobotPlan& plan) const;
   /// Returns this robot's slot for proposals. Precondition: the team expects attacks or plans by
   /// local search.
   [[nodiscard]] Slot proposal_slot(std::int64_t round) const;
   [[nodiscard]] Duration round_length() const { return round_; }
 
  private:
-  [[nodiscard]] Slot part_of(std::int64_t round, int place, Duration from, Duration length) const;
+  [[nodiscard]] Slot part_of(std::int64_t round, int slot_index, Duration from,
+                             Duration length) const;
 
   Duration round_{};
   Duration margin_{};
   Duration budget_{};
   bool is_shared_ = false;  ///< a slot can belong to several robots
   int slots_ = 1;           ///< if not shared, the number of robots
-  int place_ = 0;
+  int slot_index_ = 0;
   bool is_exchange_ = false;  ///< all robots share the first half
   bool has_proposals_ = false;
 };

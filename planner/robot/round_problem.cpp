@@ -29,11 +29,11 @@ double nearest_height_m(double other_m, double one_m, double two_m) {
 }
 
 // A driver reports 10 times per second. After this time without a status it is assumed to be dead.
-constexpr double kSilent_s = 0.5;
+constexpr double kStale_s = 0.5;
 
 // Bodies other than robots are assumed to move at constant velocity for this time, then to stop.
-constexpr double kGoesOn_s = 3.0;
-constexpr double kStands_mps = 0.1;
+constexpr double kPredicted_s = 3.0;
+constexpr double kStationary_mps = 0.1;
 constexpr double kFastest_mps = 4.0;  // at a higher speed, two bodies were confused
 
 // Returns the height of a vehicle above the markers of a body, m; 0 if the markers are at the same
@@ -58,7 +58,7 @@ bool is_in_the_way(const Workspace& workspace, std::size_t robot, const models::
 }
 
 // Minimum weight of a mixture component that is planned for separately.
-constexpr double kWorthAPart = 1.0 / 32.0;
+constexpr double kComponentWeightMin = 1.0 / 32.0;
 
 // True if a search can process this prior, that is, products of its entries stay finite.
 bool is_searchable(const models::Gaussian& prior) {
@@ -91,7 +91,7 @@ class Builder {
         inputs_(inputs) {}
 
   RoundProblem build(std::size_t robot, const models::Trajectory& committed,
-                     const std::vector<int>& unseeing) {
+                     const std::vector<int>& robots_without_sensing) {
     begin(robot, committed);
     if (scenario_.planner.objective == scenario::PlanObjective::kMapping) {
       add_map();
@@ -99,8 +99,8 @@ class Builder {
       add_targets(*inputs_.belief);
       add_landmarks(*inputs_.belief);
     }
-    add_teammates(unseeing);
-    add_places_of_those_who_wait();
+    add_teammates(robots_without_sensing);
+    add_waiting_positions();
     add_bodies();
     round_.search.fixed_information = fixed_information(round_.search, round_.teammates);
     return std::move(round_);
@@ -112,10 +112,10 @@ class Builder {
   void add_targets(const models::RobotBelief& belief);
   /// Returns the components of a target's mixture; empty if the belief is a single Gaussian.
   template <class Then>
-  [[nodiscard]] std::vector<SearchTarget> parts_of(int target_id, const Then& then) const;
+  [[nodiscard]] std::vector<SearchTarget> components_of(int target_id, const Then& then) const;
   void add_landmarks(const models::RobotBelief& belief);
-  void add_teammates(const std::vector<int>& unseeing);
-  void add_places_of_those_who_wait();
+  void add_teammates(const std::vector<int>& robots_without_sensing);
+  void add_waiting_positions();
   void add_bodies();
   /// Returns a straight motion from the observed position, at the velocity computed from the two
   /// frames.
@@ -173,7 +173,8 @@ void Builder::add_targets(const models::RobotBelief& belief) {
   const double ahead_s = to_seconds(inputs_.slot.activation - belief.stamp.time);
   const double step_s = scenario_.planner.step_s;
   std::size_t planned = 0;
-  std::size_t room = parts_max(scenario_);  // number of components in addition to one per target
+  std::size_t room =
+      components_max(scenario_);  // number of components in addition to one per target
   for (const models::TargetBelief& target : belief.targets) {
     const auto gaussian = target.information.vector.size() == model.dim() && ahead_s >= 0.0
                               ? models::to_gaussian(target.information)
@@ -190,7 +191,7 @@ void Builder::add_targets(const models::RobotBelief& belief) {
       continue;
     }
     ++planned;
-    const std::vector<SearchTarget> parts = parts_of(target.target_id, then);
+    const std::vector<SearchTarget> parts = components_of(target.target_id, then);
     if (parts.size() > 1 && parts.size() - 1 <= room) {
       room -= parts.size() - 1;
       round_.search.targets.insert(round_.search.targets.end(), parts.begin(), parts.end());
@@ -201,7 +202,7 @@ void Builder::add_targets(const models::RobotBelief& belief) {
 }
 
 template <class Then>
-std::vector<SearchTarget> Builder::parts_of(int target_id, const Then& then) const {
+std::vector<SearchTarget> Builder::components_of(int target_id, const Then& then) const {
   std::vector<SearchTarget> parts;
   if (!inputs_.mixture || !is_of_belief(*inputs_.mixture, *inputs_.belief)) {
     return parts;
@@ -218,7 +219,7 @@ std::vector<SearchTarget> Builder::parts_of(int target_id, const Then& then) con
       return {};
     }
     const SearchTarget part = then(component.belief);
-    if (component.weight >= kWorthAPart && is_searchable(part.prior)) {
+    if (component.weight >= kComponentWeightMin && is_searchable(part.prior)) {
       parts.push_back(part);
     }
   }
@@ -254,7 +255,7 @@ bool Builder::is_near(const Pose2& place) const {
          (place.position_m() - round_.search.start.position_m()).norm() <= neighbourhood_m;
 }
 
-void Builder::add_teammates(const std::vector<int>& unseeing) {
+void Builder::add_teammates(const std::vector<int>& robots_without_sensing) {
   for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
     const scenario::RobotSpec& robot = scenario_.robots[i];
     if (&robot == &spec_) {
@@ -263,7 +264,7 @@ void Builder::add_teammates(const std::vector<int>& unseeing) {
     FixedTeammate teammate;
     teammate.robot = i;
     teammate.sensor = robot.sensor;
-    teammate.jammed = contains(unseeing, static_cast<int>(i)) ||
+    teammate.jammed = contains(robots_without_sensing, static_cast<int>(i)) ||
                       (inputs_.attack && contains(inputs_.attack->jammed, robot.name));
     const auto plan = inputs_.team_plans.find(robot.name);
     if (plan != inputs_.team_plans.end()) {
@@ -284,28 +285,29 @@ void Builder::add_teammates(const std::vector<int>& unseeing) {
 }
 
 // Adds the positions of teammates that do not follow plans, are off their plan, or have a status
-// older than kSilent_s. For a teammate without any status it adds only its position on the ground;
+// older than kStale_s. For a teammate without any status it adds only its position on the ground;
 // add_teammates() has added its flight position.
-void Builder::add_places_of_those_who_wait() {
+void Builder::add_waiting_positions() {
   for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
     const scenario::RobotSpec& robot = scenario_.robots[i];
-    const auto said = inputs_.team_statuses.find(robot.name);
-    const bool is_heard = said != inputs_.team_statuses.end();
-    const models::FlightState state = is_heard ? said->second.state : models::FlightState::kIdle;
+    const auto status = inputs_.team_statuses.find(robot.name);
+    const bool has_status = status != inputs_.team_statuses.end();
+    const models::FlightState state =
+        has_status ? status->second.state : models::FlightState::kIdle;
     const models::MocapBody* const body = seen_body(inputs_, robot.name, i);
     if (&robot == &spec_ || body == nullptr) {
       continue;
     }
-    const bool is_silent =
-        is_heard && to_seconds(inputs_.slot.begin - said->second.stamp.time) > kSilent_s;
-    const bool is_lost = is_silent || is_off_plan(robot, *body);
+    const bool is_stale =
+        has_status && to_seconds(inputs_.slot.begin - status->second.stamp.time) > kStale_s;
+    const bool is_lost = is_stale || is_off_plan(robot, *body);
     if (state == models::FlightState::kFollow && !is_lost) {
       continue;
     }
     // The teammate's plan, if any, is also avoided: the teammate may begin to follow it at any
     // time.
     const Pose2 place = flatten(body->world_from_body);
-    if (!is_heard && !is_near(place)) {
+    if (!has_status && !is_near(place)) {
       continue;
     }
     const double here_m = body->world_from_body.translation_m.z();
@@ -319,7 +321,7 @@ void Builder::add_places_of_those_who_wait() {
     } else if (here_m < 0.5 * robot.height_m) {  // on the ground; may take off
       round_.search.teammates.push_back(hover_at(place, here_m, inputs_.slot.activation));
     }
-    if (is_heard) {
+    if (has_status) {
       round_.search.teammates.push_back(hover_at(place, height_m, inputs_.slot.activation));
     }
   }
@@ -348,13 +350,13 @@ models::Trajectory Builder::motion_of(const models::MocapBody& body, std::size_t
     velocity_mps = (seen_m - before->world_from_body.translation_m).head<2>() / since_s;
   }
   double speed_mps = velocity_mps.norm();
-  speed_mps = speed_mps < kStands_mps || speed_mps > kFastest_mps ? 0.0 : speed_mps;
+  speed_mps = speed_mps < kStationary_mps || speed_mps > kFastest_mps ? 0.0 : speed_mps;
   const double yaw_rad = speed_mps > 0.0 ? std::atan2(velocity_mps.y(), velocity_mps.x()) : 0.0;
   models::Trajectory motion =
       hover_at({seen_m.x(), seen_m.y(), yaw_rad}, std::min(spec_.height_m, seen_m.z()),
                inputs_.mocap->stamp.time);
   if (speed_mps > 0.0) {
-    motion.segments = {{{speed_mps, 0.0}, kGoesOn_s, 0.0}};
+    motion.segments = {{{speed_mps, 0.0}, kPredicted_s, 0.0}};
   }
   return motion;
 }
@@ -391,8 +393,8 @@ bool shows_bodies_in_the_way(const Workspace& workspace, std::size_t robot,
 
 RoundProblem problem_of_round(Workspace& workspace, std::size_t robot, const PlanInputs& inputs,
                               const models::Trajectory& committed,
-                              const std::vector<int>& unseeing) {
-  return Builder(workspace, robot, inputs).build(robot, committed, unseeing);
+                              const std::vector<int>& robots_without_sensing) {
+  return Builder(workspace, robot, inputs).build(robot, committed, robots_without_sensing);
 }
 
 }  // namespace vantage::planner

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "models/mapping/looks.hpp"
+#include "models/mapping/cell_counts.hpp"
 #include "models/plan/plan.hpp"
 #include "planner/problem/fixed_information.hpp"
 #include "planner/problem/problem.hpp"
@@ -19,7 +19,7 @@ struct RoundProblem {
   /// The first entries of search.teammates: those that contribute information. The later entries
   /// are positions of waiting teammates, and bodies other than robots.
   std::vector<FixedTeammate> teammates;
-  models::Looks looks;                ///< look counts of the map; empty if none was received
+  models::CellCounts looks;           ///< look counts of the map; empty if none was received
   std::int64_t unusable_beliefs = 0;  ///< see PlannerCounts
   std::int64_t unusable_maps = 0;
   std::int64_t bodies_dropped = 0;
@@ -33,12 +33,12 @@ bool shows_bodies_in_the_way(const Workspace& workspace, std::size_t robot,
 /// Returns the problem of robot `robot` (by index) in the slot of `inputs`, starting where its
 /// `committed` motion begins. It contains the believed targets and the landmarks of unexplored
 /// areas (or the map, in mapping). It contains the teammates' newest plans and their information,
-/// except from jammed robots and the robots `unseeing` (by index). Also the positions of teammates
-/// that do not follow plans, are off them or have an old status. Bodies in the way are assumed to
-/// move at constant velocity. Equal inputs give equal problems; the workspace only caches
-/// computations.
+/// except from jammed robots and `robots_without_sensing` (by index). Also the positions of
+/// teammates that do not follow plans, are off them or have an old status. Bodies in the way are
+/// assumed to move at constant velocity. Equal inputs give equal problems; the workspace only
+/// caches computations.
 RoundProblem problem_of_round(Workspace& workspace, std::size_t robot, const PlanInputs& inputs,
                               const models::Trajectory& committed,
-                              const std::vector<int>& unseeing);
+                              const std::vector<int>& robots_without_sensing);
 
 }  // namespace vantage::planner

@@ -24,7 +24,7 @@ double cost_without_looks(const SearchProblem& problem) {
 class TargetSearch : public RoundSearch {
  public:
   TargetSearch(Workspace& workspace, std::size_t robot) {
-    if (algorithm_called(workspace.scenario().planner.algorithm).remembers) {
+    if (algorithm_called(workspace.scenario().planner.algorithm).is_stateful) {
       own_search_ = workspace.make_search(static_cast<int>(robot));
     }
     search_ = own_search_ ? own_search_.get() : &workspace.search();

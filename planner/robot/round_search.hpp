@@ -22,7 +22,7 @@ class RoundSearch {
   /// Result of a search; valid until the next search.
   struct Found {
     const SearchResult& result;
-    bool is_boxed_in = false;  ///< no motion can begin at this pose
+    bool is_blocked = false;  ///< no motion can begin at this pose
   };
   virtual Found plan(const RoundProblem& round, const Deadline& deadline) = 0;
 

@@ -3,13 +3,13 @@
 #include <utility>
 
 #include "planner/robot/trajectory_tools.hpp"
-#include "planner/robot/way_out.hpp"
+#include "planner/robot/turn_to_free_heading.hpp"
 
 namespace vantage::planner {
 
 models::RobotPlan SearchingPlanner::plan(SlotTask& task, const Deadline& deadline) {
   if (task.is_bait) {
-    ++task.counts.baits;
+    ++task.counts.bait_rounds;
     if (auto plan = task.ladder.proposed(task.inputs.proposals.at(spec_.name).plan)) {
       return *plan;
     }
@@ -17,9 +17,9 @@ models::RobotPlan SearchingPlanner::plan(SlotTask& task, const Deadline& deadlin
   const RoundSearch::Found found = search_->plan(task.round, deadline);
   const SearchResult& result = found.result;
   task.ladder.set_nodes(result.replay_budget_nodes());
-  if (rests(task.committed) && !(result.found && result.moving_steps > 0)) {
-    if (auto turning = turn_to_a_way_out(task.round.search, found.is_boxed_in,
-                                         spec_.limits.yaw_rate_max_radps)) {
+  if (is_stationary(task.committed) && !(result.found && result.moving_steps > 0)) {
+    if (auto turning = turn_to_free_heading(task.round.search, found.is_blocked,
+                                            spec_.limits.yaw_rate_max_radps)) {
       return task.ladder.turned(std::move(*turning));
     }
   }

@@ -10,15 +10,15 @@ SharedSlots::SharedSlots(const Workspace& workspace, int robot)
       schedule_(workspace.scenario().planner, robot,
                 static_cast<int>(workspace.scenario().robots.size())) {}
 
-std::optional<int> SharedSlots::last_place(const PlanInputs& inputs) const {
-  return inputs.own_plan ? schedule_.place_of(*inputs.own_plan) : std::nullopt;
+std::optional<int> SharedSlots::last_slot_index(const PlanInputs& inputs) const {
+  return inputs.own_plan ? schedule_.slot_index_of(*inputs.own_plan) : std::nullopt;
 }
 
 std::vector<SlotHolder> SharedSlots::neighbours(const PlanInputs& inputs) const {
   std::vector<SlotHolder> holders;
   for (const auto& [name, plan] : inputs.team_plans) {
     const std::optional<std::size_t> robot = workspace_.index_of(name);
-    const std::optional<int> slot = schedule_.place_of(plan);
+    const std::optional<int> slot = schedule_.slot_index_of(plan);
     if (robot && slot) {
       holders.push_back({static_cast<int>(*robot), *slot});
     }
@@ -27,12 +27,12 @@ std::vector<SlotHolder> SharedSlots::neighbours(const PlanInputs& inputs) const 
 }
 
 bool SharedSlots::has_slot(const PlanInputs& inputs) const {
-  return last_place(inputs) == inputs.slot.place &&
-         may_search({robot_, inputs.slot.place}, neighbours(inputs));
+  return last_slot_index(inputs) == inputs.slot.slot_index &&
+         may_search({robot_, inputs.slot.slot_index}, neighbours(inputs));
 }
 
-int SharedSlots::next_place(const PlanInputs& inputs) const {
-  return next_slot({robot_, last_place(inputs).value_or(schedule_.first_place())},
+int SharedSlots::next_slot_index(const PlanInputs& inputs) const {
+  return next_slot({robot_, last_slot_index(inputs).value_or(schedule_.first_slot_index())},
                    neighbours(inputs), schedule_.slots());
 }
 

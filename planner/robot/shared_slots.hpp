@@ -19,10 +19,10 @@ class SharedSlots {
   /// and no neighbour of lower index uses the slot.
   [[nodiscard]] bool has_slot(const PlanInputs& inputs) const;
   /// Returns the robot's slot in the next round, for use after publication in its current one.
-  [[nodiscard]] int next_place(const PlanInputs& inputs) const;
+  [[nodiscard]] int next_slot_index(const PlanInputs& inputs) const;
 
  private:
-  [[nodiscard]] std::optional<int> last_place(const PlanInputs& inputs) const;
+  [[nodiscard]] std::optional<int> last_slot_index(const PlanInputs& inputs) const;
   [[nodiscard]] std::vector<SlotHolder> neighbours(const PlanInputs& inputs) const;
 
   const Workspace& workspace_;

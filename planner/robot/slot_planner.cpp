@@ -26,11 +26,11 @@ std::unique_ptr<SlotPlanner> make_slot_planner(Workspace& workspace, std::size_t
   }
   if (planner.objective != scenario::PlanObjective::kMapping) {
     if (planner.team_algorithm.exchanges_solutions()) {
-      return std::make_unique<AgreedPlanner>(workspace, robot);
+      return std::make_unique<TeamSolutionPlanner>(workspace, robot);
     }
     if (algorithm_called(planner.algorithm).makes_candidates && planner.attacks_max == 0 &&
         scenario.robots[robot].energy.price_nats > 0.0) {
-      return std::make_unique<WorthPlanner>(workspace, robot);
+      return std::make_unique<CoordinateDescentPlanner>(workspace, robot);
     }
   }
   return std::make_unique<SearchingPlanner>(workspace, robot);

@@ -47,8 +47,8 @@ class SlotPlanner {
 };
 
 /// Creates the planner that the scenario selects: an external process for planner.algorithm
-/// `external`, the agreed solution for local search, WorthPlanner for a robot with an energy price,
-/// otherwise a search. `workspace` must outlive the result.
+/// `external`, the agreed solution for local search, CoordinateDescentPlanner for a robot with an
+/// energy price, otherwise a search. `workspace` must outlive the result.
 std::unique_ptr<SlotPlanner> make_slot_planner(Workspace& workspace, std::size_t robot);
 
 }  // namespace vantage::planner

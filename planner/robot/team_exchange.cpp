@@ -62,7 +62,7 @@ SessionSetup TeamExchange::setup_of(const Start& start, std::vector<Candidate> f
   const auto add = [&](models::Trajectory motion, Candidate candidate) {
     if (is_safe(problem_, motion)) {
       if (is_jammed(spec.name)) {
-        candidate.looks.clear();
+        candidate.measurements.clear();
         candidate.mutual_nats.reset();
       }
       setup.own.push_back({spec.name, std::move(motion), 0.0, 0.0});
@@ -77,10 +77,10 @@ SessionSetup TeamExchange::setup_of(const Start& start, std::vector<Candidate> f
     models::Trajectory motion = to_trajectory(problem_, candidate.controls);
     add(std::move(motion), std::move(candidate));
   }
-  setup.effect_of = [this](const models::TeamChoice& choice) { return effect_of(choice); };
+  setup.candidate_of = [this](const models::TeamChoice& choice) { return candidate_of(choice); };
   setup.keep_apart = [this](const models::TeamChoice& a, const models::TeamChoice& b) {
     return models::keeps_separation(a.trajectory, b.trajectory, problem_.start_time,
-                                    kept_separation_m(problem_, a.trajectory, b.trajectory),
+                                    required_separation_m(problem_, a.trajectory, b.trajectory),
                                     models::kPlanPiece_s, problem_.separation_from_above);
   };
   return setup;
@@ -90,31 +90,31 @@ bool TeamExchange::is_jammed(const std::string& robot) const {
   return std::find(jammed_.begin(), jammed_.end(), robot) != jammed_.end();
 }
 
-Candidate TeamExchange::effect_of(const models::TeamChoice& choice) const {
+Candidate TeamExchange::candidate_of(const models::TeamChoice& choice) const {
   const auto robot = std::find_if(robots_.begin(), robots_.end(),
                                   [&](const auto& each) { return each.name == choice.robot; });
   const bool sees = robot != robots_.end() && !is_jammed(choice.robot);
-  Candidate effect = make_candidate(problem_, sees ? &robot->sensor : nullptr, choice.trajectory,
-                                    choice.energy_nats);
+  Candidate candidate = make_candidate(problem_, sees ? &robot->sensor : nullptr, choice.trajectory,
+                                       choice.energy_nats);
   if (sees) {
-    effect.unshared_nats =
-        std::max(0.0, choice.information_nats - information_alone(beliefs_, effect));
+    candidate.unshared_nats =
+        std::max(0.0, choice.information_nats - information_alone(beliefs_, candidate));
   }
-  return effect;
+  return candidate;
 }
 
-Heard TeamExchange::hear(const models::TeamProposal& proposal) {
-  if (!session_.is_of_round(proposal)) {
-    return Heard::kOtherRound;
+ReceiveOutcome TeamExchange::receive(const models::TeamProposal& proposal) {
+  if (!session_.belongs_to_round(proposal)) {
+    return ReceiveOutcome::kOtherRound;
   }
   const bool are_plans = std::all_of(
       proposal.choices.begin(), proposal.choices.end(), [&](const models::TeamChoice& choice) {
         return is_of_plan_length(choice.trajectory, planner_, robots_);
       });
-  if (!are_plans || !session_.can_be(proposal)) {
-    return Heard::kRefused;
+  if (!are_plans || !session_.is_consistent(proposal)) {
+    return ReceiveOutcome::kRefused;
   }
-  return session_.hear(proposal) ? Heard::kTaken : Heard::kNotBetter;
+  return session_.receive(proposal) ? ReceiveOutcome::kTaken : ReceiveOutcome::kNotBetter;
 }
 
 std::optional<models::TeamProposal> TeamExchange::improve(const Deadline& deadline) {

@@ -14,7 +14,7 @@
 namespace vantage::planner {
 
 /// Outcome of a received proposal.
-enum class Heard {
+enum class ReceiveOutcome {
   kTaken,       ///< adopted: it is now the best known proposal
   kNotBetter,   ///< not better than the best known proposal
   kOtherRound,  ///< belongs to another round
@@ -48,7 +48,7 @@ class TeamExchange {
   TeamExchange& operator=(TeamExchange&&) = delete;
 
   /// See LocalSearchSession.
-  [[nodiscard]] Heard hear(const models::TeamProposal& proposal);
+  [[nodiscard]] ReceiveOutcome receive(const models::TeamProposal& proposal);
   [[nodiscard]] std::optional<models::TeamProposal> improve(const Deadline& deadline);
 
   /// Returns the node budget that reproduces the candidate search.
@@ -57,7 +57,7 @@ class TeamExchange {
  private:
   std::vector<Candidate> candidates_by(ReducedValueIteration& search, const Deadline& deadline);
   [[nodiscard]] SessionSetup setup_of(const Start& start, std::vector<Candidate> found) const;
-  [[nodiscard]] Candidate effect_of(const models::TeamChoice& choice) const;
+  [[nodiscard]] Candidate candidate_of(const models::TeamChoice& choice) const;
   [[nodiscard]] bool is_jammed(const std::string& robot) const;
 
   const std::vector<scenario::RobotSpec>& robots_;

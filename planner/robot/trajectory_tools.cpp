@@ -16,7 +16,7 @@ double longest_stop_s(const std::vector<scenario::RobotSpec>& robots) {
 
 }  // namespace
 
-models::Trajectory rest_of(const models::Trajectory& trajectory, Time start) {
+models::Trajectory remainder_of(const models::Trajectory& trajectory, Time start) {
   models::Trajectory rest;
   rest.start_time = start;
   rest.start = models::at(trajectory, start).world_from_body;
@@ -53,7 +53,7 @@ models::Trajectory hover_at(const Pose2& pose, double height_m, Time start) {
   return hover;
 }
 
-bool rests(const models::Trajectory& motion) {
+bool is_stationary(const models::Trajectory& motion) {
   return std::all_of(motion.segments.begin(), motion.segments.end(),
                      [](const auto& each) { return each.control.speed_mps == 0.0; });
 }

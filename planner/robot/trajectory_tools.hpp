@@ -10,7 +10,7 @@ namespace vantage::planner {
 /// Returns the part of `trajectory` from `start` on, as a trajectory that starts then; the same
 /// motion up to rounding. Precondition: start ≥ trajectory.start_time, because the wait before the
 /// start is not represented.
-models::Trajectory rest_of(const models::Trajectory& trajectory, Time start);
+models::Trajectory remainder_of(const models::Trajectory& trajectory, Time start);
 
 /// Returns a motion that brakes from the state of `trajectory` at `start`, then hovers.
 models::Trajectory stop_from(const models::Trajectory& trajectory, Time start, double brake_mps2);
@@ -19,7 +19,7 @@ models::Trajectory stop_from(const models::Trajectory& trajectory, Time start, d
 models::Trajectory hover_at(const Pose2& pose, double height_m, Time start);
 
 /// True if `motion` stays where it starts: it hovers or turns on the spot.
-bool rests(const models::Trajectory& motion);
+bool is_stationary(const models::Trajectory& motion);
 
 /// Maximum time until a teammate's plan starts, and maximum duration of its motion without the
 /// stop, in horizons. Longer motions would take unbounded time to process.

@@ -10,7 +10,7 @@ constexpr double kFieldCells_max = 500.0;  // maximum number of cells along the 
 
 SearchCapacity capacity_for(const scenario::Scenario& scenario) {
   SearchCapacity capacity;
-  capacity.targets_max = static_cast<int>(scenario.targets.size() + parts_max(scenario)) +
+  capacity.targets_max = static_cast<int>(scenario.targets.size() + components_max(scenario)) +
                          std::max(0, scenario.planner.exploration.landmarks_max);
   capacity.horizon_max = scenario.planner.horizon_steps;
   // Three entries per robot: its plan, its position on the ground, and its hover or future flight
@@ -38,14 +38,16 @@ AlgorithmOptions options_of(const scenario::Scenario& scenario, int robot_index)
 
 }  // namespace
 
-std::size_t parts_max(const scenario::Scenario& scenario) {
-  constexpr std::size_t kPartsOfATarget = 8;  // as in the estimator: Samples::kPartsMax
-  constexpr std::size_t kPartsInAll = 256;
+std::size_t components_max(const scenario::Scenario& scenario) {
+  constexpr std::size_t kComponentsPerTarget = 8;  // as in the estimator: Samples::kPartsMax
+  constexpr std::size_t kComponentsTotal = 256;
   const bool has_mixtures =
       scenario.estimator.samples ||
       std::any_of(scenario.robots.begin(), scenario.robots.end(),
                   [](const auto& robot) { return !robot.detection.detects_ids; });
-  return has_mixtures ? std::min((kPartsOfATarget - 1) * scenario.targets.size(), kPartsInAll) : 0;
+  return has_mixtures
+             ? std::min((kComponentsPerTarget - 1) * scenario.targets.size(), kComponentsTotal)
+             : 0;
 }
 
 Workspace::Workspace(const scenario::Scenario& scenario)

@@ -21,7 +21,7 @@ inline constexpr std::size_t kBodiesMax = 8;
 /// Returns the maximum number of mixture components used in planning beyond one per target; targets
 /// of lower id come first. It is 0 if every belief is a Gaussian, otherwise 7 per target and at
 /// most 256, since the search's memory is allocated once.
-std::size_t parts_max(const scenario::Scenario& scenario);
+std::size_t components_max(const scenario::Scenario& scenario);
 
 /// Shared resources of the planners of one thread, so that a team in one process needs only one
 /// copy: the scenario, its world's distance field, and the searches with their memory.
@@ -37,7 +37,7 @@ class Workspace {
   /// Returns the index of the robot with that name; nullopt: none.
   [[nodiscard]] std::optional<std::size_t> index_of(const std::string& robot) const;
   /// Returns the scenario's search, for all planners that do not need their own
-  /// (Algorithm::remembers). Created at the first call, like reduced().
+  /// (Algorithm::is_stateful). Created at the first call, like reduced().
   Search& search();
   /// Creates a search for one robot's own use.
   [[nodiscard]] std::unique_ptr<Search> make_search(int robot_index) const;

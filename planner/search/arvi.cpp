@@ -81,7 +81,7 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
       double scale = 1.0;
       for (int i = 0; more && i < options.halvings; ++i, scale *= 0.5) {
         more = pass(options.epsilon * scale, options.delta_m * scale, true);
-        if (more && !bounded && result_.work_nodes >= RootBound::kWorthAfterNodes) {
+        if (more && !bounded && result_.work_nodes >= RootBound::kMovingBoundAfterNodes) {
           bounded = true;
           const auto bound = root_bound_.of_moving_plan(deadline, result_.work_nodes);
           moving_bound = bound.cost;

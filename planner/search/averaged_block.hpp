@@ -50,13 +50,13 @@ class AveragedBlock {
     velocity_ = p / det;
   }
 
-  /// Precondition: w.is_alike().
+  /// Precondition: w.is_isotropic().
   void predict(const StepMotion& w) {
     if (!moves_) {
       position_ += w.position;
       return;
     }
-    if (w.is_bound) {
+    if (w.has_axis_motion) {
       const AxisMotion& least = w.x.position <= w.y.position ? w.x : w.y;
       const auto [a, b, c, d, position, cross, velocity] = least;
       const double p = position_;

@@ -139,7 +139,7 @@ void RefiningBeam::run_passes(const BeamOptions& options, std::size_t width_max)
 
 bool RefiningBeam::raise_bound() {
   std::int64_t& work_nodes = result_.work_nodes;
-  if (moving_bound_ == -kInfinity && work_nodes >= RootBound::kWorthAfterNodes) {
+  if (moving_bound_ == -kInfinity && work_nodes >= RootBound::kMovingBoundAfterNodes) {
     const auto bound = root_bound_.of_moving_plan(*deadline_, work_nodes);
     moving_bound_ = bound.cost;
     if (bound.expired) {

@@ -43,8 +43,8 @@ struct BeamOptions {
 ///
 /// Guarantees: the cost never increases with the budget; the deadline is checked at each expansion
 /// and every few hundred candidates; plan() allocates nothing while the problem fits the capacity.
-/// Until a pass is exhaustive, lower_bound is RootBound's; after RootBound::kWorthAfterNodes nodes
-/// of work it is the RootBound of moving plans.
+/// Until a pass is exhaustive, lower_bound is RootBound's; after RootBound::kMovingBoundAfterNodes
+/// nodes of work it is the RootBound of moving plans.
 class RefiningBeam : private TreeSearch {
  public:
   explicit RefiningBeam(const SearchCapacity& capacity);

@@ -44,7 +44,7 @@ using LawnMowerAdapter = Adapter<LawnMower, SweepShare>;
 
 /// Makes an algorithm with the options ε and δ; `tell` sets its other options.
 template <class Planner, class Options>
-Algorithm told_bounds(std::string_view name, std::string_view what, bool makes_candidates,
+Algorithm with_bounds(std::string_view name, std::string_view what, bool makes_candidates,
                       const Options& own, void (*tell)(const AlgorithmOptions&, Options&)) {
   return {name,
           what,
@@ -63,7 +63,7 @@ Algorithm told_bounds(std::string_view name, std::string_view what, bool makes_c
 Algorithm best_first(std::string_view name, std::string_view what, BestFirst kind) {
   BestFirstOptions own;
   own.search = kind;
-  return told_bounds<BestFirstSearch, BestFirstOptions>(
+  return with_bounds<BestFirstSearch, BestFirstOptions>(
       name, what, false, own, [](const AlgorithmOptions& asked, BestFirstOptions& options) {
         options.weight = asked.weight;
         options.yaw_weight_m_per_rad = asked.yaw_weight_m_per_rad;
@@ -75,7 +75,7 @@ Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch ki
       kind == ReducedSearch::kAnytime || kind == ReducedSearch::kSinglePass;
   ReducedOptions own;
   own.search = kind;
-  return told_bounds<ReducedValueIteration, ReducedOptions>(
+  return with_bounds<ReducedValueIteration, ReducedOptions>(
       name, what, makes_candidates, own,
       [](const AlgorithmOptions& asked, ReducedOptions& options) {
         options.yaw_weight_m_per_rad = asked.yaw_weight_m_per_rad;

@@ -48,13 +48,13 @@ struct Algorithm {
   std::string_view name;
   std::string_view what;  ///< description for --help, one line
   double kept_share;      ///< maximum share of the generated nodes kept in memory
-  bool remembers;         ///< keeps state between plans, so each robot needs its own
+  bool is_stateful;       ///< keeps state between plans, so each robot needs its own
   bool makes_candidates;  ///< its tree yields many trajectories for a team decision
   std::function<std::unique_ptr<Search>(const SearchCapacity&, const AlgorithmOptions&)> make;
 };
 
 /// Returns all algorithms: those of robots, `vantage plan` and the planner study. A new search of
-/// the library is added in catalogue.cpp; scenario::kSearchWords lists its name.
+/// the library is added in catalogue.cpp; scenario::kSearchNames lists its name.
 const std::vector<Algorithm>& all_algorithms();
 /// Adds a search from outside the library. Scenarios, trials, `vantage plan` and Python of this
 /// process can then name it. Call it before the first use of the name; not thread-safe.

@@ -108,7 +108,7 @@ void Expander::look_at_one(int m, int t, Gains& gains) const {
   const Lanes zero = {};
   for (int group = 0; group < views_.groups(); ++group) {
     InformationLanes M;
-    LaneMask seen = sight_.look_at(mean_m, views_, group, M);
+    LaneMask seen = sight_.compute_lanes(mean_m, views_, group, M);
     if (bits(seen) == 0) {
       continue;
     }
@@ -149,8 +149,9 @@ void Expander::look_at_one_each(int m, int t, const Children& children, Gains& g
   const double* P = predicted(m, t);
   for (int i = 0; i < children.count; ++i) {
     PackedInformation M;
-    if (!sight_.look(beliefs_.mean_m(m, t), layout == BlockLayout::kSpatial,
-                     children.world_from_body[i], views_.cos_yaw[i], views_.sin_yaw[i], M)) {
+    if (!sight_.add_information(beliefs_.mean_m(m, t), layout == BlockLayout::kSpatial,
+                                children.world_from_body[i], views_.cos_yaw[i], views_.sin_yaw[i],
+                                M)) {
       continue;
     }
     if (beliefs_.cost() == CostKind::kTrace) {
@@ -224,8 +225,8 @@ Expander::Kept Expander::update_blocks(const Pose2& at, double cos_yaw, double s
   for (const std::uint16_t m : candidates_) {
     PackedInformation M;
     const BlockLayout layout = beliefs_.layout(m);
-    if (!sight_.look(beliefs_.mean_m(m, t), layout == BlockLayout::kSpatial, at, cos_yaw, sin_yaw,
-                     M)) {
+    if (!sight_.add_information(beliefs_.mean_m(m, t), layout == BlockLayout::kSpatial, at, cos_yaw,
+                                sin_yaw, M)) {
       continue;
     }
     keep_touched_before(m);

@@ -59,9 +59,9 @@ bool passes_through(const models::Rectangle& box, const Eigen::Vector2d& a,
 }  // namespace
 
 GeodesicTable::GeodesicTable(int points_max) {
-  corner_ways_.reserve(static_cast<std::size_t>(kCornersMax * kCornersMax));
+  corner_paths_.reserve(static_cast<std::size_t>(kCornersMax * kCornersMax));
   points_.reserve(static_cast<std::size_t>(points_max));
-  point_ways_.reserve(static_cast<std::size_t>(points_max * kCornersMax));
+  point_paths_.reserve(static_cast<std::size_t>(points_max * kCornersMax));
 }
 
 bool GeodesicTable::sees(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) const {
@@ -126,25 +126,25 @@ void GeodesicTable::reset(const models::World* world,
     }
   }
 
-  corner_ways_.assign(static_cast<std::size_t>(corner_count_ * corner_count_), kInfinity);
+  corner_paths_.assign(static_cast<std::size_t>(corner_count_ * corner_count_), kInfinity);
   for (int i = 0; i < corner_count_; ++i) {
-    corner_way(i, i) = 0.0;
+    corner_path(i, i) = 0.0;
     for (int j = 0; j < i; ++j) {
       if (sees(corners_[i], corners_[j])) {
-        corner_way(i, j) = corner_way(j, i) = (corners_[i] - corners_[j]).norm();
+        corner_path(i, j) = corner_path(j, i) = (corners_[i] - corners_[j]).norm();
       }
     }
   }
   for (int k = 0; k < corner_count_; ++k) {
     for (int i = 0; i < corner_count_; ++i) {
       for (int j = 0; j < corner_count_; ++j) {
-        corner_way(i, j) = std::min(corner_way(i, j), corner_way(i, k) + corner_way(k, j));
+        corner_path(i, j) = std::min(corner_path(i, j), corner_path(i, k) + corner_path(k, j));
       }
     }
   }
-  point_ways_.assign(static_cast<std::size_t>(point_count() * corner_count_), kInfinity);
+  point_paths_.assign(static_cast<std::size_t>(point_count() * corner_count_), kInfinity);
   for (int p = 0; p < point_count(); ++p) {
-    double* ways = point_ways_.data() + static_cast<std::ptrdiff_t>(p * corner_count_);
+    double* paths = point_paths_.data() + static_cast<std::ptrdiff_t>(p * corner_count_);
     for (int c = 0; c < corner_count_; ++c) {
       const Eigen::Vector2d& point = points_[static_cast<std::size_t>(p)];
       if (!sees(point, corners_[c])) {
@@ -152,7 +152,7 @@ void GeodesicTable::reset(const models::World* world,
       }
       const double leg_m = (point - corners_[c]).norm();
       for (int i = 0; i < corner_count_; ++i) {
-        ways[i] = std::min(ways[i], leg_m + corner_way(c, i));
+        paths[i] = std::min(paths[i], leg_m + corner_path(c, i));
       }
     }
   }
@@ -164,13 +164,13 @@ bool GeodesicTable::is_blocked(const Eigen::Vector2d& p_m) const {
                      [&](const models::Rectangle& box) { return box.contains(p_m); });
 }
 
-double GeodesicTable::between_m(int i, int j) const {
-  Outlook outlook;
-  look_around(points_[static_cast<std::size_t>(i)], outlook);
-  return way_m(outlook, j);
+double GeodesicTable::path_between_m(int i, int j) const {
+  VisibleCorners visible;
+  find_visible_corners(points_[static_cast<std::size_t>(i)], visible);
+  return path_m(visible, j);
 }
 
-void GeodesicTable::look_around(const Eigen::Vector2d& from_m, Outlook& out) const {
+void GeodesicTable::find_visible_corners(const Eigen::Vector2d& from_m, VisibleCorners& out) const {
   out.from_m = from_m;
   out.count = 0;
   for (int c = 0; c < corner_count_; ++c) {
@@ -181,16 +181,16 @@ void GeodesicTable::look_around(const Eigen::Vector2d& from_m, Outlook& out) con
   }
 }
 
-double GeodesicTable::way_m(const Outlook& outlook, int point) const {
+double GeodesicTable::path_m(const VisibleCorners& visible, int point) const {
   const Eigen::Vector2d& to_m = points_[static_cast<std::size_t>(point)];
-  if (sees(outlook.from_m, to_m)) {
-    return (to_m - outlook.from_m).norm();
+  if (sees(visible.from_m, to_m)) {
+    return (to_m - visible.from_m).norm();
   }
-  double way_m = kInfinity;
-  for (int i = 0; i < outlook.count; ++i) {
-    way_m = std::min(way_m, outlook.legs_m[i] + point_ways(point)[outlook.corners[i]]);
+  double path_m = kInfinity;
+  for (int i = 0; i < visible.count; ++i) {
+    path_m = std::min(path_m, visible.legs_m[i] + point_paths(point)[visible.corners[i]]);
   }
-  return way_m;
+  return path_m;
 }
 
 }  // namespace vantage::planner

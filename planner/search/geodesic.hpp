@@ -31,28 +31,28 @@ class GeodesicTable {
 
   [[nodiscard]] int point_count() const { return static_cast<int>(points_.size()); }
   /// Returns the path length between points i and j, m; +∞ if one is enclosed. O(boxes + corners).
-  [[nodiscard]] double between_m(int i, int j) const;
+  [[nodiscard]] double path_between_m(int i, int j) const;
   /// True if no robot can be at `p_m`: inside a box or beyond a wall.
   [[nodiscard]] bool is_blocked(const Eigen::Vector2d& p_m) const;
 
   /// The corners visible from one position. O(corners · boxes).
-  struct Outlook {
+  struct VisibleCorners {
     Eigen::Vector2d from_m = Eigen::Vector2d::Zero();
     int count = 0;
     int corners[kCornersMax];
     double legs_m[kCornersMax];
   };
-  void look_around(const Eigen::Vector2d& from_m, Outlook& out) const;
-  /// Returns the path length from the outlook's position to a point, m. O(boxes + corners).
-  [[nodiscard]] double way_m(const Outlook& outlook, int point) const;
+  void find_visible_corners(const Eigen::Vector2d& from_m, VisibleCorners& out) const;
+  /// Returns the path length from the position of `visible` to a point, m. O(boxes + corners).
+  [[nodiscard]] double path_m(const VisibleCorners& visible, int point) const;
 
  private:
   [[nodiscard]] bool sees(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) const;
-  [[nodiscard]] double& corner_way(int i, int j) {
-    return corner_ways_[static_cast<std::size_t>(i * corner_count_ + j)];
+  [[nodiscard]] double& corner_path(int i, int j) {
+    return corner_paths_[static_cast<std::size_t>(i * corner_count_ + j)];
   }
-  [[nodiscard]] const double* point_ways(int point) const {
-    return point_ways_.data() + static_cast<std::ptrdiff_t>(point * corner_count_);
+  [[nodiscard]] const double* point_paths(int point) const {
+    return point_paths_.data() + static_cast<std::ptrdiff_t>(point * corner_count_);
   }
 
   bool has_walls_ = false;
@@ -61,9 +61,9 @@ class GeodesicTable {
   int corner_count_ = 0;
   models::Rectangle boxes_[kBoxesMax];  ///< boxes shrunk twice; these block the line of sight
   Eigen::Vector2d corners_[kCornersMax];
-  std::vector<double> corner_ways_;  ///< [corner][corner]
+  std::vector<double> corner_paths_;  ///< [corner][corner]
   std::vector<Eigen::Vector2d> points_;
-  std::vector<double> point_ways_;  ///< [point][corner]
+  std::vector<double> point_paths_;  ///< [point][corner]
 };
 
 }  // namespace vantage::planner

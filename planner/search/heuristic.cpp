@@ -24,15 +24,16 @@ double sight_of(const models::SensorModel& sensor, bool in_space, double drop_m)
 
 }  // namespace
 
-InformationHeuristic::InformationHeuristic(int targets_max, int horizon_max) : ways_(targets_max) {
+InformationHeuristic::InformationHeuristic(int targets_max, int horizon_max)
+    : geodesics_(targets_max) {
   const std::size_t targets = index(targets_max);
   const std::size_t depths = index(horizon_max + 1);
   points_.reserve(targets);
   sights_m_.reserve(targets);
   motions_.reserve(targets);
-  stays_.reserve(targets);
+  has_static_position_.reserve(targets);
   has_fixed_.reserve(targets);
-  only_own_looks_.reserve(targets);
+  has_only_own_information_.reserve(targets);
   open_loop_rests_.reserve(targets * depths);
   total_rests_.reserve(depths);
   stage_floors_.reserve(depths);
@@ -57,9 +58,9 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
   points_.clear();
   sights_m_.clear();
   motions_.clear();
-  stays_.clear();
+  has_static_position_.clear();
   has_fixed_.clear();
-  only_own_looks_.clear();
+  has_only_own_information_.clear();
   for (int m = 0; m < targets; ++m) {
     const SearchTarget& target = problem.targets[index(m)];
     const bool in_space = beliefs.position_dim(m) == 3;
@@ -71,8 +72,8 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
     points_.push_back(beliefs.mean_m(m, 0).head<2>());
     sights_m_.push_back(sight_m);
     motions_.push_back(step_motion(target.model, problem.step_s));
-    const bool stays = !target.model.has_velocity();
-    stays_.push_back(stays ? 1 : 0);
+    const bool has_static_position = !target.model.has_velocity();
+    has_static_position_.push_back(has_static_position ? 1 : 0);
     bool fixed = false;
     if (!problem.fixed_information.empty()) {
       for (int t = 0; t < horizon_; ++t) {
@@ -81,10 +82,11 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
       }
     }
     has_fixed_.push_back(fixed ? 1 : 0);
-    const bool still = stays && target.model.process_noise(problem.step_s).isZero(0.0);
-    only_own_looks_.push_back(still && !fixed ? 1 : 0);
+    const bool still =
+        has_static_position && target.model.process_noise(problem.step_s).isZero(0.0);
+    has_only_own_information_.push_back(still && !fixed ? 1 : 0);
   }
-  ways_.reset(sight_world(problem), points_);  // no detours if sensors see over obstacles
+  geodesics_.reset(sight_world(problem), points_);  // no detours if sensors see over obstacles
   slots_.assign(index(targets), -1);
 
   open_loop_rests_.assign(index(targets) * index(horizon_ + 1), 0.0);
@@ -104,19 +106,21 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
   ring_filled_.assign(index(targets) * index(horizon_ + 1), 0);
 
   stage_floors_.assign(index(horizon_ + 1), 0.0);
-  GeodesicTable::Outlook outlook;
-  ways_.look_around(problem.start.position_m(), outlook);
+  GeodesicTable::VisibleCorners visible;
+  geodesics_.find_visible_corners(problem.start.position_m(), visible);
   for (int m = 0; m < targets; ++m) {
-    const Way ring = stays(m) ? ways_of(ring_of(ways_.way_m(outlook, m))) : Way{};
-    const auto way = [&](int k) {
-      if (stays(m)) {
+    const PathRange ring = has_static_position(m)
+                               ? paths_of_ring(ring_of(geodesics_.path_m(visible, m)))
+                               : PathRange{};
+    const auto path = [&](int k) {
+      if (has_static_position(m)) {
         return ring;
       }
-      const double way_m = (beliefs.mean_m(m, k).head<2>() - problem.start.position_m()).norm();
-      return Way{way_m, way_m};
+      const double path_m = (beliefs.mean_m(m, k).head<2>() - problem.start.position_m()).norm();
+      return PathRange{path_m, path_m};
     };
     const bool bounded =
-        for_each_step(m, 0, beliefs.open_loop(m, 0), way, [&](int k, double measure) {
+        for_each_step(m, 0, beliefs.open_loop(m, 0), path, [&](int k, double measure) {
           stage_floors_[index(k)] +=
               beliefs.cost() == CostKind::kLogDet ? std::log(measure) : measure;
         });
@@ -169,13 +173,13 @@ LookBound InformationHeuristic::look_bound(int m, double nearest_m, double farth
   return bound;
 }
 
-template <class WayAt, class Emit>
-bool InformationHeuristic::for_each_step(int m, int t, const double* block, const WayAt& way,
+template <class PathAt, class Emit>
+bool InformationHeuristic::for_each_step(int m, int t, const double* block, const PathAt& path,
                                          const Emit& emit) const {
   const BlockLayout layout = beliefs_->layout(m);
   const bool trace_cost = beliefs_->cost() == CostKind::kTrace;
   const bool by_sum = layout == BlockLayout::kPlanar && !has_fixed(m);
-  const bool by_recursion = !only_own_looks(m) || !by_sum;
+  const bool by_recursion = !has_only_own_information(m) || !by_sum;
   const bool by_average = by_recursion && is_averaged(m);
   AveragedBlock averaged;
   if (by_average) {
@@ -188,7 +192,7 @@ bool InformationHeuristic::for_each_step(int m, int t, const double* block, cons
   double recursed[kMaxPacked];
   std::copy_n(block, packed_size(layout), recursed);
   for (int k = t + 1; k <= horizon_; ++k) {
-    const Way to = way(k);
+    const PathRange to = path(k);
     const bool in_reach = to.nearest_m < sight_m(m) + (k - t) * step_m_ + kRounding_m;
     const LookBound look =
         in_reach ? look_bound(m, to.nearest_m, to.farthest_m, k - t) : LookBound{};
@@ -222,44 +226,44 @@ bool InformationHeuristic::for_each_step(int m, int t, const double* block, cons
   return true;
 }
 
-template <class WayAt>
-double InformationHeuristic::rest(int m, int t, const double* block, const WayAt& way) const {
+template <class PathAt>
+double InformationHeuristic::rest(int m, int t, const double* block, const PathAt& path) const {
   if (beliefs_->cost() == CostKind::kTrace) {
     double sum = 0.0;
     const bool bounded =
-        for_each_step(m, t, block, way, [&](int, double measure) { sum += measure; });
+        for_each_step(m, t, block, path, [&](int, double measure) { sum += measure; });
     return bounded ? sum : -kInfinity;
   }
   LogProduct product;
   const bool bounded =
-      for_each_step(m, t, block, way, [&](int, double measure) { product.multiply(measure); });
+      for_each_step(m, t, block, path, [&](int, double measure) { product.multiply(measure); });
   return bounded ? product.log() : -kInfinity;
 }
 
-int InformationHeuristic::ring_of(double way_m) const {
+int InformationHeuristic::ring_of(double path_m) const {
   // A step crosses at most kRingsPerStep rings inwards despite rounding, since step_m_ is rounded
   // up.
-  const double ring = (way_m - kRounding_m) * kRingsPerStep / step_m_;
+  const double ring = (path_m - kRounding_m) * kRingsPerStep / step_m_;
   return static_cast<int>(std::clamp(ring, 0.0, kRings - 1.0));
 }
 
-InformationHeuristic::Way InformationHeuristic::ways_of(int ring) const {
+InformationHeuristic::PathRange InformationHeuristic::paths_of_ring(int ring) const {
   constexpr double kAnywhere_m = 1e9;
   const double ring_m = step_m_ / kRingsPerStep;
   const double inner_m = ring * ring_m;
   return {inner_m, ring == kRings - 1 ? inner_m + kAnywhere_m : inner_m + ring_m + kRounding_m};
 }
 
-double InformationHeuristic::untouched_rest(int m, int t, double way_m) {
+double InformationHeuristic::untouched_rest(int m, int t, double path_m) {
   double* rings = &ring_rests_[at(m, t) * kRings];
   if (ring_filled_[at(m, t)] == 0) {
     std::fill_n(rings, kRings, std::numeric_limits<double>::quiet_NaN());
     ring_filled_[at(m, t)] = 1;
   }
-  const int ring = ring_of(way_m);
+  const int ring = ring_of(path_m);
   if (std::isnan(rings[ring])) {
-    const Way way = ways_of(ring);
-    rings[ring] = rest(m, t, beliefs_->open_loop(m, t), [&](int) { return way; });
+    const PathRange path = paths_of_ring(ring);
+    rings[ring] = rest(m, t, beliefs_->open_loop(m, t), [&](int) { return path; });
   }
   return rings[ring];
 }
@@ -271,8 +275,8 @@ InformationHeuristic::Parts InformationHeuristic::cost_to_go(const Pose2& at, in
     return {};
   }
   const Eigen::Vector2d p_m = at.position_m();
-  GeodesicTable::Outlook outlook;
-  ways_.look_around(p_m, outlook);
+  GeodesicTable::VisibleCorners visible;
+  geodesics_.find_visible_corners(p_m, visible);
   std::int32_t offset = 0;
   for (const std::uint16_t m : blocks.targets) {
     slots_[m] = offset;
@@ -285,33 +289,33 @@ InformationHeuristic::Parts InformationHeuristic::cost_to_go(const Pose2& at, in
     const bool touched = slot >= 0;
     const bool is_apart = apart != nullptr && apart[m] != 0;
     double least = open_loop_rest(m, depth);
-    if (stays(m)) {
+    if (has_static_position(m)) {
       const double far_m = sight_m(m) + (horizon_ - depth) * step_m_ + kRounding_m;
       const bool near = (points_[index(m)] - p_m).squaredNorm() < far_m * far_m;
-      const double way_m = near ? ways_.way_m(outlook, m) : kInfinity;
-      if (!touched && way_m >= far_m) {
+      const double path_m = near ? geodesics_.path_m(visible, m) : kInfinity;
+      if (!touched && path_m >= far_m) {
         apart_cost += is_apart ? least : 0.0;
         continue;
       }
       least = touched ? rest(m, depth, blocks.packed + slot,
                              [&](int) {
-                               return Way{way_m, way_m};
+                               return PathRange{path_m, path_m};
                              })
-                      : untouched_rest(m, depth, way_m);
+                      : untouched_rest(m, depth, path_m);
     } else {
-      const auto way = [&](int k) {
-        const double way_m = (beliefs_->mean_m(m, k).head<2>() - p_m).norm();
-        return Way{way_m, way_m};
+      const auto path = [&](int k) {
+        const double path_m = (beliefs_->mean_m(m, k).head<2>() - p_m).norm();
+        return PathRange{path_m, path_m};
       };
       bool near = touched;
       for (int k = depth + 1; k <= horizon_ && !near; ++k) {
-        near = way(k).nearest_m < sight_m(m) + (k - depth) * step_m_ + kRounding_m;
+        near = path(k).nearest_m < sight_m(m) + (k - depth) * step_m_ + kRounding_m;
       }
       if (!near) {
         apart_cost += is_apart ? least : 0.0;
         continue;
       }
-      least = rest(m, depth, touched ? blocks.packed + slot : beliefs_->open_loop(m, depth), way);
+      least = rest(m, depth, touched ? blocks.packed + slot : beliefs_->open_loop(m, depth), path);
     }
     cost += least - open_loop_rest(m, depth);
     apart_cost += is_apart ? least : 0.0;

@@ -56,16 +56,21 @@ class InformationHeuristic {
   [[nodiscard]] double step_m() const { return step_m_; }
   /// Returns the largest horizontal distance at which target m is visible, m.
   [[nodiscard]] double sight_m(int m) const { return sights_m_[index(m)]; }
-  [[nodiscard]] const GeodesicTable& ways() const { return ways_; }
-  [[nodiscard]] bool stays(int m) const { return stays_[index(m)] != 0; }
+  [[nodiscard]] const GeodesicTable& geodesics() const { return geodesics_; }
+  [[nodiscard]] bool has_static_position(int m) const {
+    return has_static_position_[index(m)] != 0;
+  }
   /// True if target m has no process noise and no teammates' information, so that its information
   /// is the sum of the robot's own measurements.
-  [[nodiscard]] bool only_own_looks(int m) const { return only_own_looks_[index(m)] != 0; }
+  [[nodiscard]] bool has_only_own_information(int m) const {
+    return has_only_own_information_[index(m)] != 0;
+  }
   [[nodiscard]] const StepMotion& motion(int m) const { return motions_[index(m)]; }
   [[nodiscard]] bool has_fixed(int m) const { return has_fixed_[index(m)] != 0; }
   /// True if AveragedBlock bounds target m: planar, same A on both axes, no teammates' information.
   [[nodiscard]] bool is_averaged(int m) const {
-    return beliefs_->layout(m) != BlockLayout::kSpatial && !has_fixed(m) && motion(m).is_alike();
+    return beliefs_->layout(m) != BlockLayout::kSpatial && !has_fixed(m) &&
+           motion(m).is_isotropic();
   }
   /// Returns the cost of an untouched target m over the steps after `depth` without measurements.
   [[nodiscard]] double open_loop_rest(int m, int depth) const {
@@ -84,33 +89,33 @@ class InformationHeuristic {
     return index(m) * index(horizon_ + 1) + index(depth);
   }
   /// Bounds of a path length, m.
-  struct Way {
+  struct PathRange {
     double nearest_m = 0.0;
     double farthest_m = 0.0;
   };
   /// Calls emit(k, measure) for k = t + 1 … T with the least trace or determinant of target m.
-  /// way(k) bounds the path length to the target's mean at depth k. Returns false if the
+  /// path(k) bounds the path length to the target's mean at depth k. Returns false if the
   /// information is unbounded.
-  template <class WayAt, class Emit>
-  bool for_each_step(int m, int t, const double* block, const WayAt& way, const Emit& emit) const;
-  template <class WayAt>
-  double rest(int m, int t, const double* block, const WayAt& way) const;
-  double untouched_rest(int m, int t, double way_m);
-  /// Return the ring that contains the path length `way_m`, and the path lengths of a ring.
-  [[nodiscard]] int ring_of(double way_m) const;
-  [[nodiscard]] Way ways_of(int ring) const;
+  template <class PathAt, class Emit>
+  bool for_each_step(int m, int t, const double* block, const PathAt& path, const Emit& emit) const;
+  template <class PathAt>
+  double rest(int m, int t, const double* block, const PathAt& path) const;
+  double untouched_rest(int m, int t, double path_m);
+  /// Return the ring that contains the path length `path_m`, and the path lengths of a ring.
+  [[nodiscard]] int ring_of(double path_m) const;
+  [[nodiscard]] PathRange paths_of_ring(int ring) const;
 
   const SearchProblem* problem_ = nullptr;
   const BeliefTable* beliefs_ = nullptr;
   int horizon_ = 0;
   double step_m_ = 0.0;
-  GeodesicTable ways_;
+  GeodesicTable geodesics_;
   std::vector<Eigen::Vector2d> points_;
   std::vector<double> sights_m_;
   std::vector<StepMotion> motions_;
-  std::vector<std::uint8_t> stays_;
+  std::vector<std::uint8_t> has_static_position_;
   std::vector<std::uint8_t> has_fixed_;
-  std::vector<std::uint8_t> only_own_looks_;
+  std::vector<std::uint8_t> has_only_own_information_;
   std::vector<double> open_loop_rests_;
   std::vector<double> total_rests_;
   std::vector<double> stage_floors_;

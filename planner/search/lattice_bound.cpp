@@ -33,15 +33,15 @@ Capped capped(double strength, double per_strength, double weight, double known)
 LatticeBound::LatticeBound(int targets_max, int horizon_max, std::size_t states_max)
     : reach_(horizon_max),
       cost_(targets_max, horizon_max),
-      states_(kWaitsMax * states_max),
-      squares_(kWaitsMax * states_max / 2),
+      states_(kPauseStepsMax * states_max),
+      squares_(kPauseStepsMax * states_max / 2),
       looks_(states_max / 2) {
   const double finest = ReachLattice::kCellsPerStep[0];
   const auto width_max = 2 * static_cast<std::size_t>(finest) * (index(horizon_max) + 1) + 8;
   sensors_.reserve(8);
-  looked_.resize(3 * index(targets_max) * index(horizon_max));
-  beside_m_.reserve(index(targets_max));
-  arounds_.resize(index(targets_max));
+  path_information_.resize(3 * index(targets_max) * index(horizon_max));
+  near_radii_m_.reserve(index(targets_max));
+  bounding_boxes_.resize(index(targets_max));
   row_.resize(width_max);
   rare_row_.resize(width_max);
   all_round_ = ReservedArray<float>(width_max * width_max);
@@ -81,20 +81,20 @@ void LatticeBound::reset(const SearchProblem& problem, const BeliefTable& belief
   for (int m = 0; m < targets_; ++m) {
     applies_ = applies_ && beliefs.layout(m) != BlockLayout::kSpatial;
   }
-  find_rare();
+  find_rare_gains();
 }
 
-void LatticeBound::find_rare() {
-  constexpr double kBesideMost_m = 0.2;
+void LatticeBound::find_rare_gains() {
+  constexpr double kNearRadiusMax_m = 0.2;
   constexpr double kBesideLeast_m = 0.02;
-  beside_m_.assign(index(targets_), 0.0);
-  waits_ = 1;
+  near_radii_m_.assign(index(targets_), 0.0);
+  pause_steps_ = 1;
   if (sensors_.size() > 1) {
     return;  // add_rewards() takes only the maximum rare gain of one sensor
   }
   // Smallest and largest distances covered in one and in two steps.
-  double least_m[kWaitsMax] = {0.0, kInfinity, kInfinity};
-  double most_m[kWaitsMax] = {};
+  double least_m[kPauseStepsMax] = {0.0, kInfinity, kInfinity};
+  double most_m[kPauseStepsMax] = {};
   for (const Pose2& first : reach_.ends()) {
     least_m[1] = std::min(least_m[1], first.position_m().norm());
     most_m[1] = std::max(most_m[1], first.position_m().norm());
@@ -109,7 +109,7 @@ void LatticeBound::find_rare() {
   // if some controls always do.
   const auto slack_m = [&](int i, int j) {
     double slack = kInfinity;
-    for (int steps = i == j ? 1 : 0; steps < kWaitsMax; ++steps) {
+    for (int steps = i == j ? 1 : 0; steps < kPauseStepsMax; ++steps) {
       for (int k = 1; k + steps <= horizon_; ++k) {
         const double way_m =
             (beliefs_->mean_m(j, k + steps).head<2>() - beliefs_->mean_m(i, k).head<2>()).norm();
@@ -119,26 +119,26 @@ void LatticeBound::find_rare() {
     return slack - kEdge_m;
   };
   for (int m = 0; m < targets_; ++m) {
-    models::Rectangle& around = arounds_[index(m)];
-    around = {beliefs_->mean_m(m, 1).head<2>(), beliefs_->mean_m(m, 1).head<2>()};
+    models::Rectangle& bounding_box = bounding_boxes_[index(m)];
+    bounding_box = {beliefs_->mean_m(m, 1).head<2>(), beliefs_->mean_m(m, 1).head<2>()};
     for (int k = 2; k <= horizon_; ++k) {
-      around.min_m = around.min_m.cwiseMin(beliefs_->mean_m(m, k).head<2>());
-      around.max_m = around.max_m.cwiseMax(beliefs_->mean_m(m, k).head<2>());
+      bounding_box.min_m = bounding_box.min_m.cwiseMin(beliefs_->mean_m(m, k).head<2>());
+      bounding_box.max_m = bounding_box.max_m.cwiseMax(beliefs_->mean_m(m, k).head<2>());
     }
-    double near_m = std::min(kBesideMost_m, 0.5 * slack_m(m, m));
-    const double far_m = most_m[kWaitsMax - 1] + 2.0 * kBesideMost_m + kEdge_m;
+    double near_m = std::min(kNearRadiusMax_m, 0.5 * slack_m(m, m));
+    const double far_m = most_m[kPauseStepsMax - 1] + 2.0 * kNearRadiusMax_m + kEdge_m;
     for (int other = 0; other < m; ++other) {
-      const models::Rectangle& its = arounds_[index(other)];
-      const bool is_far = (around.min_m.array() - its.max_m.array() > far_m).any() ||
-                          (its.min_m.array() - around.max_m.array() > far_m).any();
-      if (beside_m_[index(other)] > 0.0 && !is_far) {
-        near_m = std::min({near_m, slack_m(m, other) - beside_m_[index(other)],
-                           slack_m(other, m) - beside_m_[index(other)]});
+      const models::Rectangle& its = bounding_boxes_[index(other)];
+      const bool is_far = (bounding_box.min_m.array() - its.max_m.array() > far_m).any() ||
+                          (its.min_m.array() - bounding_box.max_m.array() > far_m).any();
+      if (near_radii_m_[index(other)] > 0.0 && !is_far) {
+        near_m = std::min({near_m, slack_m(m, other) - near_radii_m_[index(other)],
+                           slack_m(other, m) - near_radii_m_[index(other)]});
       }
     }
     if (near_m >= kBesideLeast_m) {
-      beside_m_[index(m)] = near_m;
-      waits_ = kWaitsMax;
+      near_radii_m_[index(m)] = near_m;
+      pause_steps_ = kPauseStepsMax;
     }
   }
 }
@@ -153,8 +153,8 @@ void LatticeBound::begin(float* reference) const {
       for (const Sensor& sensor : sensors_) {
         const double middle_m = 0.5 * sensor.range_max_m;
         if (away_m < sensor.range_max_m + k * reach_.step_m()) {
-          strength +=
-              sensor.all_ways + 0.5 * (sensor.along + sensor.across / (middle_m * middle_m));
+          strength += sensor.isotropic_per_m2 +
+                      0.5 * (sensor.along + sensor.across / (middle_m * middle_m));
         }
       }
       float* const R = reference + 3 * cost_.at(m, k);
@@ -194,26 +194,27 @@ bool LatticeBound::clear_level(int t) {
   return true;
 }
 
-LatticeBound::Price LatticeBound::price(int m, int k) const {
-  const LinearisedCost::Gradient& g = told_->gradient(m, k);
+LatticeBound::LocalGradient LatticeBound::local_gradient(int m, int k) const {
+  const LinearisedCost::Gradient& g = query_cost_->gradient(m, k);
   const double half_difference = 0.5 * (g.xx - g.yy);
   const double cos_2 = std::cos(2.0 * from_.yaw_rad);
   const double sin_2 = std::sin(2.0 * from_.yaw_rad);
-  Price out;
+  LocalGradient out;
   out.at_m = inverse(from_) * Eigen::Vector2d(beliefs_->mean_m(m, k).head<2>());
   out.mean = 0.5 * (g.xx + g.yy);
   out.half_difference = half_difference * cos_2 + g.xy * sin_2;
   out.xy = g.xy * cos_2 - half_difference * sin_2;
   out.amplitude = std::sqrt(half_difference * half_difference + g.xy * g.xy);
-  out.weight = told_->weight(k);
-  out.known = told_->known(m, k);
-  out.beside_m = beside_m_[index(m)];
+  out.weight = query_cost_->weight(k);
+  out.known = query_cost_->known(m, k);
+  out.near_radius_m = near_radii_m_[index(m)];
   return out;
 }
 
 // long: distances and directions of a cell, then their values.
-LatticeBound::Look LatticeBound::look(const Price& price, const Sensor& sensor, double dx_m,
-                                      double dy_m, double half_cell_m) {
+LatticeBound::CellGain LatticeBound::cell_gain(const LocalGradient& local_gradient,
+                                               const Sensor& sensor, double dx_m, double dy_m,
+                                               double half_cell_m) {
   const double ax_m = std::abs(dx_m);
   const double ay_m = std::abs(dy_m);
   const double nx_m = std::max(0.0, ax_m - half_cell_m);
@@ -228,20 +229,21 @@ LatticeBound::Look LatticeBound::look(const Price& price, const Sensor& sensor, 
     return {};
   }
   // Range of the gradient's values over the directions towards the cell.
-  const double amplitude = price.amplitude;
+  const double amplitude = local_gradient.amplitude;
   const double center2_m2 = dx_m * dx_m + dy_m * dy_m;
   const double sin2_spread = 2.0 * half_cell_m * half_cell_m / center2_m2;
   double most = amplitude;
   double least = -amplitude;
-  Look out;
+  CellGain out;
   out.half_angle_rad = kPi;
   if (sin2_spread < 1.0) {
     const double spread_rad = std::asin(std::sqrt(sin2_spread));
     out.half_angle_rad = std::min(kPi, sensor.half_fov_rad + spread_rad + kEdge_rad);
     const double cos_2 = (dx_m * dx_m - dy_m * dy_m) / center2_m2;
     const double sin_2 = 2.0 * dx_m * dy_m / center2_m2;
-    const double here = price.half_difference * cos_2 + price.xy * sin_2;
-    const double turned = std::abs(price.xy * cos_2 - price.half_difference * sin_2);
+    const double here = local_gradient.half_difference * cos_2 + local_gradient.xy * sin_2;
+    const double turned =
+        std::abs(local_gradient.xy * cos_2 - local_gradient.half_difference * sin_2);
     const double cos_spread = 1.0 - 2.0 * sin2_spread;  // cosine of twice the spread
     const double sin_spread = 2.0 * std::sqrt(sin2_spread * (1.0 - sin2_spread));
     if (here < amplitude * cos_spread) {
@@ -254,25 +256,25 @@ LatticeBound::Look LatticeBound::look(const Price& price, const Sensor& sensor, 
   if (sensor.half_fov_rad >= kPi) {
     out.half_angle_rad = kPi;
   }
-  const double per_along = price.mean + most;
-  const double per_across = price.mean - least;
+  const double per_along = local_gradient.mean + most;
+  const double per_across = local_gradient.mean - least;
   const auto value = [&](double r_m) {
     const double growth =
         sensor.grows ? std::max(sensor.variance_floor, r_m * sensor.growth_per_m) : 1.0;
-    const Capped forth =
-        capped(sensor.along / growth + sensor.all_ways, per_along, price.weight, price.known);
-    const Capped side = capped(sensor.across / (r_m * r_m * growth) + sensor.all_ways, per_across,
-                               price.weight, price.known);
+    const Capped forth = capped(sensor.along / growth + sensor.isotropic_per_m2, per_along,
+                                local_gradient.weight, local_gradient.known);
+    const Capped side = capped(sensor.across / (r_m * r_m * growth) + sensor.isotropic_per_m2,
+                               per_across, local_gradient.weight, local_gradient.known);
     out.along = forth.kept;
     out.across = side.kept;
     const double more = forth.more * side.more;
     return per_along * forth.kept + per_across * side.kept +
-           (more > 1.0 ? price.weight * std::log(more) : 0.0);
+           (more > 1.0 ? local_gradient.weight * std::log(more) : 0.0);
   };
   const double r_m = std::max({std::sqrt(near2_m2), sensor.range_min_m, models::kLeastRange_m});
-  out.beside = r_m < price.beside_m ? value(r_m) : 0.0;
-  out.reward = value(std::max(r_m, price.beside_m));
-  out.beside = std::max(0.0, out.beside - out.reward);
+  out.near_gain = r_m < local_gradient.near_radius_m ? value(r_m) : 0.0;
+  out.reward = value(std::max(r_m, local_gradient.near_radius_m));
+  out.near_gain = std::max(0.0, out.near_gain - out.reward);
   return out;
 }
 
@@ -285,18 +287,20 @@ bool LatticeBound::add_rewards(int t) {
   const double unit_rad = reach_.unit_rad();
   const double period = 2.0 * kPi / unit_rad;
   for (int m = 0; m < targets_; ++m) {
-    if (!told_->is_reached(m, k)) {
+    if (!query_cost_->is_reached(m, k)) {
       continue;
     }
-    const Price price = this->price(m, k);
+    const LocalGradient local_gradient = this->local_gradient(m, k);
     for (const Sensor& sensor : sensors_) {
       const double within_m = sensor.range_max_m + half_cell_m;
-      const int low = std::max(level.any.low,
-                               static_cast<int>(std::ceil((price.at_m.y() - within_m) / cell_m)));
-      const int high = std::min(level.any.high,
-                                static_cast<int>(std::floor((price.at_m.y() + within_m) / cell_m)));
+      const int low =
+          std::max(level.any.low,
+                   static_cast<int>(std::ceil((local_gradient.at_m.y() - within_m) / cell_m)));
+      const int high =
+          std::min(level.any.high,
+                   static_cast<int>(std::floor((local_gradient.at_m.y() + within_m) / cell_m)));
       for (int j = low; j <= high; ++j) {
-        const double dy_m = price.at_m.y() - j * cell_m;
+        const double dy_m = local_gradient.at_m.y() - j * cell_m;
         const double ny_m = std::max(0.0, std::abs(dy_m) - half_cell_m);
         const double across2_m2 = sensor.range_max_m * sensor.range_max_m - ny_m * ny_m;
         if (across2_m2 <= 0.0) {
@@ -304,20 +308,20 @@ bool LatticeBound::add_rewards(int t) {
         }
         const ReachLattice::Row row = ReachLattice::row(level.any, j);
         const double wide_m = std::sqrt(across2_m2) + half_cell_m;
-        const int left =
-            std::max(row.left, static_cast<int>(std::ceil((price.at_m.x() - wide_m) / cell_m)));
-        const int right =
-            std::min(row.right, static_cast<int>(std::floor((price.at_m.x() + wide_m) / cell_m)));
+        const int left = std::max(
+            row.left, static_cast<int>(std::ceil((local_gradient.at_m.x() - wide_m) / cell_m)));
+        const int right = std::min(
+            row.right, static_cast<int>(std::floor((local_gradient.at_m.x() + wide_m) / cell_m)));
         for (int i = left; i <= right; ++i) {
-          const double dx_m = price.at_m.x() - i * cell_m;
-          const Look seen = look(price, sensor, dx_m, dy_m, half_cell_m);
+          const double dx_m = local_gradient.at_m.x() - i * cell_m;
+          const CellGain seen = cell_gain(local_gradient, sensor, dx_m, dy_m, half_cell_m);
           if (seen.reward <= 0.0) {
             continue;
           }
           const auto reward = static_cast<float>(seen.reward);
           const std::ptrdiff_t cell = level.any.at(i, j);
           float& rare = rare_.data()[cell];
-          rare = std::max(rare, static_cast<float>(seen.beside));
+          rare = std::max(rare, static_cast<float>(seen.near_gain));
           if (seen.half_angle_rad >= kPi) {
             all_round_.data()[cell] += reward;
             continue;
@@ -368,14 +372,14 @@ LatticeBound::Answer LatticeBound::cost_to_go(const Pose2& at, int depth, const 
     }
   }
   const bool betters = share > 0.0;
-  std::fill(looked_.begin(), looked_.end(), 0.0F);
-  const Path path =
-      best_path(at, depth, cost_, betters ? looked_.data() : nullptr, states, deadline, work_nodes);
+  std::fill(path_information_.begin(), path_information_.end(), 0.0F);
+  const Path path = best_path(at, depth, cost_, betters ? path_information_.data() : nullptr,
+                              states, deadline, work_nodes);
   const double cost = base - path.gained - kFloatRounding * (1.0 + path.gained);
   if (betters && !path.expired && path.gained < kInfinity) {
     for (int m = 0; m < targets_; ++m) {
       for (std::size_t i = 3 * cost_.at(m, depth + 1); i < 3 * cost_.at(m, horizon_) + 3; ++i) {
-        reference[i] += static_cast<float>(share) * (looked_[i] - reference[i]);
+        reference[i] += static_cast<float>(share) * (path_information_[i] - reference[i]);
       }
     }
   }
@@ -383,15 +387,15 @@ LatticeBound::Answer LatticeBound::cost_to_go(const Pose2& at, int depth, const 
 }
 
 LatticeBound::Path LatticeBound::best_path(const Pose2& at, int depth, const LinearisedCost& cost,
-                                           float* looked, std::size_t states,
+                                           float* path_information, std::size_t states,
                                            const Deadline& deadline, std::int64_t& work_nodes) {
   from_ = at;
   depth_ = depth;
-  told_ = &cost;
+  query_cost_ = &cost;
   deadline_ = &deadline;
   work_nodes_ = &work_nodes;
-  layout_ =
-      reach_.layout(horizon_ - depth, std::min(states, states_.size() / kWaitsMax), looks_.size());
+  layout_ = reach_.layout(horizon_ - depth, std::min(states, states_.size() / kPauseStepsMax),
+                          looks_.size());
   if (layout_ == nullptr) {
     return {kInfinity, false};
   }
@@ -401,7 +405,7 @@ LatticeBound::Path LatticeBound::best_path(const Pose2& at, int depth, const Lin
     }
   }
   const double most = best_first_step();
-  return {most, looked != nullptr && !follow_best(looked)};
+  return {most, path_information != nullptr && !follow_best(path_information)};
 }
 
 }  // namespace vantage::planner

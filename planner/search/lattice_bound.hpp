@@ -71,15 +71,15 @@ class LatticeBound {
     double gained = 0.0;  ///< upper bound of Σ ⟨G, M⟩, with M capped by saturation; ∞: no bound
     bool expired = false;
   };
-  /// Bounds the gain, as linearised by `cost`, of all paths from `at` after `depth`. If `looked` is
-  /// not null, adds the information of the lattice's best path to `looked`, which has the size of a
-  /// reference.
-  Path best_path(const Pose2& at, int depth, const LinearisedCost& cost, float* looked,
+  /// Bounds the gain, as linearised by `cost`, of all paths from `at` after `depth`. If
+  /// `path_information` is not null, adds the information of the lattice's best path to
+  /// `path_information`, which has the size of a reference.
+  Path best_path(const Pose2& at, int depth, const LinearisedCost& cost, float* path_information,
                  std::size_t states, const Deadline& deadline, std::int64_t& work_nodes);
 
  private:
   static constexpr float kNever = -1e30F;  ///< the cell is not reachable
-  static constexpr int kWaitsMax = 3;
+  static constexpr int kPauseStepsMax = 3;
   static constexpr std::size_t kTargetNodes = 200;  ///< nodes per linearised target or step
   static constexpr std::size_t kMovesANode = 150;   ///< moves to a cell that count as one node
 
@@ -90,14 +90,14 @@ class LatticeBound {
     double half_fov_rad = 0.0;
     double along = 0.0;
     double across = 0.0;
-    double all_ways = 0.0;
+    double isotropic_per_m2 = 0.0;
     double growth_per_m = 0.0;
     double variance_floor = 0.0;
     bool grows = false;
   };
   /// Value of measurements of a target at one depth, in the frame of the query pose. Information in
   /// direction θ has the value mean + half_difference cos 2θ + xy sin 2θ.
-  struct Price {
+  struct LocalGradient {
     Eigen::Vector2d at_m = Eigen::Vector2d::Zero();  ///< expected target position
     double mean = 0.0;
     double half_difference = 0.0;
@@ -105,37 +105,39 @@ class LatticeBound {
     double amplitude = 0.0;
     double weight = 0.0;
     double known = 0.0;
-    double beside_m = 0.0;
+    double near_radius_m = 0.0;
   };
   /// Best measurement of one sensor from a cell, and the linearly counted part of its information.
-  struct Look {
+  struct CellGain {
     double reward = 0.0;
-    double beside = 0.0;  ///< extra gain when very close, which is rare
+    double near_gain = 0.0;  ///< extra gain when very close, which is rare
     double along = 0.0;
     double across = 0.0;
     double half_angle_rad = 0.0;
   };
 
-  void find_rare();
+  void find_rare_gains();
   bool clear_level(int t);
   bool add_rewards(int t);
-  [[nodiscard]] Price price(int m, int k) const;
-  static Look look(const Price& price, const Sensor& sensor, double dx_m, double dy_m,
-                   double half_cell_m);
+  [[nodiscard]] LocalGradient local_gradient(int m, int k) const;
+  static CellGain cell_gain(const LocalGradient& local_gradient, const Sensor& sensor, double dx_m,
+                            double dy_m, double half_cell_m);
   bool gather(int t);
-  /// Computes the best gain after each cell of a row with heading n, if the next `rests` steps have
-  /// no rare gain.
-  void take_next(int t, int n, int j, ReachLattice::Row row, int rests, float* most) const;
-  static void take_squares(const float* here, const ReachLattice::Plane& plane, float* out);
+  /// Computes the best gain after each cell of a row with heading n, if the next `pause_left` steps
+  /// have no rare gain.
+  void find_successor_maxima(int t, int n, int j, ReachLattice::Row row, int pause_left,
+                             float* most) const;
+  static void find_square_maxima(const float* here, const ReachLattice::Plane& plane, float* out);
   [[nodiscard]] double best_first_step() const;
-  bool follow_best(float* looked);
+  bool follow_best(float* path_information);
   /// Returns the cell that a control leads to from the start.
   [[nodiscard]] ReachLattice::Shift first_cell(std::size_t control) const;
-  /// Returns the offset of the gains from level t on with heading n, if the next `rests` steps have
-  /// no rare gain.
-  [[nodiscard]] std::size_t begin_of(int t, int rests, int n) const {
+  /// Returns the offset of the gains from level t on with heading n, if the next `pause_left` steps
+  /// have no rare gain.
+  [[nodiscard]] std::size_t begin_of(int t, int pause_left, int n) const {
     const ReachLattice::Level& level = layout_->levels[index(t)];
-    return index(waits_) * level.begin + index(rests) * level.size + layout_->plane(t, n).begin;
+    return index(pause_steps_) * level.begin + index(pause_left) * level.size +
+           layout_->plane(t, n).begin;
   }
   bool work(std::size_t nodes);
 
@@ -144,27 +146,28 @@ class LatticeBound {
   const Deadline* deadline_ = nullptr;
   std::int64_t* work_nodes_ = nullptr;
   bool applies_ = false;
-  int waits_ = 1;  ///< minimum number of steps between rare gains
+  int pause_steps_ = 1;  ///< minimum number of steps between rare gains
   int targets_ = 0;
   int horizon_ = 0;
   double sight_m_ = 0.0;
   std::vector<Sensor> sensors_;
-  std::vector<models::Rectangle> arounds_;  ///< per target: bounding box of its expected positions
-  std::vector<double> beside_m_;  ///< per target: distance below which a gain is rare; 0: none
+  std::vector<models::Rectangle>
+      bounding_boxes_;                ///< per target: bounding box of its expected positions
+  std::vector<double> near_radii_m_;  ///< per target: distance below which a gain is rare; 0: none
   ReachLattice reach_;
 
   // State of one query.
   Pose2 from_;
   int depth_ = 0;
-  LinearisedCost cost_;                   ///< linearised cost in cost_to_go()
-  const LinearisedCost* told_ = nullptr;  ///< the cost used by this query
+  LinearisedCost cost_;                         ///< linearised cost in cost_to_go()
+  const LinearisedCost* query_cost_ = nullptr;  ///< the cost used by this query
   const ReachLattice::Layout* layout_ = nullptr;
-  std::vector<float> looked_;       ///< measurements of the best path in cost_to_go()
-  ReservedArray<float> states_;     ///< [level][rests][heading]: gain from this level on
-  ReservedArray<float> squares_;    ///< one level: maximum gain over 2 × 2 cells
-  ReservedArray<float> looks_;      ///< one level: gain, by [heading]
-  ReservedArray<float> all_round_;  ///< one level: gain independent of the heading
-  ReservedArray<float> rare_;       ///< one level: extra gain very close to a target
+  std::vector<float> path_information_;  ///< measurements of the best path in cost_to_go()
+  ReservedArray<float> states_;          ///< [level][pause_left][heading]: gain from this level on
+  ReservedArray<float> squares_;         ///< one level: maximum gain over 2 × 2 cells
+  ReservedArray<float> looks_;           ///< one level: gain, by [heading]
+  ReservedArray<float> all_round_;       ///< one level: gain independent of the heading
+  ReservedArray<float> rare_;            ///< one level: extra gain very close to a target
   std::vector<float> row_;
   std::vector<float> rare_row_;
 };

@@ -8,15 +8,16 @@
 
 namespace vantage::planner {
 
-void LatticeBound::take_next(int t, int n, int j, ReachLattice::Row row, int rests,
-                             float* most) const {
+void LatticeBound::find_successor_maxima(int t, int n, int j, ReachLattice::Row row, int pause_left,
+                                         float* most) const {
   const int count = row.right - row.left + 1;
   if (t == horizon_ - depth_) {
     std::fill_n(most, count, 0.0F);
     return;
   }
   std::fill_n(most, count, kNever);
-  const float* const squares = squares_.data() + index(rests) * layout_->levels[index(t) + 1].size;
+  const float* const squares =
+      squares_.data() + index(pause_left) * layout_->levels[index(t) + 1].size;
   for (std::size_t u = 0; u < reach_.ends().size(); ++u) {
     const ReachLattice::Shift& shift = reach_.shift(*layout_, n, u);
     const ReachLattice::Plane& next = layout_->plane(t + 1, n + reach_.turn(u));
@@ -31,14 +32,14 @@ void LatticeBound::take_next(int t, int n, int j, ReachLattice::Row row, int res
 bool LatticeBound::gather(int t) {
   const ReachLattice::Level& level = layout_->levels[index(t)];
   const std::size_t controls = reach_.ends().size();
-  // The gain with one rest left is that with no rest left and no rare gain in this step. With no
-  // rest left, the better of no rare gain and a rare gain counts.
-  const bool has_rare = waits_ > 1;
-  for (int rests = has_rare ? 1 : 0; rests < waits_; ++rests) {
+  // The gain with one pause step left is that with no pause step left and no rare gain in this
+  // step. With no pause step left, the better of no rare gain and a rare gain counts.
+  const bool has_rare = pause_steps_ > 1;
+  for (int pause_left = has_rare ? 1 : 0; pause_left < pause_steps_; ++pause_left) {
     for (int n = -level.turns; n <= level.turns; ++n) {
       const ReachLattice::Plane& plane = layout_->plane(t, n);
-      float* const here = states_.data() + begin_of(t, rests, n);
-      float* const free = rests == 1 ? states_.data() + begin_of(t, 0, n) : nullptr;
+      float* const here = states_.data() + begin_of(t, pause_left, n);
+      float* const free = pause_left == 1 ? states_.data() + begin_of(t, 0, n) : nullptr;
       std::fill_n(here, plane.size(), kNever);
       if (free != nullptr) {
         std::fill_n(free, plane.size(), kNever);
@@ -53,7 +54,7 @@ bool LatticeBound::gather(int t) {
         const float* const seen = looks_.data() + plane.begin + first;
         const float* const round = all_round_.data() + level.any.at(row.left, j);
         float* const most = row_.data();
-        take_next(t, n, j, row, std::max(0, rests - 1), most);
+        find_successor_maxima(t, n, j, row, std::max(0, pause_left - 1), most);
         for (int i = 0; i < count; ++i) {
           here[first + i] = seen[i] + round[i] + most[i];
         }
@@ -64,7 +65,7 @@ bool LatticeBound::gather(int t) {
         const float* const rare = rare_.data() + level.any.at(row.left, j);
         if (std::any_of(rare, rare + count, [](float more) { return more > 0.0F; })) {
           float* const after = rare_row_.data();
-          take_next(t, n, j, row, waits_ - 1, after);
+          find_successor_maxima(t, n, j, row, pause_steps_ - 1, after);
           for (int i = 0; i < count; ++i) {
             const float with = seen[i] + round[i] + rare[i] + after[i];
             free[first + i] = free[first + i] < with ? with : free[first + i];
@@ -77,11 +78,11 @@ bool LatticeBound::gather(int t) {
     }
   }
   // Maxima of 2 × 2 cells, for the previous level.
-  for (int rests = 0; rests < waits_; ++rests) {
+  for (int pause_left = 0; pause_left < pause_steps_; ++pause_left) {
     for (int n = -level.turns; n <= level.turns; ++n) {
       const ReachLattice::Plane& plane = layout_->plane(t, n);
-      take_squares(states_.data() + begin_of(t, rests, n), plane,
-                   squares_.data() + index(rests) * level.size + plane.begin);
+      find_square_maxima(states_.data() + begin_of(t, pause_left, n), plane,
+                         squares_.data() + index(pause_left) * level.size + plane.begin);
       if (!work(2 * plane.size() / kMovesANode)) {
         return false;
       }
@@ -90,7 +91,8 @@ bool LatticeBound::gather(int t) {
   return true;
 }
 
-void LatticeBound::take_squares(const float* here, const ReachLattice::Plane& plane, float* out) {
+void LatticeBound::find_square_maxima(const float* here, const ReachLattice::Plane& plane,
+                                      float* out) {
   const int width = plane.width;
   for (int j = 0; j < plane.height; ++j) {
     const float* const a = here + j * width;
@@ -112,13 +114,13 @@ ReachLattice::Shift LatticeBound::first_cell(std::size_t control) const {
 }
 
 // long: finds each step of the path, then its measurements.
-bool LatticeBound::follow_best(float* looked) {
+bool LatticeBound::follow_best(float* path_information) {
   const int steps = horizon_ - depth_;
   const double half_cell_m = 0.5 * layout_->cell_m + ReachLattice::kEdge_m;
   const Eigen::Rotation2Dd world_from_body(from_.yaw_rad);
   int n = 0;
   ReachLattice::Shift cell;
-  int rests = 0;
+  int pause_left = 0;
   for (int t = 1; t <= steps; ++t) {
     int best_n = 0;
     ReachLattice::Shift best_cell;
@@ -126,7 +128,7 @@ bool LatticeBound::follow_best(float* looked) {
     for (std::size_t u = 0; u < reach_.ends().size(); ++u) {
       const ReachLattice::Shift& shift = reach_.shift(*layout_, n, u);
       const int to_n = n + reach_.turn(u);
-      const float* const there = states_.data() + begin_of(t, rests, to_n);
+      const float* const there = states_.data() + begin_of(t, pause_left, to_n);
       for (int corner = 0; corner < (t == 1 ? 1 : 4); ++corner) {
         const ReachLattice::Shift to = t == 1
                                            ? first_cell(u)
@@ -145,18 +147,19 @@ bool LatticeBound::follow_best(float* looked) {
     const int k = depth_ + t;
     bool is_rare = false;
     for (int m = 0; m < targets_; ++m) {
-      if (!told_->is_reached(m, k)) {
+      if (!query_cost_->is_reached(m, k)) {
         continue;
       }
-      const Price price = this->price(m, k);
-      const Eigen::Vector2d to_m = price.at_m - layout_->cell_m * Eigen::Vector2d(cell.x, cell.y);
+      const LocalGradient local_gradient = this->local_gradient(m, k);
+      const Eigen::Vector2d to_m =
+          local_gradient.at_m - layout_->cell_m * Eigen::Vector2d(cell.x, cell.y);
       Eigen::Matrix2d M = Eigen::Matrix2d::Zero();
       for (const Sensor& sensor : sensors_) {
-        const Look seen = look(price, sensor, to_m.x(), to_m.y(), half_cell_m);
+        const CellGain seen = cell_gain(local_gradient, sensor, to_m.x(), to_m.y(), half_cell_m);
         if (seen.reward > 0.0 &&
             std::abs(wrap_to_pi(std::atan2(to_m.y(), to_m.x()) - n * reach_.unit_rad())) <=
                 seen.half_angle_rad) {
-          is_rare = is_rare || seen.beside > 0.0;
+          is_rare = is_rare || seen.near_gain > 0.0;
           const double r_m = to_m.norm();
           const Eigen::Vector2d l = world_from_body * (r_m > 0.0 ? Eigen::Vector2d(to_m / r_m)
                                                                  : Eigen::Vector2d::UnitX());
@@ -164,12 +167,12 @@ bool LatticeBound::follow_best(float* looked) {
                (seen.along - seen.across) * l * l.transpose();
         }
       }
-      float* const told = looked + 3 * told_->at(m, k);
-      told[0] += static_cast<float>(M(0, 0));
-      told[1] += static_cast<float>(M(0, 1));
-      told[2] += static_cast<float>(M(1, 1));
+      float* const information_out = path_information + 3 * query_cost_->at(m, k);
+      information_out[0] += static_cast<float>(M(0, 0));
+      information_out[1] += static_cast<float>(M(0, 1));
+      information_out[2] += static_cast<float>(M(1, 1));
     }
-    rests = rests > 0 ? rests - 1 : is_rare ? waits_ - 1 : 0;
+    pause_left = pause_left > 0 ? pause_left - 1 : is_rare ? pause_steps_ - 1 : 0;
     if (!work(kTargetNodes)) {
       return false;
     }

@@ -8,7 +8,7 @@
 namespace vantage::planner {
 namespace {
 
-constexpr double kPlay_m = 1e-6;
+constexpr double kMargin_m = 1e-6;
 constexpr double kRadii_m[] = {0.5, 0.2, 0.1};  // disc radii, largest first
 constexpr int kAskEvery = 64;                   // recursion steps between deadline checks
 constexpr std::int64_t kStepsMax = 60'000;      // recursion steps per disc size
@@ -19,7 +19,7 @@ NearBound::NearBound(int targets_max, int horizon_max) {
   const std::size_t size = index(targets_max) * index(horizon_max + 1);
   targets_.reserve(index(targets_max));
   takes_part_.reserve(index(targets_max));
-  for (std::vector<double>* table : {&radii_m_, &near_, &afar_, &savings_, &chains_}) {
+  for (std::vector<double>* table : {&radii_m_, &near_, &outside_, &savings_, &chains_}) {
     table->reserve(size);
   }
 }
@@ -29,12 +29,12 @@ void NearBound::reset(const SearchProblem& problem, const BeliefTable& beliefs,
   begin(problem, beliefs, heuristic);
   constexpr int kStepsAtMost = 30;  // events are bits of a 32-bit integer
   for (int m = 0; m < beliefs.target_count() && horizon_ <= kStepsAtMost; ++m) {
-    if (heuristic.is_averaged(m) && !heuristic.only_own_looks(m)) {
+    if (heuristic.is_averaged(m) && !heuristic.has_only_own_information(m)) {
       targets_.push_back(m);
       takes_part_[index(m)] = 1;
     }
   }
-  for (std::vector<double>* table : {&radii_m_, &near_, &afar_, &savings_, &chains_}) {
+  for (std::vector<double>* table : {&radii_m_, &near_, &outside_, &savings_, &chains_}) {
     table->assign(targets_.size() * index(horizon_ + 1), 0.0);
   }
   if (!targets_.empty()) {
@@ -68,10 +68,10 @@ void NearBound::tabulate_hops() {
 
 double NearBound::strongest_from(int m, double least_m) const {
   const double sight_m = heuristic_->sight_m(m);
-  if (least_m > sight_m + kPlay_m) {
+  if (least_m > sight_m + kMargin_m) {
     return 0.0;
   }
-  const double from_m = std::max(0.0, least_m - kPlay_m);
+  const double from_m = std::max(0.0, least_m - kMargin_m);
   return heuristic_->look_bound(m, from_m, from_m + 2.0 * sight_m, 0).average();
 }
 
@@ -89,10 +89,10 @@ void NearBound::set_discs(double radius_m) {
       }
       const double rho_m = std::min(radius_m, 0.5 * nearest_m);
       const double reached_m =
-          std::max(0.0, (mean_m - start_m).norm() - k * heuristic_->step_m() - kPlay_m);
+          std::max(0.0, (mean_m - start_m).norm() - k * heuristic_->step_m() - kMargin_m);
       radii_m_[at(i, k)] = rho_m;
       near_[at(i, k)] = reached_m < rho_m ? strongest_from(m, reached_m) : 0.0;
-      afar_[at(i, k)] = strongest_from(m, std::max(reached_m, rho_m - kPlay_m));
+      outside_[at(i, k)] = strongest_from(m, std::max(reached_m, rho_m - kMargin_m));
       savings_[at(i, k)] = 0.0;
     }
   }
@@ -105,7 +105,7 @@ bool NearBound::can_follow(int i, int k, int j, int l) const {
   const double apart_m = (beliefs_->mean_m(targets_[index(j)], l).head<2>() -
                           beliefs_->mean_m(targets_[index(i)], k).head<2>())
                              .norm();
-  const double play_m = radii_m_[at(i, k)] + radii_m_[at(j, l)] + kPlay_m;
+  const double play_m = radii_m_[at(i, k)] + radii_m_[at(j, l)] + kMargin_m;
   const Hop& hop = hops_[l - k];
   return apart_m + play_m > hop.least_m && apart_m - play_m < hop.most_m;
 }
@@ -124,11 +124,11 @@ bool NearBound::work() {
   return !expired_ && steps_left_ > 0;
 }
 
-double NearBound::rest_from_afar(int i, int k, AveragedBlock block) {
+double NearBound::remaining_cost_outside(int i, int k, AveragedBlock block) {
   double cost = 0.0;
   for (int l = k + 1; l <= horizon_ && work(); ++l) {
     block.predict(heuristic_->motion(targets_[index(i)]));
-    block.update(afar_[at(i, l)]);
+    block.update(outside_[at(i, l)]);
     cost += stage(block);
   }
   return cost;
@@ -141,16 +141,16 @@ void NearBound::save(int i, int k, const AveragedBlock& block, std::uint32_t eve
   AveragedBlock predicted = block;
   predicted.predict(heuristic_->motion(targets_[index(i)]));
   AveragedBlock from_afar = predicted;
-  from_afar.update(afar_[at(i, k)]);
-  bool can_be = near_[at(i, k)] > afar_[at(i, k)];
+  from_afar.update(outside_[at(i, k)]);
+  bool can_be = near_[at(i, k)] > outside_[at(i, k)];
   for (int l = std::max(1, k - kHopsMax); can_be && l < k; ++l) {
     can_be = (events >> l & 1U) == 0 || can_follow(i, l, i, k);
   }
   if (can_be) {
     AveragedBlock beside = predicted;
     beside.update(near_[at(i, k)]);
-    const double saved = stage(from_afar) + rest_from_afar(i, k, from_afar) -
-                         (stage(beside) + rest_from_afar(i, k, beside));
+    const double saved = stage(from_afar) + remaining_cost_outside(i, k, from_afar) -
+                         (stage(beside) + remaining_cost_outside(i, k, beside));
     savings_[at(i, k)] = std::max(savings_[at(i, k)], saved);
     save(i, k + 1, beside, events | 1U << k);
   }
@@ -190,7 +190,7 @@ NearBound::Answer NearBound::cost(const Deadline& deadline, std::int64_t& work_n
     for (int i = 0; i < static_cast<int>(targets_.size()); ++i) {
       const int m = targets_[index(i)];
       const AveragedBlock prior(beliefs_->layout(m), beliefs_->open_loop(m, 0));
-      from_afar += rest_from_afar(i, 0, prior);
+      from_afar += remaining_cost_outside(i, 0, prior);
       save(i, 1, prior, 0);
     }
     if (expired_) {

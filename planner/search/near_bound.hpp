@@ -60,7 +60,7 @@ class NearBound : public PartialBound {
   [[nodiscard]] double stage(const AveragedBlock& block) const;
   /// Returns the cost of target i over the steps after k, with all measurements from outside the
   /// disc.
-  double rest_from_afar(int i, int k, AveragedBlock block);
+  double remaining_cost_outside(int i, int k, AveragedBlock block);
   /// Computes b(i, ·) over every choice of events from step k on; `events` are the earlier ones.
   void save(int i, int k, const AveragedBlock& block, std::uint32_t events);
   [[nodiscard]] double best_chain() const;
@@ -74,7 +74,7 @@ class NearBound : public PartialBound {
   Hop hops_[kHopsMax + 1];
   std::vector<double> radii_m_;  ///< ρ, [i][k]
   std::vector<double> near_;     ///< [i][k]: most information from inside the disc; 0: out of reach
-  std::vector<double> afar_;     ///< [i][k]: most information from ρ or farther
+  std::vector<double> outside_;  ///< [i][k]: most information from ρ or farther
   std::vector<double> savings_;  ///< b, [i][k]
   mutable std::vector<double> chains_;
 };

@@ -56,7 +56,7 @@ void PrefixBound::reset(const SearchProblem& problem, Expander& expander) {
   open_.clear();
   reference_count_ = 0;
   proven_ = -kInfinity;
-  full_ = lattice_.reference_size() > references_.size();
+  is_exhausted_ = lattice_.reference_size() > references_.size();
 }
 
 void PrefixBound::push(NodeId id, double f) {
@@ -70,14 +70,15 @@ PrefixBound::Answer PrefixBound::raise(std::int64_t until_nodes, const Deadline&
     return {-kInfinity, false};
   }
   expired_ = false;
-  if (tree_.node_count() == 0 && !full_) {
+  if (tree_.node_count() == 0 && !is_exhausted_) {
     lattice_.begin(references_.data());
     reference_count_ = 1;
     Node root = expander_->root();
     root.next = 0;  // index of its reference
     push(tree_.add(root), -kInfinity);
   }
-  while (!full_ && !open_.empty() && work_nodes < until_nodes && step(deadline, work_nodes)) {
+  while (!is_exhausted_ && !open_.empty() && work_nodes < until_nodes &&
+         step(deadline, work_nodes)) {
     proven_ = std::max(proven_, open_.empty() ? kInfinity : open_.front().f);
   }
   return {proven_, expired_};
@@ -87,7 +88,7 @@ bool PrefixBound::step(const Deadline& deadline, std::int64_t& work_nodes) {
   const Entry least = open_.front();
   const Node& node = tree_[least.id];
   if (node.depth == problem_->horizon_steps) {
-    full_ = true;  // the least node is a complete plan, so no plan costs less
+    is_exhausted_ = true;  // the least node is a complete plan, so no plan costs less
     return true;
   }
   return node.state < turns_of(node).size() ? better(least, deadline, work_nodes)
@@ -99,7 +100,7 @@ bool PrefixBound::better(Entry least, const Deadline& deadline, std::int64_t& wo
   Node& node = tree_[least.id];
   if (!expander_->ensure_posterior(tree_, least.id) ||
       (reference_count_ + 1) * size > references_.size()) {
-    full_ = true;
+    is_exhausted_ = true;
     return false;
   }
   const bool is_own = node.state > 0;
@@ -129,7 +130,7 @@ bool PrefixBound::expand(Entry least, const Deadline& deadline, std::int64_t& wo
   const std::size_t controls = problem_->controls.size();
   if (tree_.node_count() + controls > kNodesMax || open_.size() + controls > open_.capacity() ||
       !expander_->expand(tree_, least.id, children_)) {
-    full_ = true;
+    is_exhausted_ = true;
     return false;
   }
   const auto first = static_cast<NodeId>(tree_.node_count());
@@ -144,7 +145,7 @@ bool PrefixBound::expand(Entry least, const Deadline& deadline, std::int64_t& wo
     child.next = parent.next;
     const NodeId id = tree_.add(child);
     children_.cost[i] = std::max(least.f, child.cost + cost_to_go(id, deadline, work_nodes));
-    if (expired_ || full_) {
+    if (expired_ || is_exhausted_) {
       return false;  // the parent's bound covers the children
     }
   }
@@ -162,7 +163,7 @@ double PrefixBound::cost_to_go(NodeId id, const Deadline& deadline, std::int64_t
     return 0.0;
   }
   if (!expander_->ensure_posterior(tree_, id)) {
-    full_ = true;
+    is_exhausted_ = true;
     return -kInfinity;
   }
   const std::size_t size = lattice_.reference_size();

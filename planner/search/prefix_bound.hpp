@@ -65,7 +65,7 @@ class PrefixBound {
   std::size_t reference_count_ = 0;
   double proven_ = 0.0;
   bool expired_ = false;
-  bool full_ = false;  ///< no nodes left to process, or no memory
+  bool is_exhausted_ = false;  ///< no nodes left to process, or no memory
 };
 
 }  // namespace vantage::planner

@@ -21,7 +21,7 @@ double RootBound::of_any_plan(const SearchProblem& problem, const BeliefTable& b
   const auto parts = heuristic_.cost_to_go(start_, 0, {}, sequencing_.takes_part().data());
   others_ = parts.all - parts.apart;
   near_.reset(problem, beliefs, heuristic_);
-  not_moving_ =
+  outside_near_ =
       near_.is_empty()
           ? parts.all
           : parts.all - heuristic_.cost_to_go(start_, 0, {}, near_.takes_part().data()).apart;
@@ -52,7 +52,7 @@ RootBound::Answer RootBound::of_moving_plan(const Deadline& deadline, std::int64
   }
   if (!near_.is_empty() && !best.expired) {
     const auto answer = near_.cost(deadline, work_nodes);
-    best = {std::max(best.cost, not_moving_ + sequenced + answer.cost), answer.expired};
+    best = {std::max(best.cost, outside_near_ + sequenced + answer.cost), answer.expired};
   }
   return best;
 }

@@ -15,7 +15,7 @@ namespace vantage::planner {
 class RootBound {
  public:
   /// Search work, in nodes, after which of_moving_plan() is used.
-  static constexpr std::int64_t kWorthAfterNodes = 50'000;
+  static constexpr std::int64_t kMovingBoundAfterNodes = 50'000;
   /// Search work, in nodes, after which raise() is used. raise() first gets kRaiseAtFirstNodes
   /// nodes, then a share of the search's nodes. In long searches, where further passes improve
   /// little, it gets as many nodes as the passes.
@@ -59,9 +59,9 @@ class RootBound {
   bool is_raised_ = false;  ///< prefix_ is tabulated for this problem
   Pose2 start_;
   double any_plan_ = 0.0;
-  double reach_ = 0.0;       ///< h at the root
-  double others_ = 0.0;      ///< h of the targets outside sequencing_
-  double not_moving_ = 0.0;  ///< h of the targets outside near_
+  double reach_ = 0.0;         ///< h at the root
+  double others_ = 0.0;        ///< h of the targets outside sequencing_
+  double outside_near_ = 0.0;  ///< h of the targets outside near_
 };
 
 }  // namespace vantage::planner

@@ -18,8 +18,8 @@ constexpr auto kAfter = [](const auto& a, const auto& b) {
 };
 
 // Returns the minimum number of steps for a path length; at least one.
-int steps_of(double way_m, double step_m, int steps_max) {
-  const double steps = std::ceil(way_m / step_m - kRounding);
+int steps_of(double path_m, double step_m, int steps_max) {
+  const double steps = std::ceil(path_m / step_m - kRounding);
   return steps >= steps_max ? steps_max : std::max(1, static_cast<int>(steps));
 }
 
@@ -38,7 +38,7 @@ SequencingBound::SequencingBound(int targets_max, int horizon_max, int states_ma
   ends_.reserve(kMaxControls);
   after_.reserve(kMaxControls);
   onwards_.resize(index(horizon_max + 2));
-  places_.reserve(kTargetsMax);
+  regions_.reserve(kTargetsMax);
   hulls_.resize(index(kTargetsMax) * index(horizon_max + 2));
   gains_.resize(index(kTargetsMax) * index(horizon_max + 2));
   row_averages_.resize(index(horizon_max + 2));
@@ -52,31 +52,31 @@ void SequencingBound::reset(const SearchProblem& problem, const BeliefTable& bel
   begin(problem, beliefs, heuristic);
   looks_.clear();
   schedules_ = true;
-  GeodesicTable::Outlook outlook;
-  heuristic.ways().look_around(problem.start.position_m(), outlook);
+  GeodesicTable::VisibleCorners visible;
+  heuristic.geodesics().find_visible_corners(problem.start.position_m(), visible);
   // The nearest targets that can be seen at all and have bounded information.
   nearest_.clear();
   for (int m = 0; m < beliefs.target_count(); ++m) {
-    if (!heuristic.stays(m) || beliefs.layout(m) != BlockLayout::kPlanar) {
+    if (!heuristic.has_static_position(m) || beliefs.layout(m) != BlockLayout::kPlanar) {
       continue;
     }
-    const double way_m = heuristic.ways().way_m(outlook, m) - heuristic.sight_m(m);
-    if (way_m >= horizon_ * heuristic.step_m() ||
+    const double path_m = heuristic.geodesics().path_m(visible, m) - heuristic.sight_m(m);
+    if (path_m >= horizon_ * heuristic.step_m() ||
         !std::isfinite(heuristic.look_bound(m, 0.0, kAnywhere_m, 0).strongest())) {
       continue;
     }
     if (nearest_.size() < kTargetsMax) {
-      nearest_.emplace_back(way_m, m);
+      nearest_.emplace_back(path_m, m);
     } else if (auto farthest = std::max_element(nearest_.begin(), nearest_.end());
-               way_m < farthest->first) {
-      *farthest = {way_m, m};
+               path_m < farthest->first) {
+      *farthest = {path_m, m};
     }
   }
-  for (const auto& [way_m, m] : nearest_) {
+  for (const auto& [path_m, m] : nearest_) {
     targets_.push_back(m);
     looks_.push_back(heuristic.look_bound(m, 0.0, kAnywhere_m, 0));
     takes_part_[index(m)] = 1;
-    schedules_ = schedules_ && heuristic.only_own_looks(m);
+    schedules_ = schedules_ && heuristic.has_only_own_information(m);
   }
   ends_.clear();
   for (const models::UnicycleControl& control : problem.controls) {
@@ -91,24 +91,24 @@ void SequencingBound::find_stops() {
   for (int i = 0; i < count; ++i) {
     meets_[i] = 0;
     for (int j = 0; j < count; ++j) {
-      const double way_m = heuristic_->ways().between_m(targets_[index(i)], targets_[index(j)]) -
-                           heuristic_->sight_m(targets_[index(i)]) -
-                           heuristic_->sight_m(targets_[index(j)]);
+      const double path_m =
+          heuristic_->geodesics().path_between_m(targets_[index(i)], targets_[index(j)]) -
+          heuristic_->sight_m(targets_[index(i)]) - heuristic_->sight_m(targets_[index(j)]);
       steps_between_[i][j] =
-          static_cast<std::uint8_t>(steps_of(way_m, heuristic_->step_m(), horizon_ + 1));
-      if (i == j || way_m < kRounding) {
+          static_cast<std::uint8_t>(steps_of(path_m, heuristic_->step_m(), horizon_ + 1));
+      if (i == j || path_m < kRounding) {
         meets_[i] |= 1U << j;
       }
     }
   }
-  find_places();
+  find_regions();
   stops_.clear();
   any_member_ = false;
   const std::uint32_t all = count == 0 ? 0 : (1U << (count - 1)) * 2U - 1U;
   if (!add_cliques(0, all)) {
     stops_.clear();
     any_member_ = true;
-    add_places();
+    add_regions();
   }
 }
 
@@ -136,13 +136,13 @@ bool SequencingBound::add_cliques(std::uint32_t clique, std::uint32_t candidates
 }
 
 // Adds each group of targets with connected discs as one region that sees all of them.
-void SequencingBound::add_places() {
-  for (const std::uint32_t place : places_) {
+void SequencingBound::add_regions() {
+  for (const std::uint32_t region : regions_) {
     Stop stop;
-    stop.targets = place;
+    stop.targets = region;
     for (int j = 0; j < static_cast<int>(targets_.size()); ++j) {
       stop.steps_to[j] = 255;
-      for (std::uint32_t rest = place; rest != 0; rest &= rest - 1) {
+      for (std::uint32_t rest = region; rest != 0; rest &= rest - 1) {
         stop.steps_to[j] = std::min(stop.steps_to[j], steps_between_[std::countr_zero(rest)][j]);
       }
     }
@@ -150,23 +150,23 @@ void SequencingBound::add_places() {
   }
 }
 
-void SequencingBound::find_places() {
-  places_.clear();
+void SequencingBound::find_regions() {
+  regions_.clear();
   std::uint32_t placed = 0;
   for (int i = 0; i < static_cast<int>(targets_.size()); ++i) {
     if ((placed >> i & 1U) != 0) {
       continue;
     }
-    std::uint32_t place = 0;
+    std::uint32_t region = 0;
     std::uint32_t grown = 1U << i;
-    while (grown != place) {
-      place = grown;
-      for (std::uint32_t rest = place; rest != 0; rest &= rest - 1) {
+    while (grown != region) {
+      region = grown;
+      for (std::uint32_t rest = region; rest != 0; rest &= rest - 1) {
         grown |= meets_[std::countr_zero(rest)];
       }
     }
-    placed |= place;
-    places_.push_back(place);
+    placed |= region;
+    regions_.push_back(region);
   }
 }
 
@@ -174,7 +174,7 @@ void SequencingBound::fill_costs(int i, int depth, const double* block) {
   const int m = targets_[index(i)];
   const bool traces = beliefs_->cost() == CostKind::kTrace;
   const bool by_sum = !heuristic_->has_fixed(m);
-  const bool by_recursion = !heuristic_->only_own_looks(m);
+  const bool by_recursion = !heuristic_->has_only_own_information(m);
   const double strength = looks_[index(i)].strongest();
   const int left = steps_left_;
   PackedInformation look;
@@ -273,7 +273,7 @@ void SequencingBound::fill_gains(int i) {
 double SequencingBound::schedule(const State& state) const {
   const int left = steps_left_ - state.step;
   const std::size_t stride = index(horizon_ + 2);
-  const int places = static_cast<int>(places_.size());
+  const int regions = static_cast<int>(regions_.size());
   double at_rest = 0.0;  // cost per step
   int released[kTargetsMax];
   double gain[kTargetsMax];
@@ -281,15 +281,15 @@ double SequencingBound::schedule(const State& state) const {
   int looks[kTargetsMax];
   const auto sum_of_gains = [&](int p) {
     double sum = 0.0;
-    for (std::uint32_t rest = places_[index(p)]; rest != 0; rest &= rest - 1) {
+    for (std::uint32_t rest = regions_[index(p)]; rest != 0; rest &= rest - 1) {
       const int i = std::countr_zero(rest);
       const int n = std::min(state.looks[i] + looks[p], steps_left_);
       sum += gains_[index(i) * stride + index(n)];
     }
     return sum;
   };
-  for (int p = 0; p < places; ++p) {
-    const std::uint32_t targets = places_[index(p)];
+  for (int p = 0; p < regions; ++p) {
+    const std::uint32_t targets = regions_[index(p)];
     const int first = std::countr_zero(targets) % kTargetsMax;  // no region is empty
     const std::size_t at = index(first) * stride + state.looks[first];
     looks[p] = 0;
@@ -314,7 +314,7 @@ double SequencingBound::schedule(const State& state) const {
     const int k = steps_left_ - steps + 1;
     int best = -1;
     double most = 0.0;
-    for (int p = 0; p < places; ++p) {
+    for (int p = 0; p < regions; ++p) {
       const double offered = released[p] <= k ? gain[p] : 0.0;
       best = offered > most ? p : best;
       most = std::max(most, offered);
@@ -339,23 +339,23 @@ void SequencingBound::open_controls(const Pose2& at, double cutoff) {
   const double cos_yaw = std::cos(at.yaw_rad);
   const double sin_yaw = std::sin(at.yaw_rad);
   const int count = static_cast<int>(targets_.size());
-  const GeodesicTable& ways = heuristic_->ways();
+  const GeodesicTable& geodesics = heuristic_->geodesics();
   for (std::size_t c = 0; c < ends_.size(); ++c) {
     after_[c] = kInfinity;
     const Eigen::Vector2d end_m(at.x_m + cos_yaw * ends_[c].x() - sin_yaw * ends_[c].y(),
                                 at.y_m + sin_yaw * ends_[c].x() + cos_yaw * ends_[c].y());
-    if (ways.is_blocked(end_m)) {
+    if (geodesics.is_blocked(end_m)) {
       continue;
     }
-    GeodesicTable::Outlook outlook;
-    ways.look_around(end_m, outlook);
+    GeodesicTable::VisibleCorners visible;
+    geodesics.find_visible_corners(end_m, visible);
     State root;
     root.control = static_cast<std::uint8_t>(c);
     for (int i = 0; i < count; ++i) {
       const int m = targets_[index(i)];
-      const double way_m = ways.way_m(outlook, m) - heuristic_->sight_m(m);
+      const double path_m = geodesics.path_m(visible, m) - heuristic_->sight_m(m);
       const int next =
-          way_m < kRounding ? 1 : 1 + steps_of(way_m, heuristic_->step_m(), steps_left_);
+          path_m < kRounding ? 1 : 1 + steps_of(path_m, heuristic_->step_m(), steps_left_);
       root.next[i] = static_cast<std::uint8_t>(next);
       root.alone += rests(i, 0)[next];
     }

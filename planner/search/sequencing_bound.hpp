@@ -99,8 +99,8 @@ class SequencingBound : public PartialBound {
   Answer answer(double cost, bool expired);
   void find_stops();
   bool add_cliques(std::uint32_t clique, std::uint32_t candidates);
-  void add_places();
-  void find_places();
+  void add_regions();
+  void find_regions();
   [[nodiscard]] bool is_full() const { return stops_.size() == kStopsMax; }
   /// Opens the successors below `cutoff`. False if no target can be measured any more.
   bool expand(const State& state, double cutoff);
@@ -114,9 +114,9 @@ class SequencingBound : public PartialBound {
   std::vector<double> costs_;  ///< [i][n][k]
   std::vector<double> rests_;  ///< [i][n][next]
   std::vector<double> onwards_;
-  bool schedules_ = false;             ///< no target has process noise or teammates' information
-  std::vector<std::uint32_t> places_;  ///< groups of targets with connected discs
-  std::vector<double> hulls_;          ///< [i][n]: convex in n, ≤ the cost after n measurements
+  bool schedules_ = false;              ///< no target has process noise or teammates' information
+  std::vector<std::uint32_t> regions_;  ///< groups of targets with connected discs
+  std::vector<double> hulls_;           ///< [i][n]: convex in n, ≤ the cost after n measurements
   std::vector<double> gains_;  ///< [i][n]: gain of the next measurement by the hull, non-increasing
   std::vector<double> row_blocks_;
   std::vector<AveragedBlock> row_averages_;

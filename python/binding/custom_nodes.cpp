@@ -23,8 +23,8 @@ KeptFunction kept(const py::function& function) {
 }
 
 PythonSensor::PythonSensor(const scenario::Scenario& scenario, const std::string& robot,
-                           KeptFunction look)
-    : robot_(robot), look_(std::move(look)) {
+                           KeptFunction measure)
+    : robot_(robot), measure_(std::move(measure)) {
   const scenario::RobotSpec* spec = scenario.find_robot(robot);
   measurement_dim_ = spec->sensor.measurement_dim(scenario.estimator.target_model.position_dim);
   for (const scenario::TargetSpec& target : scenario.targets) {
@@ -47,7 +47,7 @@ std::optional<models::RobotMeasurement> PythonSensor::operator()(const models::M
       targets[py::int_(id->second)] = array_of(body.world_from_body.translation_m);
     }
   }
-  const py::object result = (*look_)(
+  const py::object result = (*measure_)(
       array_of(Eigen::Vector4d(pose.x_m, pose.y_m, seen->viewpoint.height_m, pose.yaw_rad)),
       targets, to_seconds(frame.stamp.time.time_since_epoch()));
   for (const py::handle item : py::iter(result)) {
@@ -76,7 +76,7 @@ PythonFilter::PythonFilter(const scenario::Scenario& scenario, KeptFunction filt
     : filter_(std::move(filter)), dim_(scenario.estimator.target_model.dim()) {}
 
 std::vector<models::TargetBelief> PythonFilter::operator()(
-    Time t, const std::vector<estimator::Heard<models::RobotMeasurement>>& looks) {
+    Time t, const std::vector<estimator::NamedMessage<models::RobotMeasurement>>& looks) {
   const py::gil_scoped_acquire acquire;
   py::list scans;
   for (const auto& look : looks) {
@@ -123,9 +123,10 @@ PythonPlannerNode::PythonPlannerNode(bus::Bus& bus, const scenario::Scenario& sc
                                       [this](const auto& belief) { belief_ = belief; });
   for (const scenario::RobotSpec& each : scenario.robots) {
     if (each.name != robot) {
-      bus_.subscribe<models::RobotPlan>(bus::plan_channel(each.name), [this](const auto& heard) {
-        team_plans_.insert_or_assign(heard.robot, heard);
-      });
+      bus_.subscribe<models::RobotPlan>(bus::plan_channel(each.name),
+                                        [this](const auto& team_plan) {
+                                          team_plans_.insert_or_assign(team_plan.robot, team_plan);
+                                        });
     }
   }
   bus_.subscribe<models::RobotPlan>(bus::external_request_channel(robot),

@@ -24,13 +24,13 @@ KeptFunction kept(const py::function& function);
 /// Sensor that takes its detections from a Python function.
 class PythonSensor {
  public:
-  PythonSensor(const scenario::Scenario& scenario, const std::string& robot, KeptFunction look);
+  PythonSensor(const scenario::Scenario& scenario, const std::string& robot, KeptFunction measure);
   std::optional<models::RobotMeasurement> operator()(const models::MocapFrame& frame,
                                                      bool jammed) const;
 
  private:
   std::string robot_;
-  KeptFunction look_;
+  KeptFunction measure_;
   int measurement_dim_ = 0;
   std::map<std::string, int> ids_;
 };
@@ -40,7 +40,7 @@ class PythonFilter {
  public:
   PythonFilter(const scenario::Scenario& scenario, KeptFunction filter);
   std::vector<models::TargetBelief> operator()(
-      Time t, const std::vector<estimator::Heard<models::RobotMeasurement>>& looks);
+      Time t, const std::vector<estimator::NamedMessage<models::RobotMeasurement>>& looks);
 
  private:
   KeptFunction filter_;

@@ -35,17 +35,17 @@ Interruption::~Interruption() { innermost = outer_; }
 
 bool Interruption::has_raised() {
   Interruption* const self = innermost;
-  if (self == nullptr || self->came_ || coarse_ns() < self->next_ns_) {
-    return self != nullptr && self->came_;
+  if (self == nullptr || self->has_raised_ || coarse_ns() < self->next_ns_) {
+    return self != nullptr && self->has_raised_;
   }
   const py::gil_scoped_acquire lock;
-  self->came_ = PyErr_CheckSignals() != 0;  // Python stores the exception until rethrow()
+  self->has_raised_ = PyErr_CheckSignals() != 0;  // Python stores the exception until rethrow()
   self->next_ns_ = coarse_ns() + kEvery_ns;
-  return self->came_;
+  return self->has_raised_;
 }
 
 void Interruption::rethrow() const {
-  if (came_) {
+  if (has_raised_) {
     throw py::error_already_set();
   }
 }

@@ -18,7 +18,7 @@ class Interruption {
   Interruption& operator=(Interruption&&) = delete;
 
   /// True if a signal handler has raised an exception since the newest object of this thread was
-  /// created. For use with Deadline::unless().
+  /// created. For use with Deadline::with_cancellation().
   static bool has_raised();
   /// Must be called with the interpreter's lock after the work. @throws the exception of the signal
   /// handler, if any
@@ -27,7 +27,7 @@ class Interruption {
  private:
   Interruption* outer_;  ///< previous object of this thread: a handler may also start a plan
   std::int64_t next_ns_;
-  bool came_ = false;
+  bool has_raised_ = false;
 };
 
 }  // namespace vantage::python

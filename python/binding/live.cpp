@@ -64,10 +64,10 @@ class LiveBus {
     exclusively([&] {
       transport_->subscribe(channel, [this, call](std::string_view name, const auto& payload) {
         const std::span<const std::uint8_t> bytes = payload;
-        if (const auto said = opened(name, bytes)) {
+        if (const auto content = opened(name, bytes)) {
           const py::gil_scoped_acquire acquire;
           (*call)(text_of(name),
-                  py::bytes(reinterpret_cast<const char*>(said->data()), said->size()));
+                  py::bytes(reinterpret_cast<const char*>(content->data()), content->size()));
         }
       });
     });

@@ -41,7 +41,7 @@ py::object column_array(logs::LogColumn& column) {
   }
   if (auto* bytes = std::get_if<std::vector<std::uint8_t>>(&column.values)) {
     return owning_array(std::move(*bytes), column.item_shape,
-                        column.is_truth ? py::dtype::of<bool>() : py::dtype::of<std::uint8_t>());
+                        column.is_boolean ? py::dtype::of<bool>() : py::dtype::of<std::uint8_t>());
   }
   const auto& texts = std::get<std::vector<std::string>>(column.values);
   py::list list(texts.size());

@@ -48,7 +48,7 @@ void MappingTask::on_reset(std::uint64_t seed) {
   cell_log_odds_.assign(cells, 0.0);
   cell_nats_.assign(cells, map.entropy_nats(0));
   entropy_nats_ = map.entropy_nats(0) * static_cast<double>(cells);
-  look();
+  update_beliefs();
 }
 
 double MappingTask::on_step(std::span<const std::int64_t> actions) {
@@ -56,18 +56,18 @@ double MappingTask::on_step(std::span<const std::int64_t> actions) {
   for (std::size_t robot = 0; robot < actions.size(); ++robot) {
     ground_->drive(robot, setup_.search.controls[static_cast<std::size_t>(actions[robot])]);
   }
-  look();
+  update_beliefs();
   return before_nats - entropy_nats_;
 }
 
-void MappingTask::look() {
+void MappingTask::update_beliefs() {
   attacked_.clear();
   for (int robot = 0; robot < robots(); ++robot) {
     if (jammed()[static_cast<std::size_t>(robot)] != 0) {
       attacked_.push_back(robot);
     }
   }
-  ground_->look(attacked_);
+  ground_->observe(attacked_);
   for (std::size_t robot = 0; robot < seen().size(); ++robot) {
     seen()[robot] += learn_around(robot);
   }

@@ -46,7 +46,7 @@ class MappingTask final : public TeamTask {
  private:
   void on_reset(std::uint64_t seed) override;
   double on_step(std::span<const std::int64_t> actions) override;
-  void look();
+  void update_beliefs();
   /// Updates cell_nats_ within the sensor range of `robot`. Returns the decrease of the map's
   /// entropy, nats.
   double learn_around(std::size_t robot);

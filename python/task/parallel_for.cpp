@@ -47,7 +47,7 @@ void ParallelFor::share(std::unique_lock<std::mutex>& lock) {
   ++working_;
   while (next_ < count_) {
     const std::size_t begin = next_;
-    const std::size_t end = std::min(count_, begin + pieces_);
+    const std::size_t end = std::min(count_, begin + piece_size_);
     next_ = end;
     lock.unlock();
     std::exception_ptr thrown;
@@ -73,7 +73,7 @@ void ParallelFor::run(std::size_t count, const std::function<void(std::size_t)>&
   body_ = &body;
   count_ = count;
   next_ = 0;
-  pieces_ = std::max<std::size_t>(1, count / (kPiecesEach * (threads_.size() + 1)));
+  piece_size_ = std::max<std::size_t>(1, count / (kPiecesEach * (threads_.size() + 1)));
   thrown_ = nullptr;
   if (!threads_.empty() && count > 1) {
     started_.notify_all();

@@ -36,8 +36,8 @@ class ParallelFor {
   const std::function<void(std::size_t)>* body_ = nullptr;
   std::size_t count_ = 0;
   std::size_t next_ = 0;
-  std::size_t pieces_ = 1;   ///< number of indices that a thread takes at a time
-  std::size_t working_ = 0;  ///< number of threads within share()
+  std::size_t piece_size_ = 1;  ///< number of indices that a thread takes at a time
+  std::size_t working_ = 0;     ///< number of threads within share()
   std::exception_ptr thrown_;
   bool is_ending_ = false;
   std::vector<std::thread> threads_;

@@ -138,8 +138,9 @@ std::vector<planner::Candidate> candidates_of(const SearchProblem& problem,
   options.leaves_max = std::max(kLeavesMax, options.candidates_max);
   planner::ReducedValueIteration search(
       capacity_for(planner::algorithm_called("arvi"), problem, kMemoryMost, index(request.nodes)));
-  return candidate_trajectories(problem, energy, search, options,
-                                Deadline::nodes(request.nodes).unless(request.is_cancelled));
+  return candidate_trajectories(
+      problem, energy, search, options,
+      Deadline::nodes(request.nodes).with_cancellation(request.is_cancelled));
 }
 
 // Searches the robots' plans in turn, each given the plans of its teammates. The last plan of each
@@ -230,13 +231,14 @@ Decision::Decision(std::vector<SearchProblem> problems, const TeamRequest& reque
     decided_.messages = (request.options.attacks_max > 0 ? 2 : 1) * oracle_->robot_count();
   } else {
     if (algorithm.has_bait) {
-      bait_ = planner::ResilientRound(best_alone(*oracle_), request.options.attacks_max).bait();
+      bait_ = planner::ResilientRound(best_individual_values(*oracle_), request.options.attacks_max)
+                  .bait();
     }
     if (algorithm.evaluations != nullptr) {
       require_few("candidates_max", algorithm.evaluations(*oracle_, request.options));
     }
-    decided_ =
-        algorithm.decide(*oracle_, request.options, Deadline::never().unless(request.is_cancelled));
+    decided_ = algorithm.decide(*oracle_, request.options,
+                                Deadline::never().with_cancellation(request.is_cancelled));
   }
   planner::TeamSet chosen(*oracle_);
   chosen.become(decided_.choice);

@@ -95,7 +95,7 @@ void TrackingTask::on_reset(std::uint64_t seed) {
   setting.prior_velocity_sigma_mps = spec_.prior_velocity_sigma_mps;
   setting.detection_probability = spec_.detection_probability;
   targets_.emplace(setting, world_, sim::random_stream(seed, "task targets")());
-  look();
+  update_beliefs();
 }
 
 double TrackingTask::on_step(std::span<const std::int64_t> actions) {
@@ -111,12 +111,12 @@ double TrackingTask::on_step(std::span<const std::int64_t> actions) {
     }
   }
   targets_->move();
-  look();
+  update_beliefs();
   return -entropy_nats();
 }
 
-void TrackingTask::look() {
-  targets_->look(spec_.sensor, poses_, jammed());
+void TrackingTask::update_beliefs() {
+  targets_->observe(spec_.sensor, poses_, jammed());
   const std::vector<models::Gaussian>& beliefs = targets_->beliefs();
   target_entropy_nats_.resize(beliefs.size());
   for (std::size_t m = 0; m < beliefs.size(); ++m) {

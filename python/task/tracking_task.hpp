@@ -65,7 +65,7 @@ class TrackingTask final : public TeamTask {
  private:
   void on_reset(std::uint64_t seed) override;
   double on_step(std::span<const std::int64_t> actions) override;
-  void look();
+  void update_beliefs();
 
   TrackingSpec spec_;
   models::World world_;

@@ -50,14 +50,14 @@ Mapping::Mapping(std::vector<Value> layers) : layers_(std::move(layers)) {
   }
 }
 
-void Mapping::know(std::string_view key) {
+void Mapping::mark_known(std::string_view key) {
   if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
     known_.emplace_back(key);
   }
 }
 
 std::optional<Value> Mapping::find_in(const Value& layer, std::string_view key) {
-  know(key);
+  mark_known(key);
   for (std::size_t entry = 0; entry < layer.node->entry_count(); ++entry) {
     if (layer.node->key(entry).text == key) {
       Value value = child(layer, entry);
@@ -98,16 +98,16 @@ std::optional<Value> Mapping::find_required(std::string_view key) {
   return value;
 }
 
-void Mapping::expect(std::initializer_list<std::string_view> keys) {
+void Mapping::declare(std::initializer_list<std::string_view> keys) {
   for (const std::string_view key : keys) {
-    know(key);
+    mark_known(key);
   }
 }
 
 void Mapping::require(std::string_view key) { static_cast<void>(find_required(key)); }
 
 void Mapping::number(std::string_view key, double& value, const Range& range) {
-  note(key, range.words(), fmt::format("{}", value));
+  note(key, range.description(), fmt::format("{}", value));
   if (const std::optional<Value> found = find(key)) {
     value = found->number(range);
   }
@@ -116,9 +116,9 @@ void Mapping::number(std::string_view key, double& value, const Range& range) {
 void Mapping::angle(std::string_view stem, double& value_rad, const Range& range_deg) {
   const std::string in_rad = std::string(stem) + "_rad";
   const std::string in_deg = std::string(stem) + "_deg";
-  know(in_rad);
-  know(in_deg);
-  note(in_deg, range_deg.words() + "; or " + in_rad,
+  mark_known(in_rad);
+  mark_known(in_deg);
+  note(in_deg, range_deg.description() + "; or " + in_rad,
        fmt::format("{:.6g}", value_rad * 180.0 / kPi));
   for (const Value& layer : layers_) {
     const std::optional<Value> rad = find_in(layer, in_rad);

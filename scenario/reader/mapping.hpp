@@ -25,13 +25,13 @@ class Mapping {
   void flag(std::string_view key, bool& value);
   void text(std::string_view key, std::string& value);
   template <class Enum>
-  void word(std::string_view key, Enum& value,
-            std::initializer_list<std::pair<std::string_view, Enum>> vocabulary) {
-    word(key, value, std::vector<std::pair<std::string_view, Enum>>(vocabulary));
+  void choice(std::string_view key, Enum& value,
+              std::initializer_list<std::pair<std::string_view, Enum>> vocabulary) {
+    choice(key, value, std::vector<std::pair<std::string_view, Enum>>(vocabulary));
   }
   template <class Enum>
-  void word(std::string_view key, Enum& value,
-            const std::vector<std::pair<std::string_view, Enum>>& vocabulary) {
+  void choice(std::string_view key, Enum& value,
+              const std::vector<std::pair<std::string_view, Enum>>& vocabulary) {
     std::vector<std::string_view> words;
     std::string initial;
     for (const auto& [name, enumerator] : vocabulary) {
@@ -40,7 +40,7 @@ class Mapping {
     }
     note(key, one_of(words), std::move(initial));
     if (const std::optional<Value> found = find(key)) {
-      value = found->word(vocabulary);
+      value = found->choice(vocabulary);
     }
   }
   /// Reads the name() of one of `kinds`.
@@ -63,7 +63,7 @@ class Mapping {
   void require(std::string_view key);
 
   /// Declares keys that are read later, so that finish() may be called first.
-  void expect(std::initializer_list<std::string_view> keys);
+  void declare(std::initializer_list<std::string_view> keys);
 
   /// Throws StartupError at the line of `key`, or of the mapping if no layer has `key`.
   [[noreturn]] void refuse(std::string_view key, const std::string& what);
@@ -75,7 +75,7 @@ class Mapping {
   friend void read_mapping(std::vector<Value> layers, const std::function<void(Mapping&)>& read);
   explicit Mapping(std::vector<Value> layers);
   [[nodiscard]] std::optional<Value> find_in(const Value& layer, std::string_view key);
-  void know(std::string_view key);
+  void mark_known(std::string_view key);
   /// Adds the rule of `key` to the table of keys, if there is one.
   void note(std::string_view key, std::string values, std::string initial = "",
             bool is_required = false) const;

@@ -23,7 +23,7 @@ const Node& TreeBuilder::add(Node::Kind kind, int line, std::string text) {
   return node;
 }
 
-void TreeBuilder::add_again(const Node& node) { open_.back()->items.push_back(&node); }
+void TreeBuilder::add_alias(const Node& node) { open_.back()->items.push_back(&node); }
 
 std::shared_ptr<const Node> TreeBuilder::root() const {
   return nodes_->empty() ? nullptr : std::shared_ptr<const Node>(nodes_, &nodes_->front());

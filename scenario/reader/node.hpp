@@ -47,7 +47,7 @@ class TreeBuilder {
   /// @throws StartupError "file:line: …" when it is nested deeper than 32.
   const Node& add(Node::Kind kind, int line, std::string text = "");
   /// Appends `node` of this tree again.
-  void add_again(const Node& node);
+  void add_alias(const Node& node);
   void close() { open_.pop_back(); }
 
   /// Returns the root; nullptr before the first add(). The pointer keeps the tree alive.

@@ -77,7 +77,7 @@ void check_sensor(Mapping& from, const SensorModel& sensor) {
 }
 
 void read_sensor(Mapping& from, SensorModel& sensor, models::DetectionModel& detection) {
-  from.word("kind", sensor.kind, models::all_sensor_kinds());
+  from.choice("kind", sensor.kind, models::all_sensor_kinds());
   from.number("range_max_m", sensor.range_max_m, above_to(0.0, kLengthMaxM));
   from.number("range_min_m", sensor.range_min_m, at_least(0.0));
   from.angle("fov", sensor.fov_rad, above_to(0.0, 360.0));
@@ -113,10 +113,11 @@ void read_primitives(Mapping& from, const models::VehicleLimits& limits,
   }
   const bool is_list = value->node->kind == Node::Kind::kList;
   if (!is_list) {
-    enum class Named { kStandard, kLab };
-    const Named name = value->word<Named>({{"standard", Named::kStandard}, {"lab", Named::kLab}});
+    enum class PrimitiveSet { kStandard, kLab };
+    const PrimitiveSet name = value->choice<PrimitiveSet>(
+        {{"standard", PrimitiveSet::kStandard}, {"lab", PrimitiveSet::kLab}});
     primitives =
-        name == Named::kStandard ? models::standard_primitives() : models::lab_primitives();
+        name == PrimitiveSet::kStandard ? models::standard_primitives() : models::lab_primitives();
   }
   for (const Value& item : is_list ? value->items() : std::vector<Value>()) {
     read_mapping({item}, [&](Mapping& primitive) {
@@ -180,16 +181,16 @@ void read_autopilot(Mapping& from, AutopilotSpec& autopilot) {
   constexpr int kSystemIdMax = 255;
   from.require("dialect");
   from.require("url");
-  from.word("dialect", autopilot.dialect,
-            {{"px4", models::AutopilotDialect::kPx4},
-             {"ardupilot", models::AutopilotDialect::kArdupilot}});
+  from.choice("dialect", autopilot.dialect,
+              {{"px4", models::AutopilotDialect::kPx4},
+               {"ardupilot", models::AutopilotDialect::kArdupilot}});
   from.text("url", autopilot.url);
   from.integer("system_id", autopilot.system_id, 0, kSystemIdMax);
   from.text("key_file", autopilot.key_file);
-  from.word("parameters", autopilot.parameters,
-            {{"verify", ParameterPolicy::kVerify},
-             {"warn", ParameterPolicy::kWarn},
-             {"ignore", ParameterPolicy::kIgnore}});
+  from.choice("parameters", autopilot.parameters,
+              {{"verify", ParameterPolicy::kVerify},
+               {"warn", ParameterPolicy::kWarn},
+               {"ignore", ParameterPolicy::kIgnore}});
   from.section("battery",
                [&](Mapping& battery) { read_battery(battery, autopilot.battery.emplace()); });
   const bool is_known = autopilot.url.empty() || autopilot.url.starts_with("udp://") ||
@@ -403,10 +404,10 @@ bool is_channel_suffix(const std::string& name) {
 }
 
 void read_device(Mapping& from, DeviceSource& device) {
-  from.word("device", device,
-            {{"direct", DeviceSource::kDirect},
-             {"wire", DeviceSource::kWire},
-             {"real", DeviceSource::kReal}});
+  from.choice("device", device,
+              {{"direct", DeviceSource::kDirect},
+               {"wire", DeviceSource::kWire},
+               {"real", DeviceSource::kReal}});
 }
 
 void read_robots(Mapping& top, Scenario& scenario) {

@@ -30,11 +30,11 @@ void read_detection(Mapping& from, const models::SensorModel& sensor,
   }
 }
 
-void check_unnamed(Mapping& top, const Scenario& scenario) {
-  constexpr std::size_t kUnnamedRobotsMax = 32;
-  constexpr std::size_t kUnnamedTargetsMax = 100;
-  const auto tells_ids = [](const RobotSpec& robot) { return robot.detection.detects_ids; };
-  const auto with_ids = std::count_if(scenario.robots.begin(), scenario.robots.end(), tells_ids);
+void check_without_ids(Mapping& top, const Scenario& scenario) {
+  constexpr std::size_t kRobotsWithoutIdsMax = 32;
+  constexpr std::size_t kTargetsWithoutIdsMax = 100;
+  const auto reports_ids = [](const RobotSpec& robot) { return robot.detection.detects_ids; };
+  const auto with_ids = std::count_if(scenario.robots.begin(), scenario.robots.end(), reports_ids);
   if (with_ids == std::ssize(scenario.robots)) {
     return;
   }
@@ -43,13 +43,13 @@ void check_unnamed(Mapping& top, const Scenario& scenario) {
                "must all have the same detects_ids, true or false: the team shares one numbering "
                "of its targets");
   }
-  if (scenario.robots.size() > kUnnamedRobotsMax) {
+  if (scenario.robots.size() > kRobotsWithoutIdsMax) {
     top.refuse("robots", fmt::format("must be at most {} with detects_ids: false, are {}",
-                                     kUnnamedRobotsMax, scenario.robots.size()));
+                                     kRobotsWithoutIdsMax, scenario.robots.size()));
   }
-  if (scenario.targets.empty() || scenario.targets.size() > kUnnamedTargetsMax) {
+  if (scenario.targets.empty() || scenario.targets.size() > kTargetsWithoutIdsMax) {
     top.refuse("targets", fmt::format("must be 1 to {} with detects_ids: false, are {}",
-                                      kUnnamedTargetsMax, scenario.targets.size()));
+                                      kTargetsWithoutIdsMax, scenario.targets.size()));
   }
   if (scenario.estimator.target_model.position_dim != 2) {
     top.refuse("estimator",

@@ -12,6 +12,6 @@ void read_detection(Mapping& from, const models::SensorModel& sensor,
 
 /// Refuses a team with detections without target ids if data association does not support its
 /// robots, targets or world. Precondition: robots, targets, world and estimator have been read.
-void check_unnamed(Mapping& top, const Scenario& scenario);
+void check_without_ids(Mapping& top, const Scenario& scenario);
 
 }  // namespace vantage::scenario

@@ -13,15 +13,15 @@ namespace {
 constexpr std::array<int, 3> kBlockBytes{256, 512, 1024};
 
 void read_connection(Mapping& from, MocapSpec& mocap) {
-  from.word("protocol", mocap.protocol, all_mocap_protocols());
+  from.choice("protocol", mocap.protocol, all_mocap_protocols());
   from.text("host", mocap.host);
   from.integer("port", mocap.port, 1, 65535);
-  from.word("mode", mocap.mode,
-            {{"push", StreamMode::kPush},
-             {"pull", StreamMode::kPull},
-             {"prefetch", StreamMode::kPreFetch}});
-  from.word("up_axis", mocap.up_axis,
-            {{"as_told", UpAxis::kAsTold}, {"z", UpAxis::kZ}, {"y", UpAxis::kY}});
+  from.choice("mode", mocap.mode,
+              {{"push", StreamMode::kPush},
+               {"pull", StreamMode::kPull},
+               {"prefetch", StreamMode::kPreFetch}});
+  from.choice("up_axis", mocap.up_axis,
+              {{"as_told", UpAxis::kAsTold}, {"z", UpAxis::kZ}, {"y", UpAxis::kY}});
   from.integer("block_bytes", mocap.block_bytes, kBlockBytes.front(), kBlockBytes.back());
   if (std::find(kBlockBytes.begin(), kBlockBytes.end(), mocap.block_bytes) == kBlockBytes.end()) {
     from.refuse("block_bytes",

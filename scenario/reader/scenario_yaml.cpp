@@ -63,7 +63,7 @@ void read_world(Mapping& from, models::World& world) {
   from.require("bounds");
   from.section("bounds", [&](Mapping& bounds) { read_rectangle(bounds, world.bounds); });
   from.number("ceiling_m", world.ceiling_m, above_to(0.0, kLengthMaxM));
-  from.expect({"obstacles", "regions"});
+  from.declare({"obstacles", "regions"});
   from.finish();
   if (const std::optional<Value> obstacles = from.find("obstacles")) {
     for (const Value& item : obstacles->items()) {
@@ -90,10 +90,10 @@ void read_world(Mapping& from, models::World& world) {
 }
 
 void read_target_truth(Mapping& from, TargetTruthSpec& truth) {
-  from.word("motion", truth.motion,
-            {{"random_waypoint", TargetMotion::kRandomWaypoint},
-             {"double_integrator", TargetMotion::kDoubleIntegrator},
-             {"still", TargetMotion::kStill}});
+  from.choice("motion", truth.motion,
+              {{"random_waypoint", TargetMotion::kRandomWaypoint},
+               {"double_integrator", TargetMotion::kDoubleIntegrator},
+               {"still", TargetMotion::kStill}});
   from.number("speed_min_mps", truth.speed_min_mps, above(0.0));
   from.number("speed_max_mps", truth.speed_max_mps, above(0.0));
   from.number("pause_max_s", truth.pause_max_s, from_to(0.0, kDurationMaxS));
@@ -106,27 +106,27 @@ void read_target_truth(Mapping& from, TargetTruthSpec& truth) {
 
 /// Reads the parameters of the targets' stationary distribution. Defaults are mean and σ of a
 /// uniform distribution over the world's bounds.
-void read_surroundings(Mapping& from, const models::World& world,
-                       models::Surroundings& surroundings) {
+void read_oscillator(Mapping& from, const models::World& world,
+                     models::DampedOscillator& oscillator) {
   const auto pair = [&](const char* key, Eigen::Vector2d& value, const Range& range) {
     if (const std::optional<Value> found = from.find(key)) {
       value = found->point(range);
     }
   };
   const models::Rectangle& bounds = world.bounds;
-  surroundings.center_m = 0.5 * (bounds.min_m + bounds.max_m);
-  surroundings.position_sigma_m = (bounds.max_m - bounds.min_m) / std::sqrt(12.0);
-  pair("center_m", surroundings.center_m, from_to(-kLengthMaxM, kLengthMaxM));
-  pair("position_sigma_m", surroundings.position_sigma_m, above_to(0.0, kLengthMaxM));
-  pair("velocity_sigma_mps", surroundings.velocity_sigma_mps, above(0.0));
-  pair("damping_per_s", surroundings.damping_per_s, above(0.0));
+  oscillator.center_m = 0.5 * (bounds.min_m + bounds.max_m);
+  oscillator.position_sigma_m = (bounds.max_m - bounds.min_m) / std::sqrt(12.0);
+  pair("center_m", oscillator.center_m, from_to(-kLengthMaxM, kLengthMaxM));
+  pair("position_sigma_m", oscillator.position_sigma_m, above_to(0.0, kLengthMaxM));
+  pair("velocity_sigma_mps", oscillator.velocity_sigma_mps, above(0.0));
+  pair("damping_per_s", oscillator.damping_per_s, above(0.0));
 }
 
 void read_target_model(Mapping& from, const models::World& world, models::TargetModel& model) {
-  from.word("kind", model.kind, models::all_target_kinds());
+  from.choice("kind", model.kind, models::all_target_kinds());
   from.integer("position_dim", model.position_dim, 2, 3);
   from.number("q", model.q, at_least(0.0));
-  read_surroundings(from, world, model.surroundings);
+  read_oscillator(from, world, model.oscillator);
   if (model.has_velocity() && model.position_dim != 2) {
     from.refuse("position_dim", fmt::format("must be 2 for kind {}, is 3", model.kind.name()));
   }
@@ -144,13 +144,13 @@ void check_grid(Mapping& from, const Scenario& scenario) {
   };
   const Eigen::Vector2d size_m = scenario.world.bounds.max_m - scenario.world.bounds.min_m;
   refuse_above(kGridCellsMax, size_m, "world.bounds");
-  const double told_cells_max = std::floor(
+  const double belief_cells_max = std::floor(
       (kBeliefBytesMax - kTargetBytes * static_cast<double>(scenario.targets.size())) / kCellBytes);
   if (const double near_m = scenario.network.neighbourhood_m; near_m > 0.0) {
-    refuse_above(told_cells_max, size_m.cwiseMin(2.5 * near_m),
+    refuse_above(belief_cells_max, size_m.cwiseMin(2.5 * near_m),
                  "the 2.5 · network.neighbourhood_m that a belief contains");
   } else {
-    refuse_above(told_cells_max, size_m, "world.bounds, which every belief contains,");
+    refuse_above(belief_cells_max, size_m, "world.bounds, which every belief contains,");
   }
 }
 
@@ -219,14 +219,14 @@ void check_team(Mapping& from, const PlannerSpec& planner) {
 }
 
 void read_planner(Mapping& from, PlannerSpec& planner) {
-  from.word("objective", planner.objective,
-            {{"tracking", PlanObjective::kTracking}, {"mapping", PlanObjective::kMapping}});
+  from.choice("objective", planner.objective,
+              {{"tracking", PlanObjective::kTracking}, {"mapping", PlanObjective::kMapping}});
   std::vector<std::pair<std::string_view, std::string>> searches;
   for (const std::string& name : search_names()) {
     searches.emplace_back(name, name);
   }
   searches.emplace_back(kExternalSearch, kExternalSearch);
-  from.word("algorithm", planner.algorithm, searches);
+  from.choice("algorithm", planner.algorithm, searches);
   from.integer("horizon_steps", planner.horizon_steps, 1, 100);
   from.number("step_s", planner.step_s, from_to(0.01, 60.0));
   from.integer("execute_steps", planner.execute_steps, 1, 100);
@@ -239,7 +239,7 @@ void read_planner(Mapping& from, PlannerSpec& planner) {
   from.number("epsilon_initial", planner.epsilon_initial, at_least(0.0));
   from.number("delta_initial_m", planner.delta_initial_m, at_least(0.0));
   from.number("yaw_weight_m_per_rad", planner.yaw_weight_m_per_rad, at_least(0.0));
-  from.word("team_algorithm", planner.team_algorithm, all_team_algorithms());
+  from.choice("team_algorithm", planner.team_algorithm, all_team_algorithms());
   from.integer("candidates_max", planner.candidates_max, 1, 10'000);
   from.integer("attacks_max", planner.attacks_max, 0, 1000);
   from.number("separation_m", planner.separation_m, above_to(0.0, kLengthMaxM));
@@ -296,10 +296,10 @@ void read_network(Mapping& from, Scenario& scenario) {
 
 void read_security(Mapping& from, SecuritySpec& security) {
   from.require("mode");
-  from.word("mode", security.mode,
-            {{"off", SecurityMode::kOff},
-             {"warn", SecurityMode::kWarn},
-             {"require", SecurityMode::kRequire}});
+  from.choice("mode", security.mode,
+              {{"off", SecurityMode::kOff},
+               {"warn", SecurityMode::kWarn},
+               {"require", SecurityMode::kRequire}});
   from.text("keys", security.keys);
   if (security.mode != SecurityMode::kOff && security.keys.empty()) {
     from.refuse("keys", "must name the folder that `vantage keys new` created");
@@ -326,9 +326,9 @@ void read_wind(Mapping& from, WindSpec& wind) {
 }
 
 void read_scenario(Mapping& top, Scenario& scenario) {
-  top.expect({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
-              "target_truth", "estimator", "planner", "mapping", "network", "mocap", "attacks",
-              "hosts", "wind", "security"});
+  top.declare({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
+               "target_truth", "estimator", "planner", "mapping", "network", "mocap", "attacks",
+               "hosts", "wind", "security"});
   for (const char* key : {"name", "world", "robots"}) {
     top.require(key);
   }
@@ -355,7 +355,7 @@ void read_scenario(Mapping& top, Scenario& scenario) {
   }
   top.section("security", [&](Mapping& from) { read_security(from, scenario.security); });
   top.section("mocap", [&](Mapping& from) { read_mocap(from, scenario.mocap); });
-  check_unnamed(top, scenario);
+  check_without_ids(top, scenario);
   read_attacks(top, scenario);
   read_hosts(top, scenario);
 }

@@ -78,7 +78,7 @@ bool Range::contains(double value) const {
   return over_min && under_max;
 }
 
-std::string Range::words() const {
+std::string Range::description() const {
   const std::string low = fmt::format("{} {}", is_min_excluded ? "above" : "at least", min);
   const std::string high = fmt::format("{} {}", is_max_excluded ? "below" : "at most", max);
   if (std::isinf(max)) {
@@ -115,7 +115,7 @@ void Value::note(std::string values) const {
 
 double Value::number(const Range& range) const {
   if (keys != nullptr) {
-    note(range.words());
+    note(range.description());
   }
   const std::string text = plain_number();
   double value = 0.0;
@@ -131,7 +131,7 @@ double Value::number(const Range& range) const {
     refuse("must be a number, is " + found(*node));
   }
   if (!range.contains(value)) {
-    refuse(fmt::format("must be {}, is {}", range.words(), value));
+    refuse(fmt::format("must be {}, is {}", range.description(), value));
   }
   return value;
 }

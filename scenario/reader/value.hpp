@@ -27,7 +27,7 @@ struct Range {
 
   [[nodiscard]] bool contains(double value) const;
   /// Returns the range in words for error messages: "above 0 and at most 360".
-  [[nodiscard]] std::string words() const;
+  [[nodiscard]] std::string description() const;
   [[nodiscard]] Range scaled(double factor) const;
 };
 
@@ -84,12 +84,13 @@ struct Value {
 
   /// Returns the enumerator that the word names.
   template <class Enum>
-  [[nodiscard]] Enum word(
+  [[nodiscard]] Enum choice(
       std::initializer_list<std::pair<std::string_view, Enum>> vocabulary) const {
-    return word(std::vector<std::pair<std::string_view, Enum>>(vocabulary));
+    return choice(std::vector<std::pair<std::string_view, Enum>>(vocabulary));
   }
   template <class Enum>
-  [[nodiscard]] Enum word(const std::vector<std::pair<std::string_view, Enum>>& vocabulary) const {
+  [[nodiscard]] Enum choice(
+      const std::vector<std::pair<std::string_view, Enum>>& vocabulary) const {
     std::vector<std::string_view> words;
     for (const auto& [name, enumerator] : vocabulary) {
       words.push_back(name);

@@ -28,7 +28,7 @@ class YamlEvents : public YAML::EventHandler {
     add(Node::Kind::kNothing, -1, anchor);
   }
   void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t anchor) override {
-    tree_.add_again(*named_.at(anchor));
+    tree_.add_alias(*anchored_.at(anchor));
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& text) override {
@@ -54,13 +54,13 @@ class YamlEvents : public YAML::EventHandler {
     }
     const Node& node = tree_.add(kind, line_before + 1, text);
     if (anchor != YAML::NullAnchor) {
-      named_[anchor] = &node;
+      anchored_[anchor] = &node;
     }
   }
 
   std::string file_;
   TreeBuilder tree_;
-  std::map<YAML::anchor_t, const Node*> named_;
+  std::map<YAML::anchor_t, const Node*> anchored_;
   int documents_ = 0;
 };
 

@@ -48,7 +48,7 @@ Time step_at_or_before(Time time) {
 AirframeParameters airframe_in(const std::optional<scenario::WindSpec>& wind) {
   AirframeParameters out;
   if (wind) {
-    out.wind_mean_mps = turn_axes(Eigen::Vector3d(wind->x_mps, wind->y_mps, 0.0));
+    out.wind_mean_mps = convert_axes(Eigen::Vector3d(wind->x_mps, wind->y_mps, 0.0));
     out.wind_sigma_mps = wind->gust_sigma_mps;
   }
   return out;

@@ -327,8 +327,9 @@ std::optional<Eigen::Vector3d> FlightController::wanted_velocity_mps(Time now) c
     if (target_->position_m) {
       const double since_s =
           std::clamp(to_seconds(now - target_time_), 0.0, settings_.setpoint_loss_s);
-      const Eigen::Vector3d moved_m =
-          profile_.carries_targets_on ? Eigen::Vector3d(since_s * wanted) : Eigen::Vector3d::Zero();
+      const Eigen::Vector3d moved_m = profile_.extrapolates_targets
+                                          ? Eigen::Vector3d(since_s * wanted)
+                                          : Eigen::Vector3d::Zero();
       wanted += velocity_towards_mps(*target_->position_m + moved_m);
     }
     wanted = cut(wanted, profile_.cuts_whole_velocity ? settings_.speed_max_mps : kSpeedMaxMps,

@@ -57,7 +57,7 @@ AutopilotProfile ardupilot() {
   out.idle_text = "Disarming motors";
   out.station_check_s = 1.0 / 3.0;
   out.takes_off_by_command = true;
-  out.carries_targets_on = true;
+  out.extrapolates_targets = true;
   out.keeps_braking_on_change = true;
   out.velocity_shaping_s = 0.35;
   out.climb_gain_per_s = 3.0;

@@ -42,7 +42,7 @@ struct AutopilotProfile {
   bool wants_proof_of_life = false;  ///< set-points are required to enter follow_mode or arm in it
   bool takes_off_by_command = false;
   /// Between two set-points, extrapolates the position at the velocity of the last set-point.
-  bool carries_targets_on = false;
+  bool extrapolates_targets = false;
   /// When the kind of set-point changes, the integrator is set to the present acceleration, as if
   /// the wind caused that acceleration.
   bool keeps_braking_on_change = false;

@@ -10,7 +10,7 @@ namespace vantage::sim {
 namespace {
 
 constexpr std::int64_t kPatienceNs = FirmwareFlight::kPatience.count() * 1'000;
-constexpr std::int64_t kCarryOnNs = 20'000'000;
+constexpr std::int64_t kExtrapolationMaxNs = 20'000'000;
 constexpr Duration kSlice{20'000};  // maximum time between two checks of is_over_
 
 void sleep_until_ns(std::int64_t monotonic_ns) {
@@ -95,7 +95,7 @@ FirmwareFlight::Sample FirmwareFlight::at(std::int64_t monotonic_ns) const {
   const Sample* later = &samples_[newest_];
   if (monotonic_ns >= later->monotonic_ns) {
     Sample out = *later;
-    const std::int64_t ahead_ns = std::min(monotonic_ns - out.monotonic_ns, kCarryOnNs);
+    const std::int64_t ahead_ns = std::min(monotonic_ns - out.monotonic_ns, kExtrapolationMaxNs);
     out.world_from_body.translation_m +=
         static_cast<double>(ahead_ns) * 1e-9 * out.velocity_world_mps;
     out.monotonic_ns += ahead_ns;

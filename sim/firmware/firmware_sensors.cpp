@@ -35,12 +35,12 @@ Eigen::Vector3d SensorBoard::draw(double sigma) {
 FirmwareSensors SensorBoard::sample(const Multirotor& body, Duration since_start) {
   FirmwareSensors out;
   out.since_start = since_start;
-  out.local_from_body = turn_axes(body.world_from_body().rotation);
-  out.position_local_m = turn_axes(body.world_from_body().translation_m);
-  out.velocity_local_mps = turn_axes(body.velocity_world_mps());
+  out.local_from_body = convert_axes(body.world_from_body().rotation);
+  out.position_local_m = convert_axes(body.world_from_body().translation_m);
+  out.velocity_local_mps = convert_axes(body.velocity_world_mps());
   out.gyro_body_radps =
-      turn_axes(body.rate_body_radps()) + gyro_bias_radps_ + draw(noise_.gyro_sigma_radps);
-  out.specific_force_body_mps2 = turn_axes(body.specific_force_body_mps2()) +
+      convert_axes(body.rate_body_radps()) + gyro_bias_radps_ + draw(noise_.gyro_sigma_radps);
+  out.specific_force_body_mps2 = convert_axes(body.specific_force_body_mps2()) +
                                  accelerometer_bias_mps2_ + draw(noise_.accelerometer_sigma_mps2);
   out.magnetic_field_body_gauss =
       out.local_from_body.conjugate() * kFieldNedGauss + draw(noise_.magnetometer_sigma_gauss);

@@ -61,9 +61,9 @@ void RoverEmulator::receive(std::span<const std::uint8_t> datagram, Time now) {
   // An emergency stop is obeyed from any session, with any delay.
   is_stopped_ = is_stopped_ || (command.flags & wire::rover::kEmergencyStop) != 0;
   const bool takes_over = command.session != session_ && is_watchdog_out();
-  const bool goes_on =
+  const bool is_continuation =
       command.session == session_ && wire::rover::is_after(command.sequence, command_sequence_);
-  if (!takes_over && !goes_on) {
+  if (!takes_over && !is_continuation) {
     ++refused_;
     return;
   }
@@ -75,9 +75,9 @@ void RoverEmulator::execute(const wire::rover::Command& command, Time now) {
   command_sequence_ = command.sequence;
   command_time_us_ = command.time_us;
   command_arrival_ = now;
-  const bool asks_stop = (command.flags & wire::rover::kEmergencyStop) != 0;
-  is_driving_ = (command.flags & wire::rover::kDrive) != 0 && !asks_stop;
-  if ((command.flags & wire::rover::kReleaseStop) != 0 && !asks_stop && !is_driving_) {
+  const bool requests_stop = (command.flags & wire::rover::kEmergencyStop) != 0;
+  is_driving_ = (command.flags & wire::rover::kDrive) != 0 && !requests_stop;
+  if ((command.flags & wire::rover::kReleaseStop) != 0 && !requests_stop && !is_driving_) {
     is_stopped_ = false;
   }
   demands_.push_back(

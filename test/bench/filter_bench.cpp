@@ -31,7 +31,7 @@ models::TargetModel walk() { return {models::TargetKind::kRandomWalk, 2, 0.3}; }
 
 models::TargetModel oscillator(const Eigen::Vector2d& half_m) {
   models::TargetModel model{models::TargetKind::kDampedOscillator};
-  model.surroundings = {Eigen::Vector2d::Zero(), 0.45 * half_m, {0.4, 0.25}, {0.3, 0.5}};
+  model.oscillator = {Eigen::Vector2d::Zero(), 0.45 * half_m, {0.4, 0.25}, {0.3, 0.5}};
   return model;
 }
 

@@ -79,14 +79,14 @@ TEST(Deadline, ExpiresWhenCancelled) {
   const auto asked = [] { return is_cancelled; };
   for (const Deadline& budget :
        {Deadline::nodes(100), Deadline::at(kInAThousandYears_ns), Deadline::never()}) {
-    const Deadline deadline = budget.unless(asked);
+    const Deadline deadline = budget.with_cancellation(asked);
     is_cancelled = false;
     EXPECT_FALSE(deadline.expired(99));
     is_cancelled = true;
     EXPECT_TRUE(deadline.expired(0));
   }
   is_cancelled = false;
-  EXPECT_TRUE(Deadline::nodes(100).unless(asked).expired(100));
+  EXPECT_TRUE(Deadline::nodes(100).with_cancellation(asked).expired(100));
 }
 
 }  // namespace

@@ -71,27 +71,27 @@ TEST(RunProcess, SurvivesTheTerminalIfRequested) {
   std::signal(SIGHUP, SIG_DFL);
 }
 
-TEST(EndsAtOnceDeathTest, IsTerminatedByTheSignal) {
+TEST(DefaultSignalScopeDeathTest, IsTerminatedByTheSignal) {
   const auto body = [] {
-    const EndsAtOnce reading;
+    const DefaultSignalScope reading;
     std::raise(SIGTERM);
     return 0;
   };
   EXPECT_EXIT(run_process("vantage-test", body), ::testing::KilledBySignal(SIGTERM), "");
 }
 
-TEST(EndsAtOnceDeathTest, IsTerminatedByAPendingSignal) {
+TEST(DefaultSignalScopeDeathTest, IsTerminatedByAPendingSignal) {
   const auto body = [] {
     std::raise(SIGINT);
-    const EndsAtOnce reading;
+    const DefaultSignalScope reading;
     return 0;
   };
   EXPECT_EXIT(run_process("vantage-test", body), ::testing::KilledBySignal(SIGINT), "");
 }
 
-TEST(EndsAtOnceDeathTest, RestoresSignalHandlingAfterwards) {
+TEST(DefaultSignalScopeDeathTest, RestoresSignalHandlingAfterwards) {
   const auto body = [] {
-    { const EndsAtOnce reading; }
+    { const DefaultSignalScope reading; }
     std::raise(SIGTERM);
     return stop_requested() ? 5 : 0;
   };

@@ -99,11 +99,11 @@ TEST(Association, EqualsTheMarginalsOfAllJointAssociations) {
     association.solve();
     expect_marginals(association, all.marginal, 1e-12);
     for (int j = 0; j < detections; ++j) {
-      double somebodys = 0.0;
+      double assigned = 0.0;
       for (const auto& row : all.marginal) {
-        somebodys += row[static_cast<std::size_t>(j)];
+        assigned += row[static_cast<std::size_t>(j)];
       }
-      EXPECT_NEAR(association.nobodys_probability(j), 1.0 - somebodys, 1e-12);
+      EXPECT_NEAR(association.unassigned_probability(j), 1.0 - assigned, 1e-12);
     }
     const std::span<const int> best = association.best();
     double weight = 1.0;
@@ -200,7 +200,7 @@ TEST(Association, SolvesAgainAfterAChange) {
   EXPECT_EQ(association.probability(0, 0), 0.0);
   EXPECT_EQ(association.probability(0, 1), 0.0);
   EXPECT_EQ(association.miss_probability(0), 1.0);
-  EXPECT_EQ(association.nobodys_probability(0), 1.0);
+  EXPECT_EQ(association.unassigned_probability(0), 1.0);
   EXPECT_DOUBLE_EQ(association.probability(1, 1), 2.0 / 3.0);
   EXPECT_EQ(association.best()[0], -1);
   EXPECT_EQ(association.best()[1], 1);

@@ -31,7 +31,7 @@ FilterSpec still_spec(int targets, double communication_range_m = 5.0) {
   return spec;
 }
 
-models::RobotBelief told_by(const char* robot, Time time, const std::vector<Gaussian>& targets) {
+models::RobotBelief belief_of(const char* robot, Time time, const std::vector<Gaussian>& targets) {
   models::RobotBelief belief = test::prior(time, targets);
   belief.robot = robot;
   return belief;
@@ -44,10 +44,10 @@ Gaussian around(double x_m, double y_m, const Eigen::Matrix2d& covariance_m2) {
 const std::vector<Gaussian> kOne = {around(3.0, 4.0, 0.5 * Eigen::Matrix2d::Identity())};
 
 TEST(Reception, AcceptsBeliefsUpToTheStatedAge) {
-  const models::RobotBelief told = told_by("Q2", instant(9), kOne);
+  const models::RobotBelief received = belief_of("Q2", instant(9), kOne);
   const auto after = [&](Time now) {
     DistributedFilter filter(still_spec(1));
-    take_step(filter, now, at(0, 0), {}, {told});
+    take_step(filter, now, at(0, 0), {}, {received});
     return filter;
   };
   const Duration age_max = from_seconds(still_spec(1).belief_age_max_s);
@@ -75,10 +75,11 @@ TEST(Reception, IsLimitedToExactlyTheRadioRange) {
       spec.team = {{"Q1", spec.sensor}, {"Q2", spec.sensor}};
       models::Viewpoint there = at(aside * 3.0, -4.0);
       there.height_m = height_m;
-      models::RobotBelief told = told_by("Q2", instant(1), kOne);
-      told.viewpoint = there;
+      models::RobotBelief received = belief_of("Q2", instant(1), kOne);
+      received.viewpoint = there;
       DistributedFilter listener(spec);
-      EXPECT_EQ(take_step(listener, instant(1), at(0, 0), {}, {told}).targets.empty(), !is_near);
+      EXPECT_EQ(take_step(listener, instant(1), at(0, 0), {}, {received}).targets.empty(),
+                !is_near);
       EXPECT_EQ(listener.counters().out_of_range_beliefs, is_near ? 0 : 1);
       std::mt19937_64 rng(1);
       models::RobotMeasurement look =
@@ -93,12 +94,12 @@ TEST(Reception, IsLimitedToExactlyTheRadioRange) {
 
 TEST(Reception, CountsTeammatesInRangeAtEachStep) {
   DistributedFilter filter(still_spec(1));
-  std::vector<models::RobotBelief> told = {told_by("Q2", instant(1), kOne),
-                                           told_by("Q3", instant(1), kOne),
-                                           told_by("Q4", instant(1), kOne)};
-  told[1].viewpoint = at(9.0, 0.0);
-  EXPECT_EQ(take_step(filter, instant(1), at(0, 0), {}, told).degree, 2);
-  EXPECT_EQ(take_step(filter, instant(2), at(0, 0), {}, {told[0]}).degree, 1);
+  std::vector<models::RobotBelief> received = {belief_of("Q2", instant(1), kOne),
+                                               belief_of("Q3", instant(1), kOne),
+                                               belief_of("Q4", instant(1), kOne)};
+  received[1].viewpoint = at(9.0, 0.0);
+  EXPECT_EQ(take_step(filter, instant(1), at(0, 0), {}, received).degree, 2);
+  EXPECT_EQ(take_step(filter, instant(2), at(0, 0), {}, {received[0]}).degree, 1);
   EXPECT_EQ(take_step(filter, instant(3), at(0, 0), {}).degree, 0);
   EXPECT_EQ(filter.counters().out_of_range_beliefs, 1);
 }
@@ -119,14 +120,14 @@ TEST(BeliefFusion, FirstBeliefIsWeightedMeanOfTeammates) {
   }
   std::vector<std::size_t> order = {0, 1, 2};
   do {
-    std::vector<models::RobotBelief> told;
+    std::vector<models::RobotBelief> received;
     for (const std::size_t i : order) {
-      told.push_back(told_by("Q2", instant(2), {of_one[i]}));
-      told.back().targets[0].target_id = 3;
-      told.back().targets[0].last_seen = instant(1) - static_cast<int>(i % 2) * Duration{7};
+      received.push_back(belief_of("Q2", instant(2), {of_one[i]}));
+      received.back().targets[0].target_id = 3;
+      received.back().targets[0].last_seen = instant(1) - static_cast<int>(i % 2) * Duration{7};
     }
     DistributedFilter filter(still_spec(4));
-    const models::RobotBelief belief = take_step(filter, instant(2), at(0, 0), {}, told);
+    const models::RobotBelief belief = take_step(filter, instant(2), at(0, 0), {}, received);
     ASSERT_EQ(belief.targets.size(), 1U);
     EXPECT_EQ(belief.targets[0].target_id, 3);
     EXPECT_EQ(belief.targets[0].last_seen, instant(1));
@@ -156,11 +157,11 @@ TEST(BeliefFusion, WeightsATeammateToMaximiseTheDeterminant) {
     known_before.stamp.time = instant(1);
     known_before.targets = {{0, own, instant(1)}};
     filter.rebase(known_before);
-    models::RobotBelief told = known_before;
-    told.robot = "Q2";
-    told.stamp.time = instant(2);
-    told.targets = {{0, theirs, instant(2)}};
-    take_step(filter, instant(2), at(0, 0), {}, {told});
+    models::RobotBelief received = known_before;
+    received.robot = "Q2";
+    received.stamp.time = instant(2);
+    received.targets = {{0, theirs, instant(2)}};
+    take_step(filter, instant(2), at(0, 0), {}, {received});
     const Track after = filter.track(0);
     const models::StateMatrix off = theirs.matrix - own.matrix;
     const double kappa = (after.information.matrix - own.matrix)(0, 0) / off(0, 0);
@@ -201,14 +202,14 @@ TEST(Reception, CountsBeliefsOfUnknownTargets) {
       {of(v, 1e200 * M), &FilterCounters::singular},  // infinite determinant
   };
   for (const Wrong& wrong : all) {
-    for (const Time told_at : {instant(1), instant(2)}) {
-      if (&wrong == &all.back() && told_at < instant(2)) {
+    for (const Time sent_at : {instant(1), instant(2)}) {
+      if (&wrong == &all.back() && sent_at < instant(2)) {
         continue;  // changed by prediction
       }
       DistributedFilter filter(spec);
-      models::RobotBelief told = told_by("Q2", told_at, {});
-      told.targets = {{0, good, instant(1)}, wrong.said, {2, good, instant(1)}};
-      const models::RobotBelief belief = take_step(filter, instant(2), at(0, 0), {}, {told});
+      models::RobotBelief received = belief_of("Q2", sent_at, {});
+      received.targets = {{0, good, instant(1)}, wrong.said, {2, good, instant(1)}};
+      const models::RobotBelief belief = take_step(filter, instant(2), at(0, 0), {}, {received});
       ASSERT_EQ(belief.targets.size(), 2U) << wrong.said.target_id;
       EXPECT_EQ(belief.targets[0].target_id, 0);
       EXPECT_EQ(belief.targets[1].target_id, 2);
@@ -220,17 +221,17 @@ TEST(Reception, CountsBeliefsOfUnknownTargets) {
 
 TEST(BeliefFusion, CountsGridMismatchOnlyWhenGridIsPresent) {
   DistributedFilter filter(still_spec(1));
-  models::RobotBelief told = told_by("Q2", instant(1), kOne);
-  take_step(filter, instant(1), at(0, 0), {}, {told});
+  models::RobotBelief received = belief_of("Q2", instant(1), kOne);
+  take_step(filter, instant(1), at(0, 0), {}, {received});
   EXPECT_EQ(filter.counters().grid_mismatches, 0);
-  told.stamp.time = instant(2);
-  told.grid = filter.grid().geometry();
-  told.last_seen_utime.assign(filter.grid().last_seen_utime().size() + 1, 0);
-  take_step(filter, instant(2), at(0, 0), {}, {told});
+  received.stamp.time = instant(2);
+  received.grid = filter.grid().geometry();
+  received.last_seen_utime.assign(filter.grid().last_seen_utime().size() + 1, 0);
+  take_step(filter, instant(2), at(0, 0), {}, {received});
   EXPECT_EQ(filter.counters().grid_mismatches, 1);
-  told.stamp.time = instant(3);
-  told.last_seen_utime.pop_back();
-  take_step(filter, instant(3), at(0, 0), {}, {told});
+  received.stamp.time = instant(3);
+  received.last_seen_utime.pop_back();
+  take_step(filter, instant(3), at(0, 0), {}, {received});
   EXPECT_EQ(filter.counters().grid_mismatches, 1);
 }
 
@@ -245,7 +246,7 @@ TEST(BeliefFusion, ReflectsOldBeliefsAtWalls) {
       spec.communication_range_m = 100.0;
       Gaussian leaving{Eigen::Vector4d(x_m, 0.0, 0.6, 0.0), Eigen::Matrix4d::Zero()};
       leaving.covariance.diagonal() << 0.01, 0.0025, 0.04, 0.04;
-      const models::RobotBelief told = told_by("Q2", instant(0), {leaving});
+      const models::RobotBelief received = belief_of("Q2", instant(0), {leaving});
       DistributedFilter alone(spec);
       DistributedFilter listener(spec);
       for (DistributedFilter* filter : {&alone, &listener}) {
@@ -253,7 +254,7 @@ TEST(BeliefFusion, ReflectsOldBeliefsAtWalls) {
         take_step(*filter, instant(1), at(0, 0), {});
       }
       take_step(alone, instant(2), at(0, 0), {});
-      take_step(listener, instant(2), at(0, 0), {}, {told});
+      take_step(listener, instant(2), at(0, 0), {}, {received});
       EXPECT_EQ(listener.belief().degree, 1);
       EXPECT_TRUE(is_near(known(listener, 0).mean, known(alone, 0).mean, 1e-9));
       EXPECT_TRUE(is_near(known(listener, 0).covariance, known(alone, 0).covariance, 1e-9));
@@ -264,9 +265,9 @@ TEST(BeliefFusion, ReflectsOldBeliefsAtWalls) {
 // A filter restarted from a belief publishes the same belief.
 TEST(Rebase, ContinuesFromACompleteBelief) {
   DistributedFilter filter(still_spec(5));
-  models::RobotBelief before = told_by("Q1", instant(3),
-                                       {around(1, 2, 0.3 * Eigen::Matrix2d::Identity()),
-                                        around(3, 4, 0.4 * Eigen::Matrix2d::Identity())});
+  models::RobotBelief before = belief_of("Q1", instant(3),
+                                         {around(1, 2, 0.3 * Eigen::Matrix2d::Identity()),
+                                          around(3, 4, 0.4 * Eigen::Matrix2d::Identity())});
   before.targets[1].target_id = 4;
   before.targets[1].last_seen = instant(1);
   before.viewpoint = at(1.5, -2.5, 0.7);
@@ -275,7 +276,7 @@ TEST(Rebase, ContinuesFromACompleteBelief) {
   before.grid = filter.grid().geometry();
   before.last_seen_utime.assign(filter.grid().last_seen_utime().size(), 0);
   before.last_seen_utime[5] = to_utime(instant(2));
-  filter.rebase(told_by("Q1", instant(2), {kOne[0], kOne[0], kOne[0]}));  // is overwritten
+  filter.rebase(belief_of("Q1", instant(2), {kOne[0], kOne[0], kOne[0]}));  // is overwritten
   filter.rebase(before);
   const models::RobotBelief after = filter.belief();
   EXPECT_EQ(after.stamp.time, instant(3));
@@ -300,7 +301,7 @@ TEST(Rebase, ContinuesFromACompleteBelief) {
 
 TEST(Rebase, CountsBeliefsOfAnotherFilter) {
   DistributedFilter filter(still_spec(2));
-  models::RobotBelief before = told_by("Q1", instant(3), {kOne[0], kOne[0], kOne[0], kOne[0]});
+  models::RobotBelief before = belief_of("Q1", instant(3), {kOne[0], kOne[0], kOne[0], kOne[0]});
   before.targets[0].target_id = -1;
   before.targets[1].target_id = 2;
   before.targets[2].target_id = 0;

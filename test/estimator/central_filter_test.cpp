@@ -74,7 +74,7 @@ TEST(CentralFilter, EqualsADistributedFilterWithAllMeasurements) {
   for (int step = 1; step <= 60; ++step) {
     const auto looks = looks_at(targets_m, test::instant(step), rng);
     central.predict();
-    central.look(forward_sensor(), looks);
+    central.update(forward_sensor(), looks);
     test::take_step(distributed, test::instant(step), looks[0].viewpoint, looks);
     for (int m = 0; m < 3; ++m) {
       const models::Gaussian& own = central.beliefs()[index(m)];
@@ -92,7 +92,7 @@ TEST(CentralFilter, OnlyPredictsUnobservedTargets) {
   CentralFilter filter({kModel, 0.5, 0.05, false}, world, {prior_at(1.0, 2.0)});
   const models::Gaussian expected = models::predict(prior_at(1.0, 2.0), kModel, 0.5);
   filter.predict();
-  filter.look(forward_sensor(), {});
+  filter.update(forward_sensor(), {});
   EXPECT_LT((filter.beliefs()[0].mean - expected.mean).norm(), 1e-9);
   EXPECT_LT((filter.beliefs()[0].covariance - expected.covariance).norm(), 1e-9);
   EXPECT_EQ(filter.is_seen()[0], 0);
@@ -104,7 +104,7 @@ TEST(CentralFilter, MovesABeliefOutOfAnEmptyView) {
   look.viewpoint = test::at(0.0, 0.0);
   for (const double probability : {0.0, 0.5}) {
     CentralFilter filter({kModel, 0.5, probability, true}, world, {prior_at(14.8, 0.0)});
-    filter.look(forward_sensor(), {&look, 1});
+    filter.update(forward_sensor(), {&look, 1});
     if (probability > 0.0) {
       EXPECT_GT(filter.beliefs()[0].mean.x(), 14.81);
     } else {

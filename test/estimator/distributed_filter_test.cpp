@@ -196,8 +196,8 @@ class LateMeasurements : public ::testing::Test {
                       {{Eigen::Vector4d(4.1, 1.1, 0.0, 0.0), 0.5 * Eigen::Matrix4d::Identity()}});
       teammate.robot = "Q2";
       teammate.degree = 1;
-      const std::vector<models::RobotBelief> heard = {teammate};
-      a_ = take_step(timely, instant(k), wander(k), {look}, heard);
+      const std::vector<models::RobotBelief> received = {teammate};
+      a_ = take_step(timely, instant(k), wander(k), {look}, received);
       std::vector<models::RobotMeasurement> arrived;
       if (k % 7 == 3) {
         held.push_back(look);
@@ -208,7 +208,7 @@ class LateMeasurements : public ::testing::Test {
         arrived.push_back(held.front());
         held.erase(held.begin());
       }
-      b_ = take_step(late, instant(k), wander(k), arrived, heard);
+      b_ = take_step(late, instant(k), wander(k), arrived, received);
     }
     counters_ = late.counters();
     timely_counters_ = timely.counters();

@@ -68,7 +68,7 @@ State normal_state(std::mt19937_64& rng) {
 }
 
 State stationary(std::mt19937_64& rng) {
-  const models::Surroundings& s = kMotion.surroundings;
+  const models::DampedOscillator& s = kMotion.oscillator;
   return normal_state(rng).cwiseProduct(State(s.position_sigma_m.x(), s.position_sigma_m.y(),
                                               s.velocity_sigma_mps.x(), s.velocity_sigma_mps.y()));
 }

@@ -126,13 +126,13 @@ TEST_F(MapPublisherTest, CountsMapsOfAnotherGrid) {
 
 TEST_F(MapPublisherTest, LimitsTheRunsOfATeammate) {
   models::RobotMap map;
-  std::vector<models::InputRef> said;
+  std::vector<models::InputRef> published;
   for (int run = 0; run < 40; ++run) {
-    said.push_back(publish(100 + run * 7919 % 41, run, -1));
+    published.push_back(publish(100 + run * 7919 % 41, run, -1));
     map = step(run);
   }
-  for (std::size_t run = 0; run < said.size(); ++run) {
-    EXPECT_EQ(std::count(map.inputs.begin(), map.inputs.end(), said[run]), run < 24 ? 0 : 1);
+  for (std::size_t run = 0; run < published.size(); ++run) {
+    EXPECT_EQ(std::count(map.inputs.begin(), map.inputs.end(), published[run]), run < 24 ? 0 : 1);
   }
   EXPECT_EQ(map.team_looks[0], -16);
   EXPECT_EQ(map.inputs.size(), 2 + 16U) << "the belief, the own map before, its maps";

@@ -163,16 +163,16 @@ TEST(MapReplayer, FindsInputsWithinBufferCapacity) {
       for (const bool is_there : {true, false}) {
         TestBus test_bus;
         MapReplayer replayer(test_bus.bus, scenario, "Q1");
-        std::vector<InputRef> said;
+        std::vector<InputRef> published;
         const int room = kind == "belief" ? 65 : kind == "scan" ? 257 : 17;
         map.robot = "Q2";
         for (int i = 0; i < room; ++i) {
-          said.push_back(kind == "belief" ? test_bus.publish(bus::belief_channel("Q1"),
-                                                             belief_of("Q1", kInstant))
-                         : kind == "scan" ? test_bus.publish(bus::scan_channel("Q1"), scan)
-                                          : test_bus.publish(bus::map_channel("Q2"), map));
+          published.push_back(kind == "belief" ? test_bus.publish(bus::belief_channel("Q1"),
+                                                                  belief_of("Q1", kInstant))
+                              : kind == "scan" ? test_bus.publish(bus::scan_channel("Q1"), scan)
+                                               : test_bus.publish(bus::map_channel("Q2"), map));
         }
-        map.inputs = {said[is_there ? 1 : 0]};
+        map.inputs = {published[is_there ? 1 : 0]};
         if (kind != "belief") {
           map.inputs.push_back(
               test_bus.publish(bus::belief_channel("Q1"), belief_of("Q1", kInstant)));

@@ -103,9 +103,9 @@ class NodeTest : public ::testing::Test {
 
 TEST_F(NodeTest, PublishesAtEveryMultipleOfTheStepAndNamesItsInputs) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
-  std::vector<models::RobotBelief> heard;
+  std::vector<models::RobotBelief> received;
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
-                                        [&](const auto& belief) { heard.push_back(belief); });
+                                        [&](const auto& belief) { received.push_back(belief); });
   const Time t1 = kStart + 400ms;
   EXPECT_EQ(node.next_tick(), t1 + 50ms);
   const auto mocap = world_.publish(bus::kVicon, frame_at(t1 - 10ms, {{"Q1", {1.0, 2.0, 0.5}}}));
@@ -121,26 +121,26 @@ TEST_F(NodeTest, PublishesAtEveryMultipleOfTheStepAndNamesItsInputs) {
   deliver();
   run_until(t1 + 560ms, {&node});
 
-  ASSERT_EQ(heard.size(), 2u);
-  EXPECT_EQ(heard[0].stamp.time, t1);
-  EXPECT_EQ(heard[0].step, 0);
-  EXPECT_EQ(heard[0].inputs, (std::vector<InputRef>{mocap, news}));
-  EXPECT_NEAR(heard[0].viewpoint.world_from_body.x_m, 1.0, 1e-9);
-  EXPECT_NEAR(heard[0].viewpoint.height_m, 1.0, 1e-9);
-  ASSERT_EQ(heard[0].targets.size(), 1u);
-  EXPECT_EQ(heard[1].stamp.time, t1 + 500ms);
-  EXPECT_EQ(heard[1].step, 1);
-  EXPECT_EQ(heard[1].inputs, (std::vector<InputRef>{seen, news}));
-  EXPECT_EQ(heard[1].viewpoint.world_from_body, pose);
-  EXPECT_EQ(heard[1].targets.size(), 3u);
+  ASSERT_EQ(received.size(), 2u);
+  EXPECT_EQ(received[0].stamp.time, t1);
+  EXPECT_EQ(received[0].step, 0);
+  EXPECT_EQ(received[0].inputs, (std::vector<InputRef>{mocap, news}));
+  EXPECT_NEAR(received[0].viewpoint.world_from_body.x_m, 1.0, 1e-9);
+  EXPECT_NEAR(received[0].viewpoint.height_m, 1.0, 1e-9);
+  ASSERT_EQ(received[0].targets.size(), 1u);
+  EXPECT_EQ(received[1].stamp.time, t1 + 500ms);
+  EXPECT_EQ(received[1].step, 1);
+  EXPECT_EQ(received[1].inputs, (std::vector<InputRef>{seen, news}));
+  EXPECT_EQ(received[1].viewpoint.world_from_body, pose);
+  EXPECT_EQ(received[1].targets.size(), 3u);
   EXPECT_EQ(node.deadlines_missed(), 0);
 }
 
 TEST_F(NodeTest, WaitsForItsOwnMeasurementForALimitedTime) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
-  std::vector<std::pair<Time, models::RobotBelief>> heard;
+  std::vector<std::pair<Time, models::RobotBelief>> received;
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"), [&](const auto& belief) {
-    heard.emplace_back(clock_.now(), belief);
+    received.emplace_back(clock_.now(), belief);
   });
   const Time t1 = kStart + 400ms;
   const auto look_comes = [&](Time instant, Duration late) {
@@ -154,25 +154,26 @@ TEST_F(NodeTest, WaitsForItsOwnMeasurementForALimitedTime) {
   look_comes(t1 + 1500ms, 47ms);
   run_until(t1 + 3100ms, {&node});  // no further observations
 
-  ASSERT_EQ(heard.size(), 7u);
+  ASSERT_EQ(received.size(), 7u);
   const Duration made_after[] = {50ms, 77ms, 50ms, 52ms, Duration{83'333}, 50ms, 50ms};
-  for (std::size_t i = 0; i < heard.size(); ++i) {
+  for (std::size_t i = 0; i < received.size(); ++i) {
     const Time instant = t1 + static_cast<int>(i) * 500ms;
-    EXPECT_EQ(heard[i].second.stamp.time, instant);
-    EXPECT_LT(std::chrono::abs(heard[i].first - instant - made_after[i]), 1us) << i;
+    EXPECT_EQ(received[i].second.stamp.time, instant);
+    EXPECT_LT(std::chrono::abs(received[i].first - instant - made_after[i]), 1us) << i;
   }
-  EXPECT_EQ(heard[1].second.inputs.size(), 2u);  // the late first observation and the second
+  EXPECT_EQ(received[1].second.inputs.size(), 2u);  // the late first observation and the second
   EXPECT_EQ(node.deadlines_missed(), 0);
 }
 
 TEST_F(NodeTest, CountsSkippedSteps) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
-  std::vector<Time> heard;
-  world_.subscribe<models::RobotBelief>(
-      bus::belief_channel("Q1"), [&](const auto& belief) { heard.push_back(belief.stamp.time); });
+  std::vector<Time> received;
+  world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"), [&](const auto& belief) {
+    received.push_back(belief.stamp.time);
+  });
   node.tick(kStart + 1960ms);  // instants at 0.4, 0.9, 1.4 and 1.9 s; 1.9 + delay is over
   deliver();
-  EXPECT_EQ(heard, std::vector<Time>{kStart + 1900ms});
+  EXPECT_EQ(received, std::vector<Time>{kStart + 1900ms});
   EXPECT_EQ(node.deadlines_missed(), 3);
   EXPECT_EQ(node.next_tick(), kStart + 2450ms);
 }
@@ -196,9 +197,9 @@ TEST_F(NodeTest, CountsUnusableInputs) {
 
 TEST_F(NodeTest, UsesTeammatesMeasurementsButNotTheirPositions) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
-  std::vector<models::RobotBelief> heard;
+  std::vector<models::RobotBelief> received;
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
-                                        [&](const auto& belief) { heard.push_back(belief); });
+                                        [&](const auto& belief) { received.push_back(belief); });
   const Time t1 = kStart + 400ms;
   const auto mocap = world_.publish(bus::kVicon, frame_at(t1 - 10ms, {{"Q1", {1.0, 2.0, 0.5}}}));
   const auto seen =
@@ -206,10 +207,10 @@ TEST_F(NodeTest, UsesTeammatesMeasurementsButNotTheirPositions) {
   world_.publish(bus::measurement_channel("Q2"), look("Q1", t1, {}));  // wrong channel
   deliver();
   run_until(t1 + 60ms, {&node});
-  ASSERT_EQ(heard.size(), 1u);
-  EXPECT_EQ(heard[0].inputs, (std::vector<InputRef>{seen, mocap}));
-  EXPECT_EQ(heard[0].targets.size(), 3u);
-  EXPECT_NEAR(heard[0].viewpoint.world_from_body.x_m, 1.0, 1e-9);
+  ASSERT_EQ(received.size(), 1u);
+  EXPECT_EQ(received[0].inputs, (std::vector<InputRef>{seen, mocap}));
+  EXPECT_EQ(received[0].targets.size(), 3u);
+  EXPECT_NEAR(received[0].viewpoint.world_from_body.x_m, 1.0, 1e-9);
 }
 
 TEST_F(NodeTest, UsesNoTeammatesMeasurementWithoutARadio) {
@@ -229,9 +230,9 @@ TEST_F(NodeTest, RefusesAnUnknownRobot) {
 // The node keeps 64 observations of each robot and the newest 256 poses.
 TEST_F(NodeTest, KeepsTheNewestInputs) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
-  std::vector<models::RobotBelief> heard;
+  std::vector<models::RobotBelief> received;
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
-                                        [&](const auto& belief) { heard.push_back(belief); });
+                                        [&](const auto& belief) { received.push_back(belief); });
   const Time t1 = kStart + 400ms;
   const auto counters = [&] {
     std::map<std::string, std::int64_t> counts;
@@ -256,10 +257,10 @@ TEST_F(NodeTest, KeepsTheNewestInputs) {
   deliver();
   EXPECT_EQ(counters()["looks_overflowed"], 1);
   run_until(t1 + 60ms, {&node});
-  ASSERT_EQ(heard.size(), 1u);
+  ASSERT_EQ(received.size(), 1u);
   looks.erase(looks.begin());
   looks.push_back(pose);
-  EXPECT_EQ(heard[0].inputs, looks);
+  EXPECT_EQ(received[0].inputs, looks);
   EXPECT_EQ(counters().count("viewpoint_unknown"), 0U);
   world_.publish(bus::kVicon, frame_at(t1 + 490ms, {{"Q1", {1.0, 2.0, 0.5}}}));
   for (int i = 0; i < 256; ++i) {
@@ -273,14 +274,14 @@ TEST_F(NodeTest, KeepsTheNewestInputs) {
 // The robot's position at t is that of an observation or pose from the step that ends at t.
 TEST_F(NodeTest, UsesPoseFromInputsOfThisStep) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
-  std::vector<models::RobotBelief> heard;
+  std::vector<models::RobotBelief> received;
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
-                                        [&](const auto& belief) { heard.push_back(belief); });
+                                        [&](const auto& belief) { received.push_back(belief); });
   const Time t1 = kStart + 400ms;
   const auto x_of_step = [&](int step) {
     deliver();
     run_until(t1 + step * 500ms + 90ms, {&node});
-    return heard.back().viewpoint.world_from_body.x_m;
+    return received.back().viewpoint.world_from_body.x_m;
   };
   world_.publish(bus::measurement_channel("Q1"), look("Q1", t1, {0.5, 0.0, 0.0}));
   world_.publish(bus::measurement_channel("Q1"), look("Q1", t1 - 100ms, {0.7, 0.0, 0.0}));
@@ -303,15 +304,16 @@ TEST_F(NodeTest, UsesPoseFromInputsOfThisStep) {
 
 TEST_F(NodeTest, PublishesTheConfiguredBeliefs) {
   std::vector<std::pair<Time, std::size_t>> asked;
-  const auto believe = [&](Time t, const std::vector<Heard<models::RobotMeasurement>>& looks) {
+  const auto believe = [&](Time t,
+                           const std::vector<NamedMessage<models::RobotMeasurement>>& looks) {
     asked.emplace_back(t, looks.size());
     return std::vector<models::TargetBelief>{
         {2, {Eigen::Vector4d::Ones(), Eigen::Matrix4d::Identity()}, t}};
   };
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1", believe);
-  std::vector<models::RobotBelief> heard;
+  std::vector<models::RobotBelief> received;
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
-                                        [&](const auto& belief) { heard.push_back(belief); });
+                                        [&](const auto& belief) { received.push_back(belief); });
   EXPECT_EQ(node.name(), "ESTIMATOR_Q1");
   const Time t1 = kStart + 400ms;
   world_.publish(bus::measurement_channel("Q1"), look("Q1", t1, {}));
@@ -321,12 +323,12 @@ TEST_F(NodeTest, PublishesTheConfiguredBeliefs) {
   deliver();
   run_until(t1 + 90ms, {&node});
   EXPECT_EQ(asked, (std::vector<std::pair<Time, std::size_t>>{{t1, 1U}}));
-  ASSERT_EQ(heard.size(), 1u);
-  ASSERT_EQ(heard[0].targets.size(), 1u);
-  EXPECT_EQ(heard[0].targets[0].target_id, 2);
+  ASSERT_EQ(received.size(), 1u);
+  ASSERT_EQ(received[0].targets.size(), 1u);
+  EXPECT_EQ(received[0].targets[0].target_id, 2);
   ASSERT_EQ(node.counters().size(), 1U);
   EXPECT_EQ(node.counters()[0].name, "misaddressed") << "who speaks for another";
-  EXPECT_EQ(heard[0].inputs.size(), 1U);
+  EXPECT_EQ(received[0].inputs.size(), 1U);
 }
 
 /// A log of all messages on the bus, in order, and its replay.
@@ -337,8 +339,8 @@ class Replay : public NodeTest {
   void fly(int steps) {
     EstimatorNode robot(robot_bus_, clock_, scenario_, "Q1");
     EstimatorNode mate(mate_bus_, clock_, scenario_, "Q2");
-    const auto ear = hub_.connect();
-    ear->subscribe("*", [&](std::string_view channel, std::span<const std::uint8_t> bytes) {
+    const auto receiver = hub_.connect();
+    receiver->subscribe("*", [&](std::string_view channel, std::span<const std::uint8_t> bytes) {
       log_.push_back({std::string(channel), {bytes.begin(), bytes.end()}});
     });
     std::vector<models::RobotMeasurement> late;
@@ -366,7 +368,7 @@ class Replay : public NodeTest {
     EXPECT_GT(robot.filter().counters().missed_detections +
                   static_cast<std::int64_t>(robot.filter().belief().targets.size()),
               0);
-    ear->handle(0us);
+    receiver->handle(0us);
   }
 
   struct Logged {
@@ -379,11 +381,12 @@ class Replay : public NodeTest {
 /// Plays a log, after `reorder` has changed its order, into a new bus with a replay node.
 struct Player {
   explicit Player(const scenario::Scenario& scenario) : node{bus, clock, scenario, "Q1"} {
-    ear->subscribe("REPLAY_BELIEF_Q1", [&](std::string_view, std::span<const std::uint8_t> bytes) {
-      vantage_lcm::belief_t wire;
-      ASSERT_GE(wire.decode(bytes.data(), 0, static_cast<int>(bytes.size())), 0);
-      made.push_back(bus::from_wire(wire).value());
-    });
+    receiver->subscribe(
+        "REPLAY_BELIEF_Q1", [&](std::string_view, std::span<const std::uint8_t> bytes) {
+          vantage_lcm::belief_t wire;
+          ASSERT_GE(wire.decode(bytes.data(), 0, static_cast<int>(bytes.size())), 0);
+          made.push_back(bus::from_wire(wire).value());
+        });
   }
 
   template <class Log>
@@ -396,13 +399,13 @@ struct Player {
       clock.set(clock.now() + 100ms);
       node.tick(clock.now());
     }
-    ear->handle(0us);
+    receiver->handle(0us);
   }
 
   bus::InProcessHub hub;
   std::unique_ptr<bus::Transport> end = hub.connect();
   std::unique_ptr<bus::Transport> player = hub.connect();
-  std::unique_ptr<bus::Transport> ear = hub.connect();
+  std::unique_ptr<bus::Transport> receiver = hub.connect();
   bus::VirtualClock clock{kStart};
   bus::Bus bus{*end, 9, "REPLAY_"};
   EstimatorReplayNode node;

@@ -9,7 +9,7 @@
 
 #include "core/check.hpp"
 #include "models/mapping/beam_scan.hpp"
-#include "models/mapping/looks.hpp"
+#include "models/mapping/cell_counts.hpp"
 #include "models/mapping/ray_walk.hpp"
 #include "test/support/random.hpp"
 
@@ -228,7 +228,7 @@ TEST(OccupancyFusion, CountsUpdatedCells) {
   const GridGeometry grid = GridGeometry::covering(world.bounds, 0.2);
   test::Random random(4805);
   OccupancyBelief belief(grid, 1e6);
-  models::Looks looks(static_cast<std::size_t>(grid.size()), 0);
+  models::CellCounts looks(static_cast<std::size_t>(grid.size()), 0);
   OccupancyFusion fusing(kScanner, {1.0, -1.0});
   OccupancyFusion counting(kScanner, {1.0, -1.0});
   for (int i = 0; i < 5; ++i) {

@@ -166,7 +166,7 @@ TEST(PosteriorMoments, EqualBruteForceInSpace) {
 // For a sensor kind with exact limits, a mirrored scene gives mirrored moments.
 TEST(PosteriorMoments, AreSymmetricAtExactLimits) {
   models::SensorLaw law = SensorKind(SensorKind::kRange).law();
-  law.sees = [](const SensorModel&, const models::Viewpoint&, const models::SightLine&) {
+  law.can_measure = [](const SensorModel&, const models::Viewpoint&, const models::SightLine&) {
     return true;
   };
   SensorModel sensor = open_sensor(SensorKind(law));
@@ -221,7 +221,7 @@ TEST(PosteriorMoments, ApplyLimitsForPartialViews) {
 // half-plane.
 TEST(PosteriorMoments, RespectLimitsOfTheSensorKind) {
   models::SensorLaw law = SensorKind(SensorKind::kRange).law();
-  law.sees = [](const SensorModel&, const models::Viewpoint&, const models::SightLine& to) {
+  law.can_measure = [](const SensorModel&, const models::Viewpoint&, const models::SightLine& to) {
     return to.offset_world_m.y() > 0.0;
   };
   const SensorModel sensor = open_sensor(SensorKind(law));

@@ -18,28 +18,28 @@
 namespace vantage::estimator {
 namespace {
 
-TEST(ResidualVerdict, HasTheDerivativesOfItsDensity) {
+TEST(ResidualDensity, HasTheDerivativesOfItsDensity) {
   const RangeNoise noise{0.4, 0.15};
   constexpr double kSpan_m = 50.0;
   constexpr double kStep_m = 1e-5;
   for (const double r : {-7.0, -1.5, -0.3, 0.0, 0.2, 1.1, 3.0}) {
-    const ResidualVerdict at = verdict_of(r, noise, kSpan_m);
-    const ResidualVerdict below = verdict_of(r - kStep_m, noise, kSpan_m);
-    const ResidualVerdict above = verdict_of(r + kStep_m, noise, kSpan_m);
+    const ResidualDensity at = residual_density(r, noise, kSpan_m);
+    const ResidualDensity below = residual_density(r - kStep_m, noise, kSpan_m);
+    const ResidualDensity above = residual_density(r + kStep_m, noise, kSpan_m);
     EXPECT_NEAR(at.score, -(above.nats - below.nats) / (2.0 * kStep_m), 1e-6) << r;
     EXPECT_NEAR(at.slope, (above.score - below.score) / (2.0 * kStep_m), 1e-6) << r;
     EXPECT_NEAR(at.weight * r, at.score, 1e-12) << r;
   }
-  EXPECT_GT(verdict_of(0.0, noise, kSpan_m).honest, 0.99);
-  EXPECT_LT(verdict_of(20.0, noise, kSpan_m).honest, 0.01);
+  EXPECT_GT(residual_density(0.0, noise, kSpan_m).inlier_probability, 0.99);
+  EXPECT_LT(residual_density(20.0, noise, kSpan_m).inlier_probability, 0.01);
 }
 
-TEST(ResidualVerdict, IntegratesToOne) {
+TEST(ResidualDensity, IntegratesToOne) {
   const RangeNoise noise{0.4, 0.15};
   double sum = 0.0;
   constexpr double kStep_m = 0.01;
   for (double r = -25.0; r < 25.0; r += kStep_m) {
-    sum += kStep_m * std::exp(verdict_of(r, noise, 50.0).nats);
+    sum += kStep_m * std::exp(residual_density(r, noise, 50.0).nats);
   }
   EXPECT_NEAR(sum, 1.0, 1e-3);
 }
@@ -144,7 +144,7 @@ TEST(FitRanges, ReportsConsistentInnovationsForItsOwnModel) {
   const std::vector<TakenRange> first(scene.ranges.begin(), scene.ranges.begin() + half);
   const std::vector<TakenRange> second(scene.ranges.begin() + half, scene.ranges.end());
   const InnovationScore score = judge(fit_ranges(first, beacons), second);
-  EXPECT_EQ(score.honest + score.outliers, static_cast<int>(second.size()));
+  EXPECT_EQ(score.inliers + score.outliers, static_cast<int>(second.size()));
   EXPECT_NEAR(score.nees, 1.0, 0.2);
 }
 
@@ -237,21 +237,21 @@ TEST(Judge, ScoresRangesWithinFourSigma) {
     return judge(fit, ranges);
   };
   for (const double side : {-1.0, 1.0}) {
-    EXPECT_EQ(score({side * 3.999}).honest, 1);
+    EXPECT_EQ(score({side * 3.999}).inliers, 1);
     EXPECT_EQ(score({side * 3.999}).outliers, 0);
     EXPECT_NEAR(score({side * 3.999}).nees, 3.999 * 3.999, 1e-9);
-    EXPECT_EQ(score({side * 4.001}).honest, 0);
+    EXPECT_EQ(score({side * 4.001}).inliers, 0);
     EXPECT_EQ(score({side * 4.001}).outliers, 1);
     EXPECT_EQ(score({side * 4.001}).nees, 0.0);
   }
   const InnovationScore several = score({2.0, -9.0, 1.0, 9.0, 5.0, -0.5});
-  EXPECT_EQ(several.honest, 3);
+  EXPECT_EQ(several.inliers, 3);
   EXPECT_EQ(several.outliers, 3);
   EXPECT_NEAR(several.nees, (4.0 + 1.0 + 0.25) / 3.0, 1e-9);
   EXPECT_EQ(score({}).nees, 0.0);
   // At the beacon itself the direction is undefined, but the prediction is finite.
   const TakenRange there{beacon.position_m, 0.5, 1};
-  EXPECT_EQ(judge(fit, {&there, 1}).honest, 1);
+  EXPECT_EQ(judge(fit, {&there, 1}).inliers, 1);
   EXPECT_LT(judge(fit, {&there, 1}).nees, 1e-6);
 }
 

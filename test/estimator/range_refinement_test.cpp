@@ -28,14 +28,14 @@ TEST(FitAt, IsIndependentOfBeaconNumbers) {
                          {{25.0, 5.0}, {-10.0, 20.0}, {3.0, -18.0}},
                          {{0.1, 0.05}, {1.0, 0.2}, {0.3, 0.1}}};
   RangeState renamed = state;
-  std::reverse(renamed.places_m.begin(), renamed.places_m.end());
+  std::reverse(renamed.beacons_m.begin(), renamed.beacons_m.end());
   std::reverse(renamed.noise.begin(), renamed.noise.end());
   std::mt19937_64 rng(3);
   std::normal_distribution<double> noise;
   std::vector<TakenRange> ranges;
   for (int k = 0; k < kPlaces; ++k) {
     const int b = k % kBeacons;
-    const double distance_m = (state.places_m[index(b)] - on_circle_m(k)).norm();
+    const double distance_m = (state.beacons_m[index(b)] - on_circle_m(k)).norm();
     ranges.push_back({on_circle_m(k), distance_m + state.noise[index(b)].width_m * noise(rng), b});
   }
   const RangeFit fit = fit_at({ranges, 30.0, {}, {}}, state);
@@ -99,7 +99,7 @@ Drawn draw(unsigned seed, int count) {
     const Eigen::Vector2d robot_m =
         radius_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
     const double honest_m =
-        1.1 * (out.truth.places_m[index(b)] - robot_m).norm() - 0.4 + noise.width_m * t(rng);
+        1.1 * (out.truth.beacons_m[index(b)] - robot_m).norm() - 0.4 + noise.width_m * t(rng);
     const bool is_outlier = unit(rng) < noise.outlier_share;
     out.ranges.push_back({robot_m, is_outlier ? 30.0 * unit(rng) : honest_m, b});
   }
@@ -136,7 +136,7 @@ TEST(LogPosterior, SumsRangesAndPrior) {
                             std::pow(0.3 / drawn.spec.range_bias_sigma_m, 2));
   for (const TakenRange& range : drawn.ranges) {
     const RangeNoise& noise = drawn.truth.noise[index(range.beacon)];
-    expected += verdict_of(residual_m(drawn.truth, range), noise, 30.0).nats;
+    expected += residual_density(residual_m(drawn.truth, range), noise, 30.0).nats;
   }
   EXPECT_NEAR(log_posterior(drawn.problem(), drawn.truth), expected, 1e-9);
 }
@@ -148,8 +148,8 @@ TEST(Refine, EndsAtALocalMaximum) {
     drawn.spec = {0.03, 0.2};
     RangeState state = drawn.truth;
     state.calibration = {0.95, 0.3};
-    for (Eigen::Vector2d& place_m : state.places_m) {
-      place_m += Eigen::Vector2d(0.8, -0.7);
+    for (Eigen::Vector2d& position_m : state.beacons_m) {
+      position_m += Eigen::Vector2d(0.8, -0.7);
     }
     guess_noise(drawn.problem(), state);
     const double top = refine(drawn.problem(), state, 200);
@@ -163,12 +163,12 @@ TEST(Refine, EndsAtALocalMaximum) {
       falls([&](RangeState& s) { s.calibration.range_scale += 0.1 * step; });
       falls([&](RangeState& s) { s.calibration.range_bias_m += step; });
       for (const std::size_t b : {0U, 1U}) {
-        falls([&](RangeState& s) { s.places_m[b].x() += step; });
-        falls([&](RangeState& s) { s.places_m[b].y() += step; });
+        falls([&](RangeState& s) { s.beacons_m[b].x() += step; });
+        falls([&](RangeState& s) { s.beacons_m[b].y() += step; });
       }
     }
     for (std::size_t b = 0; b < 2; ++b) {
-      EXPECT_LT((state.places_m[b] - drawn.truth.places_m[b]).norm(), 0.7) << seed;
+      EXPECT_LT((state.beacons_m[b] - drawn.truth.beacons_m[b]).norm(), 0.7) << seed;
     }
   }
 }
@@ -221,7 +221,7 @@ TEST(FitAt, IsConsistent) {
       EXPECT_LT((beacon.joint - beacon.joint.transpose()).norm(), 1e-9 * beacon.joint.norm());
       Eigen::Vector4d off;
       off << fit.calibration.range_scale - 1.1, fit.calibration.range_bias_m + 0.4,
-          beacon.position_m - drawn.truth.places_m[b];
+          beacon.position_m - drawn.truth.beacons_m[b];
       nees[b] += off.dot(Eigen::Matrix4d(beacon.joint).llt().solve(off)) / kFits;
       outliers[b] += beacon.outlier_share / kFits;
     }
@@ -252,7 +252,7 @@ TEST(FitAt, IsIndependentOfTheUnit) {
   other.prior.range_bias_m *= kUnits;
   other.spec.range_bias_sigma_m *= kUnits;
   for (std::size_t b = 0; b < 2; ++b) {
-    other.truth.places_m[b] *= kUnits;
+    other.truth.beacons_m[b] *= kUnits;
     other.truth.noise[b].width_m *= kUnits;
   }
   const RangeFit in_mm =
@@ -268,7 +268,7 @@ TEST(FitAt, IsIndependentOfTheUnit) {
     EXPECT_LT((units.cwiseInverse().asDiagonal() * off * units.cwiseInverse().asDiagonal()).norm(),
               1e-3 * in_m.beacons[b].joint.norm());
     EXPECT_NEAR(in_mm.beacons[b].range_sigma_m, kUnits * in_m.beacons[b].range_sigma_m, 1e-6);
-    EXPECT_EQ(in_mm.beacons[b].position_m, other.truth.places_m[b]);
+    EXPECT_EQ(in_mm.beacons[b].position_m, other.truth.beacons_m[b]);
   }
 }
 
@@ -361,11 +361,11 @@ TEST(FitAt, ChanceLevelIsIndependentOfRepetitions) {
 TEST(FitAt, CorrectsForFittedResiduals) {
   constexpr double kWidth_m = 0.4;
   constexpr double kError_m = 0.25;
-  const ResidualVerdict verdict = verdict_of(kError_m, {kWidth_m, 0.0}, 30.0);
+  const ResidualDensity density = residual_density(kError_m, {kWidth_m, 0.0}, 30.0);
   for (const int beacons : {1, 2}) {
     for (const int count : {4, 5, 6, 7, 9, 30}) {
       RangeState state{{1.2, 0.3}, {{9.0, 4.0}, {-6.0, 7.0}}, {{kWidth_m, 0.0}, {kWidth_m, 0.0}}};
-      state.places_m.resize(index(beacons));
+      state.beacons_m.resize(index(beacons));
       state.noise.resize(index(beacons));
       std::vector<TakenRange> ranges;
       const Eigen::Index size = 2 + 2 * beacons;
@@ -373,7 +373,7 @@ TEST(FitAt, CorrectsForFittedResiduals) {
       for (int k = 0; k < count; ++k) {
         for (int b = 0; b < beacons; ++b) {
           const Eigen::Vector2d robot_m(-5.0 + 17.0 * std::sin(1.0 + k), 13.0 * std::cos(2.5 * k));
-          const Eigen::Vector2d away_m = state.places_m[index(b)] - robot_m;
+          const Eigen::Vector2d away_m = state.beacons_m[index(b)] - robot_m;
           ranges.push_back(
               {robot_m, 1.2 * away_m.norm() + 0.3 + (k % 2 == 0 ? kError_m : -kError_m), b});
           Eigen::VectorXd J = Eigen::VectorXd::Zero(size);
@@ -386,7 +386,7 @@ TEST(FitAt, CorrectsForFittedResiduals) {
       ASSERT_EQ(fit.correlation, 1.0) << count;
       const double left = count - 2.0 - 2.0 / beacons;
       const double small = left > 1.0 ? count / left : count;
-      const Eigen::MatrixXd C = small * std::pow(verdict.score / verdict.slope, 2) * sum.inverse();
+      const Eigen::MatrixXd C = small * std::pow(density.score / density.slope, 2) * sum.inverse();
       for (int b = 0; b < beacons; ++b) {
         const FittedBeacon& beacon = fit.beacons[index(b)];
         const Eigen::Matrix2d of_place_m2 = C.block<2, 2>(2 + 2 * b, 2 + 2 * b);
@@ -411,7 +411,7 @@ TEST(FitAt, UsesTheCommonNoiseForABeaconWithFewRanges) {
     for (int k = 0; k < counts[b]; ++k) {
       const Eigen::Vector2d robot_m(-5.0 + 17.0 * std::sin(1.0 + k), 13.0 * std::cos(2.5 * k));
       const double error_m = k % 2 == 0 ? errors_m[b] : -errors_m[b];
-      ranges.push_back({robot_m, (state.places_m[index(b)] - robot_m).norm() + error_m, b});
+      ranges.push_back({robot_m, (state.beacons_m[index(b)] - robot_m).norm() + error_m, b});
     }
   }
   const RangeProblem problem{ranges, 30.0, {}, {}};

@@ -133,8 +133,8 @@ TEST(MakeStep, UsesTheLastViewpoint) {
     look.robot = robot;
     look.stamp.time = time;
     look.viewpoint = test::at(x_m, 0.0);
-    const auto number = static_cast<std::int64_t>(material.looks.size());
-    material.looks.push_back(
+    const auto number = static_cast<std::int64_t>(material.measurements.size());
+    material.measurements.push_back(
         {{"MEASUREMENT_Q1", 3, number}, std::make_shared<const models::RobotMeasurement>(look)});
   };
   add("Q1", instant(2), 1.0);  // belongs to the previous step
@@ -190,7 +190,7 @@ TEST(EstimatorNode, MapsIfTheScenarioMaps) {
     const auto other_end = hub.connect();
     const auto replay_end = hub.connect();
     bus::Bus bus(*end, 1);
-    bus::Bus ear(*other_end, 2);
+    bus::Bus receiver(*other_end, 2);
     bus::Bus replay_bus(*replay_end, 3, "REPLAY_");
     bus::VirtualClock clock{after_an_instant(0.02)};
     EstimatorNode node(bus, clock, scenario, "Q1");
@@ -199,19 +199,20 @@ TEST(EstimatorNode, MapsIfTheScenarioMaps) {
     EXPECT_EQ(replay.next_tick(), clock.now() + bus::kReplayTick);
     std::vector<models::RobotMap> made;
     std::vector<models::RobotMap> again;
-    ear.subscribe<models::RobotMap>(bus::map_channel("Q1"),
-                                    [&](const auto& map) { made.push_back(map); });
-    ear.subscribe<models::RobotMap>(bus::Channel<models::RobotMap>{"REPLAY_MAP_Q1"},
-                                    [&](const auto& map) { again.push_back(map); });
+    receiver.subscribe<models::RobotMap>(bus::map_channel("Q1"),
+                                         [&](const auto& map) { made.push_back(map); });
+    receiver.subscribe<models::RobotMap>(bus::Channel<models::RobotMap>{"REPLAY_MAP_Q1"},
+                                         [&](const auto& map) { again.push_back(map); });
     models::RangeScan strange;
     strange.stamp.time = after_an_instant(0.0);
     strange.robot = "Q1";
     strange.field_of_view_rad = 1.0;
     strange.range_max_m = 3.0;
     strange.ranges_m = {1.0};
-    ear.publish(bus::scan_channel("Q1"), strange);
+    receiver.publish(bus::scan_channel("Q1"), strange);
     const auto deliver = [&] {
-      while (bus.handle(std::chrono::microseconds(0)) + ear.handle(std::chrono::microseconds(0)) +
+      while (bus.handle(std::chrono::microseconds(0)) +
+                 receiver.handle(std::chrono::microseconds(0)) +
                  replay_bus.handle(std::chrono::microseconds(0)) >
              0) {
       }

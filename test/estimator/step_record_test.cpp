@@ -66,30 +66,30 @@ TEST(TrackTable, HasTheStatedCapacity) {
   if (!vantage::test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";
   }
-  TargetTable<HeardTrack> few(3);
+  TargetTable<ReceivedTrack> few(3);
   const vantage::test::AllocationCounter of_few;
   for (int id = 3; id-- > 0;) {
     few.put({id, {}, 1.0});
   }
   EXPECT_EQ(of_few.count(), 0U);
   // A table with a huge or a negative capacity is usable.
-  TargetTable<HeardTrack> many(2'000'000'000);
+  TargetTable<ReceivedTrack> many(2'000'000'000);
   const vantage::test::AllocationCounter of_many;
-  constexpr int kRoom = static_cast<int>(TargetTable<HeardTrack>::kReserved);
+  constexpr int kRoom = static_cast<int>(TargetTable<ReceivedTrack>::kReserved);
   for (int id = kRoom; id-- > 0;) {
     many.put({id, {}, 1.0});
   }
   EXPECT_EQ(of_many.count(), 0U);
-  TargetTable<HeardTrack> none(-1);
+  TargetTable<ReceivedTrack> none(-1);
   none.put({4, {}, 1.0});
   EXPECT_NE(none.find(4), nullptr);
 }
 
 std::vector<std::pair<Time, int>> looks_of(const StepRecord& record) {
   std::vector<std::pair<Time, int>> looks;
-  for (int i = 0; i < record.look_count; ++i) {
-    const Look& look = record.looks[static_cast<std::size_t>(i)];
-    looks.emplace_back(look.time, look.looker);
+  for (int i = 0; i < record.observation_count; ++i) {
+    const Observation& look = record.observations[static_cast<std::size_t>(i)];
+    looks.emplace_back(look.time, look.source);
   }
   return looks;
 }
@@ -98,25 +98,25 @@ std::vector<std::pair<Time, int>> looks_of(const StepRecord& record) {
 TEST(StepRecord, OrdersMeasurementsByTimeAndRobot) {
   std::vector<std::pair<Time, int>> sorted;
   for (int step = 0; step < 2; ++step) {
-    for (int looker = -1; looker < 2; ++looker) {
-      sorted.emplace_back(instant(step), looker);
+    for (int source = -1; source < 2; ++source) {
+      sorted.emplace_back(instant(step), source);
     }
   }
   std::vector<std::pair<Time, int>> order = sorted;
   StepRecord record(3, 4);
   do {
     record.start(instant(0), instant(1), TrackTable(3));
-    EXPECT_EQ(record.look_count, 0);
-    for (const auto& [time, looker] : order) {
-      EXPECT_FALSE(record.holds(time, looker));
-      Look& look = record.insert(time, looker);
+    EXPECT_EQ(record.observation_count, 0);
+    for (const auto& [time, source] : order) {
+      EXPECT_FALSE(record.holds(time, source));
+      Observation& look = record.insert(time, source);
       EXPECT_EQ(look.time, time);
-      EXPECT_EQ(look.looker, looker);
+      EXPECT_EQ(look.source, source);
       EXPECT_TRUE(look.detections.empty()) << "of one that was there before";
       EXPECT_FALSE(look.counted);
       look.detections.emplace_back();
       look.counted = true;
-      EXPECT_TRUE(record.holds(time, looker));
+      EXPECT_TRUE(record.holds(time, source));
     }
     ASSERT_EQ(looks_of(record), sorted);
   } while (std::next_permutation(order.begin(), order.end()));
@@ -128,20 +128,20 @@ TEST(StepRecord, RestartsWithTracksOnly) {
   StepRecord record(3, 4);
   TrackTable tracks(3);
   tracks.put(known_track(1, 2.0));
-  record.heard.put({0, {}, 1.0});
-  record.heard_of_start.put({2, {}, 1.0});
-  record.heard_labels.emplace_back();
-  record.is_heard_of_end = true;
+  record.received_at_end.put({0, {}, 1.0});
+  record.received_at_start.put({2, {}, 1.0});
+  record.received_labels.emplace_back();
+  record.has_belief_of_end = true;
   record.insert(instant(1), 0);
   record.start(instant(2), instant(3), tracks);
   EXPECT_EQ(record.from, instant(2));
   EXPECT_EQ(record.to, instant(3));
   EXPECT_EQ(ids_of(record.before), std::vector{1});
-  EXPECT_EQ(record.heard.begin(), record.heard.end());
-  EXPECT_EQ(record.heard_of_start.begin(), record.heard_of_start.end());
-  EXPECT_TRUE(record.heard_labels.empty());
-  EXPECT_FALSE(record.is_heard_of_end);
-  EXPECT_EQ(record.look_count, 0);
+  EXPECT_EQ(record.received_at_end.begin(), record.received_at_end.end());
+  EXPECT_EQ(record.received_at_start.begin(), record.received_at_start.end());
+  EXPECT_TRUE(record.received_labels.empty());
+  EXPECT_FALSE(record.has_belief_of_end);
+  EXPECT_EQ(record.observation_count, 0);
   EXPECT_FALSE(record.holds(instant(1), 0));
 }
 
@@ -152,8 +152,8 @@ TEST(StepRecord, HasCapacityForASmallTeam) {
   const auto room_of = [](int targets, int looks) {
     const StepRecord record(targets, looks);
     std::size_t room = 0;
-    for (const Look& look : record.looks) {
-      EXPECT_EQ(look.detections.capacity(), record.looks.front().detections.capacity());
+    for (const Observation& look : record.observations) {
+      EXPECT_EQ(look.detections.capacity(), record.observations.front().detections.capacity());
       room += look.detections.capacity();
     }
     return room;

@@ -98,7 +98,8 @@ TEST(TeamMap, CountsATeammateOnce) {
   const models::RobotMap thrice = map_of(q1, {{}, {}, {}}, {&of_2});
   EXPECT_EQ(thrice.team_looks, once.team_looks);
   EXPECT_EQ(once.team_looks, of_2.own_looks);
-  EXPECT_EQ(once.own_looks, models::Looks(once.own_looks.size(), 0)) << "nobody passes on others'";
+  EXPECT_EQ(once.own_looks, models::CellCounts(once.own_looks.size(), 0))
+      << "nobody passes on others'";
 }
 
 // A robot that hovers for hours saturates the observation counts of its cells.
@@ -142,15 +143,15 @@ TEST(TeamMap, MergesNearCurrentMapsOfTheSameGrid) {
   TeamMap q2(scenario, "Q2");
   models::RobotMap theirs = map_of(q2, {{}});
   theirs.viewpoint = {{3.0, 0.0, 0.0}, 1.0};
-  EXPECT_TRUE(q1.hears(belief_at(0), theirs)) << "3 m";
-  EXPECT_FALSE(q1.hears(belief_at(0, {-0.1, 0.0, 0.0}), theirs)) << "3.1 m";
-  EXPECT_TRUE(q1.hears(belief_at(3), theirs));
-  EXPECT_FALSE(q1.hears(belief_at(4), theirs)) << "of four steps ago";
+  EXPECT_TRUE(q1.accepts(belief_at(0), theirs)) << "3 m";
+  EXPECT_FALSE(q1.accepts(belief_at(0, {-0.1, 0.0, 0.0}), theirs)) << "3.1 m";
+  EXPECT_TRUE(q1.accepts(belief_at(3), theirs));
+  EXPECT_FALSE(q1.accepts(belief_at(4), theirs)) << "of four steps ago";
   theirs.stamp.time += Duration{1};
-  EXPECT_FALSE(q1.hears(belief_at(0), theirs)) << "of the future";
-  EXPECT_TRUE(q1.hears(belief_at(1), theirs));
+  EXPECT_FALSE(q1.accepts(belief_at(0), theirs)) << "of the future";
+  EXPECT_TRUE(q1.accepts(belief_at(1), theirs));
   theirs.grid.resolution_m *= 2.0;
-  EXPECT_FALSE(q1.hears(belief_at(1), theirs)) << "of another grid";
+  EXPECT_FALSE(q1.accepts(belief_at(1), theirs)) << "of another grid";
   EXPECT_THROW(TeamMap(scenario, "Q9"), UsageError);
 }
 
@@ -170,7 +171,7 @@ TEST(TeamMap, HasTheStepOfItsBelief) {
   EXPECT_EQ(map.own_looks, before.own_looks);
   before.grid.resolution_m *= 2.0;  // a different grid: the map is reset
   EXPECT_EQ(team_map.step({&belief, &before, {}, {}}).own_looks,
-            models::Looks(before.own_looks.size(), 0));
+            models::CellCounts(before.own_looks.size(), 0));
   EXPECT_THROW(team_map.step({nullptr, &before, {}, {}}), UsageError);
 }
 
@@ -186,7 +187,7 @@ TEST(TeamMap, AcceptsOnlyTheScenariosScanner) {
     scan.range_max_m += off_m;
     scan.ranges_m.resize(scan.ranges_m.size() + static_cast<std::size_t>(surplus), 1.0);
     const models::RobotMap map = map_of(team_map, {{scan}});
-    const bool is_counted = map.own_looks != models::Looks(map.own_looks.size(), 0);
+    const bool is_counted = map.own_looks != models::CellCounts(map.own_looks.size(), 0);
     EXPECT_EQ(team_map.counters().malformed_scans, is_counted ? 0 : 1);
     return !is_counted;
   };

@@ -129,7 +129,7 @@ TEST(Propagate, IsExactlyTheIdentityWithoutMotionAndNoise) {
   }
 }
 
-// An oscillator's velocity prior is that of its surroundings; other models use the stated prior.
+// An oscillator's velocity prior is its stationary distribution; other models use the stated prior.
 TEST(Discover, UsesTheConfiguredVelocityPrior) {
   scenario::EstimatorSpec spec;
   spec.prior_velocity_sigma_mps = 0.7;
@@ -198,7 +198,7 @@ TEST(CentralFilter, AppliesMissesBeforeDetections) {
   looks[2].viewpoint = at(10.5, 1.0, 2.0);
   for (const double probability : {0.0, 0.6}) {
     CentralFilter filter({model, 0.5, probability, true}, world, priors);
-    filter.look(sensor, looks);
+    filter.update(sensor, looks);
     for (std::size_t m = 0; m < 2; ++m) {
       Gaussian expected = priors[m];
       for (std::size_t i = 0; i < 3; ++i) {
@@ -215,7 +215,7 @@ TEST(CentralFilter, AppliesMissesBeforeDetections) {
       EXPECT_TRUE(is_near(filter.beliefs()[m].covariance, expected.covariance, 1e-9));
       EXPECT_EQ(filter.is_seen()[m], 1);
     }
-    filter.look(sensor, {looks.data() + 1, 2});
+    filter.update(sensor, {looks.data() + 1, 2});
     EXPECT_EQ(filter.is_seen()[0], 0) << "not by the last looks";
     EXPECT_EQ(filter.is_seen()[1], 1);
   }

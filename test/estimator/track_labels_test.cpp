@@ -30,7 +30,7 @@ LabelledTrack own(int label, const models::Gaussian& belief, double existence = 
   return track;
 }
 
-HeardLabel theirs(int label, const models::Gaussian& belief) {
+ReceivedLabel theirs(int label, const models::Gaussian& belief) {
   return {0, instant(1), label, belief, instant(1)};
 }
 
@@ -74,9 +74,9 @@ TEST(TrackLabels, CompareAgesAcrossTheWrap) {
 TEST(Reconcile, ChangesNothingForEqualMeasurements) {
   std::vector<LabelledTrack> tracks = {own(kOld, at_m(1, 1, 0.2)), own(kYoung, at_m(1.1, 1, 0.2)),
                                        own(kYoung + 1, at_m(1.05, 1, 0.2), 0.3)};
-  std::vector<HeardLabel> heard = {theirs(kOld, at_m(1, 1, 0.2)),
-                                   theirs(kYoung, at_m(1.1, 1, 0.2))};
-  const Reconciled done = reconcile(tracks, heard);
+  std::vector<ReceivedLabel> received = {theirs(kOld, at_m(1, 1, 0.2)),
+                                         theirs(kYoung, at_m(1.1, 1, 0.2))};
+  const Reconciled done = reconcile(tracks, received);
   EXPECT_EQ(done.relabelled + done.adopted + done.taken_over, 0);
   EXPECT_EQ(labels_of(tracks), (std::vector{kOld, kYoung, kYoung + 1}));
   EXPECT_EQ(tracks[2].existence, 0.3);
@@ -84,14 +84,14 @@ TEST(Reconcile, ChangesNothingForEqualMeasurements) {
 
 TEST(Reconcile, KeepsTheOlderLabelOnBothSides) {
   std::vector<LabelledTrack> one = {own(kYoung, at_m(1, 1, 0.2), 0.4)};
-  std::vector<HeardLabel> heard = {theirs(kOld, at_m(1.2, 1, 0.2))};
-  EXPECT_EQ(reconcile(one, heard).relabelled, 1);
+  std::vector<ReceivedLabel> received = {theirs(kOld, at_m(1.2, 1, 0.2))};
+  EXPECT_EQ(reconcile(one, received).relabelled, 1);
   EXPECT_EQ(labels_of(one), std::vector{kOld});
   EXPECT_GE(one[0].existence, 0.5) << "what a teammate has confirmed and is here is told of";
 
   std::vector<LabelledTrack> other = {own(kOld, at_m(1.2, 1, 0.2))};
-  heard = {theirs(kYoung, at_m(1, 1, 0.2))};
-  const Reconciled done = reconcile(other, heard);
+  received = {theirs(kYoung, at_m(1, 1, 0.2))};
+  const Reconciled done = reconcile(other, received);
   EXPECT_EQ(done.relabelled + done.adopted, 0);
   EXPECT_EQ(labels_of(other), std::vector{kOld});
 }
@@ -100,23 +100,23 @@ TEST(Reconcile, KeepsTheOlderLabelOnBothSides) {
 TEST(Reconcile, MergesTheNearestTracksFirst) {
   std::vector<LabelledTrack> tracks = {own(kYoung, at_m(0, 0, 0.5)),
                                        own(kYoung + 1, at_m(1, 0, 0.5))};
-  std::vector<HeardLabel> heard = {theirs(kOld, at_m(0.9, 0, 0.5)),
-                                   theirs(kOld + 1, at_m(-0.5, 0, 0.5))};
-  EXPECT_EQ(reconcile(tracks, heard).relabelled, 2);
+  std::vector<ReceivedLabel> received = {theirs(kOld, at_m(0.9, 0, 0.5)),
+                                         theirs(kOld + 1, at_m(-0.5, 0, 0.5))};
+  EXPECT_EQ(reconcile(tracks, received).relabelled, 2);
   EXPECT_EQ(labels_of(tracks), (std::vector{kOld + 1, kOld}));
 }
 
 TEST(Reconcile, AddsADistantTrack) {
   std::vector<LabelledTrack> tracks = {own(kYoung, at_m(0, 0, 0.1)), LabelledTrack{}};
-  std::vector<HeardLabel> heard = {theirs(kOld, at_m(2, 0, 0.1))};
-  const Reconciled done = reconcile(tracks, heard);
+  std::vector<ReceivedLabel> received = {theirs(kOld, at_m(2, 0, 0.1))};
+  const Reconciled done = reconcile(tracks, received);
   EXPECT_EQ(done.adopted, 1);
   EXPECT_EQ(labels_of(tracks), (std::vector{kYoung, kOld}));
   EXPECT_EQ(tracks[1].last_seen, instant(1));
   // A table that is full of likely tracks accepts no further track.
   std::vector<LabelledTrack> full = {own(kYoung, at_m(0, 0, 0.1))};
-  heard = {theirs(kOld, at_m(2, 0, 0.1))};
-  EXPECT_EQ(reconcile(full, heard).adopted, 0);
+  received = {theirs(kOld, at_m(2, 0, 0.1))};
+  EXPECT_EQ(reconcile(full, received).adopted, 0);
   EXPECT_EQ(labels_of(full), std::vector{kYoung});
 }
 
@@ -126,14 +126,14 @@ TEST(Reconcile, AdoptsAClearlyMoreCertainBelief) {
   const models::Gaussian vague = at_m(1, 1, 1.0);
   const models::Gaussian sure = at_m(1.3, 1, 0.2);
   std::vector<LabelledTrack> tracks = {own(kOld, vague)};
-  std::vector<HeardLabel> heard = {theirs(kOld, sure)};
-  EXPECT_EQ(reconcile(tracks, heard).taken_over, 1);
+  std::vector<ReceivedLabel> received = {theirs(kOld, sure)};
+  EXPECT_EQ(reconcile(tracks, received).taken_over, 1);
   EXPECT_EQ(moments(tracks[0].mixture).mean, sure.mean);
   EXPECT_EQ(moments(tracks[0].mixture).covariance, sure.covariance);
-  heard = {theirs(kOld, sure)};
-  EXPECT_EQ(reconcile(tracks, heard).taken_over, 0) << "the same again tells nothing";
-  heard = {theirs(kOld, vague)};
-  EXPECT_EQ(reconcile(tracks, heard).taken_over, 0);
+  received = {theirs(kOld, sure)};
+  EXPECT_EQ(reconcile(tracks, received).taken_over, 0) << "the same again tells nothing";
+  received = {theirs(kOld, vague)};
+  EXPECT_EQ(reconcile(tracks, received).taken_over, 0);
   EXPECT_EQ(moments(tracks[0].mixture).covariance, sure.covariance);
 }
 
@@ -166,9 +166,9 @@ TEST(Reconcile, MergesTracksWithinThreeSigma) {
   for (const bool is_along_x : {false, true}) {
     for (const auto& [away_m, is_one] : {std::pair(1.499, true), std::pair(1.501, false)}) {
       std::vector<LabelledTrack> tracks = {own(kYoung, at_m(1.0, 2.0, 0.3)), LabelledTrack{}};
-      std::vector<HeardLabel> heard = {theirs(
+      std::vector<ReceivedLabel> received = {theirs(
           kOld, at_m(is_along_x ? 1.0 - away_m : 1.0, is_along_x ? 2.0 : 2.0 - away_m, 0.4))};
-      const Reconciled done = reconcile(tracks, heard);
+      const Reconciled done = reconcile(tracks, received);
       EXPECT_EQ(done.relabelled, is_one ? 1 : 0);
       EXPECT_EQ(done.adopted, is_one ? 0 : 1);
       EXPECT_EQ(tracks[0].existence, 0.95);
@@ -180,8 +180,8 @@ TEST(Reconcile, ComparesTracksAboveTenPercentExistence) {
   for (const auto& [existence, is_compared] : {std::pair(0.0999, false), std::pair(0.1, true)}) {
     std::vector<LabelledTrack> tracks = {own(kYoung, at_m(1, 1, 0.2), existence),
                                          own(kYoung + 1, at_m(9, 9, 0.2))};
-    std::vector<HeardLabel> heard = {theirs(kOld, at_m(1.1, 1, 0.2))};
-    const Reconciled done = reconcile(tracks, heard);
+    std::vector<ReceivedLabel> received = {theirs(kOld, at_m(1.1, 1, 0.2))};
+    const Reconciled done = reconcile(tracks, received);
     EXPECT_EQ(done.relabelled, is_compared ? 1 : 0);
     EXPECT_EQ(tracks[0].label, kOld) << "joined, or adopted in its place";
     EXPECT_EQ(tracks[0].existence, is_compared ? 0.5 : 0.9);
@@ -190,8 +190,8 @@ TEST(Reconcile, ComparesTracksAboveTenPercentExistence) {
 
 TEST(Reconcile, IgnoresLabelsOfDeletedTracks) {
   std::vector<LabelledTrack> tracks = {own(kYoung, at_m(1, 1, 0.2)), own(kOld, at_m(5, 5, 0.2), 0)};
-  std::vector<HeardLabel> heard = {theirs(kOld, at_m(1.1, 1, 0.2))};
-  EXPECT_EQ(reconcile(tracks, heard).relabelled, 1);
+  std::vector<ReceivedLabel> received = {theirs(kOld, at_m(1.1, 1, 0.2))};
+  EXPECT_EQ(reconcile(tracks, received).relabelled, 1);
   EXPECT_EQ(labels_of(tracks), std::vector{kOld});
 }
 
@@ -199,8 +199,8 @@ TEST(Reconcile, IgnoresLabelsOfDeletedTracks) {
 TEST(Reconcile, KeepsTheMoreCertainBeliefAfterAMerge) {
   for (const bool is_own_older : {false, true}) {
     std::vector<LabelledTrack> tracks = {own(is_own_older ? kOld : kYoung, at_m(1, 1, 1.0))};
-    std::vector<HeardLabel> heard = {theirs(is_own_older ? kYoung : kOld, at_m(1.1, 1, 0.2))};
-    const Reconciled done = reconcile(tracks, heard);
+    std::vector<ReceivedLabel> received = {theirs(is_own_older ? kYoung : kOld, at_m(1.1, 1, 0.2))};
+    const Reconciled done = reconcile(tracks, received);
     EXPECT_EQ(done.relabelled, is_own_older ? 0 : 1);
     EXPECT_EQ(done.taken_over, 1);
     EXPECT_EQ(done.adopted, 0);
@@ -215,8 +215,8 @@ TEST(Reconcile, AdoptsABeliefWithHalfANatMoreInformation) {
     for (const int own_seen : {0, 2}) {
       std::vector<LabelledTrack> tracks = {own(kOld, at_m(1, 1, 1.0))};
       tracks[0].last_seen = instant(own_seen);
-      std::vector<HeardLabel> heard = {theirs(kOld, at_m(1.1, 1, std::exp(-0.5 * nats)))};
-      EXPECT_EQ(reconcile(tracks, heard).taken_over, is_taken ? 1 : 0);
+      std::vector<ReceivedLabel> received = {theirs(kOld, at_m(1.1, 1, std::exp(-0.5 * nats)))};
+      EXPECT_EQ(reconcile(tracks, received).taken_over, is_taken ? 1 : 0);
       EXPECT_EQ(moments(tracks[0].mixture).mean(0), is_taken ? 1.1 : 1.0);
       EXPECT_EQ(tracks[0].last_seen, instant(is_taken ? std::max(own_seen, 1) : own_seen));
     }
@@ -232,8 +232,8 @@ TEST(Reconcile, ReplacesTheLeastLikelyUnconfirmedTrack) {
       track.hits = 7;
       track.misses = 1;
     }
-    std::vector<HeardLabel> heard = {theirs(kOld, at_m(9, 0, 0.1))};
-    EXPECT_EQ(reconcile(tracks, heard).adopted, is_adopted ? 1 : 0);
+    std::vector<ReceivedLabel> received = {theirs(kOld, at_m(9, 0, 0.1))};
+    EXPECT_EQ(reconcile(tracks, received).adopted, is_adopted ? 1 : 0);
     EXPECT_EQ(labels_of(tracks), (std::vector{kYoung, is_adopted ? kOld : kYoung + 1, kYoung + 2}));
     EXPECT_EQ(tracks[1].existence, is_adopted ? 0.9 : 0.5);
     EXPECT_EQ(tracks[1].hits, is_adopted ? 0 : 7);
@@ -248,9 +248,9 @@ TEST(Reconcile, ReplacesTheLeastLikelyUnconfirmedTrack) {
 // A track with the same label on both robots is not compared with other tracks of the teammate.
 TEST(Reconcile, MergesNothingWithASharedTrack) {
   std::vector<LabelledTrack> tracks = {own(kOld, at_m(0, 0, 0.2)), LabelledTrack{}};
-  std::vector<HeardLabel> heard = {theirs(kOld, at_m(0.2, 0, 0.2)),
-                                   theirs(kYoung, at_m(0.1, 0, 0.2))};
-  const Reconciled done = reconcile(tracks, heard);
+  std::vector<ReceivedLabel> received = {theirs(kOld, at_m(0.2, 0, 0.2)),
+                                         theirs(kYoung, at_m(0.1, 0, 0.2))};
+  const Reconciled done = reconcile(tracks, received);
   EXPECT_EQ(done.relabelled, 0);
   EXPECT_EQ(done.adopted, 1);
   EXPECT_EQ(labels_of(tracks), (std::vector{kOld, kYoung}));
@@ -258,13 +258,13 @@ TEST(Reconcile, MergesNothingWithASharedTrack) {
 
 TEST(Reconcile, AdoptsAFormerTrackIfCapacityAllows) {
   std::vector<LabelledTrack> tracks = {own(kOld, at_m(1, 1, 9.0), 0.0)};
-  std::vector<HeardLabel> heard = {theirs(kOld, at_m(1, 1, 0.2))};
-  const Reconciled done = reconcile(tracks, heard);
+  std::vector<ReceivedLabel> received = {theirs(kOld, at_m(1, 1, 0.2))};
+  const Reconciled done = reconcile(tracks, received);
   EXPECT_EQ(done.adopted, 1);
   EXPECT_EQ(done.taken_over, 0);
   EXPECT_EQ(tracks[0].existence, 0.9);
   std::vector<LabelledTrack> nobody;
-  EXPECT_EQ(reconcile(nobody, heard).adopted, 0);
+  EXPECT_EQ(reconcile(nobody, received).adopted, 0);
 }
 
 MultiTargetFilter planar_filter() {
@@ -284,7 +284,7 @@ TEST(SentTracks, AreConfirmedAndOrderedByLabel) {
   tracks[1].existence = 1.0 + 1e-15;
   tracks[1].mixture = {{1.0 + 1e-15, at_m(1, 0, 0.1)}};
   tracks[0].mixture = {{0.75, at_m(3, 0, 0.2)}, {0.25, at_m(3.4, 0, 0.2)}};
-  const std::vector<models::TargetBelief> beliefs = told(filter, tracks);
+  const std::vector<models::TargetBelief> beliefs = confirmed_beliefs(filter, tracks);
   ASSERT_EQ(beliefs.size(), 2U) << "a label counts once, and only of what is a Gaussian";
   EXPECT_EQ(beliefs[0].target_id, kOld);
   EXPECT_EQ(beliefs[1].target_id, kYoung);
@@ -292,7 +292,7 @@ TEST(SentTracks, AreConfirmedAndOrderedByLabel) {
   EXPECT_NEAR(models::to_gaussian(beliefs[0].information)->mean(0), 1.0, 1e-9);
   EXPECT_NEAR(models::to_gaussian(beliefs[1].information)->mean(0), 3.1, 1e-9);
 
-  const std::vector<models::TargetMixture> mixtures = told_mixtures(filter, tracks);
+  const std::vector<models::TargetMixture> mixtures = confirmed_mixtures(filter, tracks);
   ASSERT_EQ(mixtures.size(), 2U);
   EXPECT_EQ(mixtures[0].target_id, kOld);
   EXPECT_EQ(mixtures[0].existence, 1.0) << "no more than surely";
@@ -317,14 +317,14 @@ TEST(SetTold, ReplacesAllTracksAndSkipsInvalidOnes) {
   const std::vector<models::TargetBelief> said = {belief(kOld, at_m(1, 0, 0.1), 1), none,
                                                   belief(kOld + 1, in_space, 2),
                                                   belief(kOld + 2, at_m(2, 0, 0.2), 4)};
-  set_told(tracks, said, 2);
+  set_tracks(tracks, said, 2);
   EXPECT_EQ(labels_of(tracks), (std::vector{kOld, kOld + 2}));
   EXPECT_EQ(tracks[0].existence, 0.9);
   EXPECT_EQ(tracks[1].last_seen, instant(4));
   EXPECT_NEAR(tracks[1].mixture.at(0).belief.covariance(1, 1), 0.04, 1e-12);
   EXPECT_TRUE(tracks[2].mixture.empty());
   EXPECT_EQ(tracks[2].existence, 0.0);
-  set_told(tracks, {}, 2);
+  set_tracks(tracks, {}, 2);
   EXPECT_TRUE(labels_of(tracks).empty());
 }
 

@@ -25,14 +25,14 @@ using test::at;
 using test::instant;
 using vantage::test::is_near;
 
-const models::Surroundings kLabSurroundings{{0.5, -0.5}, {1.75, 0.83}, {0.4, 0.25}, {0.3, 0.5}};
+const models::DampedOscillator kLabOscillator{{0.5, -0.5}, {1.75, 0.83}, {0.4, 0.25}, {0.3, 0.5}};
 
 TEST(Propagate, TwoPartsEqualOnePart) {
   const auto all = models::all_target_kinds();
   std::vector<TargetKind> kinds(all.begin(), all.end());
   kinds.push_back(test::drag());
   for (const TargetKind kind : kinds) {
-    const models::TargetModel model{kind, 2, 0.3, kLabSurroundings};
+    const models::TargetModel model{kind, 2, 0.3, kLabOscillator};
     const Eigen::Index n = model.dim();
     const auto belief = models::to_information({models::StateVector::LinSpaced(n, -1.0, 2.0),
                                                 models::StateMatrix::Identity(n, n)})
@@ -49,7 +49,7 @@ TEST(Propagate, TwoPartsEqualOnePart) {
 
 // The belief is propagated step by step, as in the filter.
 TEST(Propagate, TendsToTheStationaryDistributionForADampedOscillator) {
-  const models::TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kLabSurroundings};
+  const models::TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kLabOscillator};
   const models::StateMatrix sharp = 1e-4 * models::StateMatrix::Identity(4, 4);
   models::Information belief =
       models::to_information({Eigen::Vector4d(4.0, 2.0, -0.3, 0.2), sharp}).value();

@@ -134,7 +134,7 @@ TEST(LimitSoftness, IsZeroForSensorsWithOwnLimits) {
   EXPECT_NEAR(limit_softness(own, V1).angle_rad, 0.02, 1e-15);
   law.measures_bearing = law.is_linear = false;
   law.measures_range = true;
-  law.sees = nullptr;
+  law.can_measure = nullptr;
   EXPECT_NEAR(limit_softness(own, V1).distance_m, 0.02, 1e-15);
 }
 

@@ -17,9 +17,9 @@ namespace vantage::experiments {
 namespace {
 
 TEST(EnergyTrial, DependsOnItsSeedOnly) {
-  const EnergyTrial one = draw_energy_trial(2, 5, {}, own_search());
-  const EnergyTrial again = draw_energy_trial(2, 5, {}, own_search());
-  const EnergyTrial other = draw_energy_trial(2, 6, {}, own_search());
+  const EnergyTrial one = draw_energy_trial(2, 5, {}, thread_search());
+  const EnergyTrial again = draw_energy_trial(2, 5, {}, thread_search());
+  const EnergyTrial other = draw_energy_trial(2, 6, {}, thread_search());
   EXPECT_EQ(one.robots[0].start.x_m, again.robots[0].start.x_m);
   EXPECT_NE(one.robots[0].start.x_m, other.robots[0].start.x_m);
   ASSERT_EQ(one.team.candidates[1].size(), again.team.candidates[1].size());
@@ -33,7 +33,7 @@ TEST(HeterogeneousTrial, ChargesControlsAndTerrainPerRobot) {
   options.price_nats = 0.3;
   int in_both = 0;
   for (std::uint64_t seed = 1001; seed <= 1010; ++seed) {
-    const EnergyTrial trial = draw_heterogeneous_trial(seed, options, own_search());
+    const EnergyTrial trial = draw_heterogeneous_trial(seed, options, thread_search());
     ASSERT_EQ(trial.robots.size(), 3U);
     ASSERT_EQ(trial.team.targets.size(), 10U);
     for (std::size_t robot = 0; robot < 3; ++robot) {
@@ -67,9 +67,9 @@ TEST(HeterogeneousTrial, ChargesControlsAndTerrainPerRobot) {
 
 TEST(HeterogeneousTrial, DiffersBetweenPricesInEnergyOnly) {
   HeterogeneousTrialOptions options;
-  const EnergyTrial free = draw_heterogeneous_trial(1001, options, own_search());
+  const EnergyTrial free = draw_heterogeneous_trial(1001, options, thread_search());
   options.price_nats = 0.5;
-  const EnergyTrial dear = draw_heterogeneous_trial(1001, options, own_search());
+  const EnergyTrial dear = draw_heterogeneous_trial(1001, options, thread_search());
   for (std::size_t robot = 0; robot < 3; ++robot) {
     ASSERT_EQ(free.team.candidates[robot].size(), dear.team.candidates[robot].size());
     for (std::size_t i = 0; i < free.team.candidates[robot].size(); ++i) {
@@ -99,7 +99,7 @@ TEST(Heterogeneous, ValueIsInformationMinusPricedEnergy) {
 }
 
 TEST(BestShare, KeepsTheBestCandidatesOfEachRobot) {
-  const EnergyTrial trial = draw_energy_trial(2, 1, {}, own_search());
+  const EnergyTrial trial = draw_energy_trial(2, 1, {}, thread_search());
   const planner::TeamOracle oracle(trial.team);
   const planner::TeamProblem best = best_share(oracle, 0.1);
   const planner::TeamOracle of_best(best);
@@ -109,7 +109,7 @@ TEST(BestShare, KeepsTheBestCandidatesOfEachRobot) {
     ASSERT_EQ(kept.size(),
               static_cast<std::size_t>(std::ceil(0.1 * static_cast<double>(all.size()))));
     for (std::size_t i = 0; i < kept.size(); ++i) {
-      EXPECT_EQ(of_best.alone(kept[i]), oracle.alone(all[i]));
+      EXPECT_EQ(of_best.individual_value(kept[i]), oracle.individual_value(all[i]));
     }
   }
 }

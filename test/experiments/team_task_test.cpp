@@ -12,16 +12,16 @@ struct Diary {
   void plan() { text += " plan"; }
   void attack() { text += " attack"; }
   void move(int step_of_plan) { text += " move" + std::to_string(step_of_plan); }
-  void look() { text += " look"; }
-  void judge() { text += " judge"; }
+  void observe() { text += " observe"; }
+  void record() { text += " record"; }
 };
 
 TEST(RunTeamTask, ReplansPeriodicallyAndMayEndInsideAPlan) {
   Diary diary;
   run_team_task(diary, 5, 3);
   EXPECT_EQ(diary.text,
-            " plan attack move0 look judge move1 look judge move2 look judge"
-            " plan attack move0 look judge move1 look judge");
+            " plan attack move0 observe record move1 observe record move2 observe record"
+            " plan attack move0 observe record move1 observe record");
 }
 
 TEST(RunTeamTask, DoesNothingInZeroSteps) {

@@ -57,7 +57,7 @@ Consistency consistency_of_sentries(const TargetSetting& setting, int seeds) {
     TrackedTargets targets(setting, world, static_cast<std::uint64_t>(seed));
     for (int step = 0; step < kSteps; ++step) {
       targets.move();
-      targets.look(sensor, sentries(step), std::vector<char>(16, 0));
+      targets.observe(sensor, sentries(step), std::vector<char>(16, 0));
       for (const TargetStep& target : targets.steps()) {
         (target.is_seen ? seen : unseen) += 1.0;
         (target.is_seen ? mean.nees_seen : mean.nees_unseen) += target.nees;
@@ -94,7 +94,7 @@ TEST(TrackedTargets, HaveSmallErrorsWithUnlimitedView) {
     double squared_m2 = 0.0;
     for (int step = 0; step < kSteps; ++step) {
       targets.move();
-      targets.look(sensor, sentries(step), std::vector<char>(16, 0));
+      targets.observe(sensor, sentries(step), std::vector<char>(16, 0));
       for (const TargetStep& target : targets.steps()) {
         EXPECT_TRUE(target.is_seen);
         squared_m2 += target.error_m * target.error_m;
@@ -152,8 +152,8 @@ TEST(TrackedTargets, AreOnlyPredictedByABlindTeam) {
     for (int step = 0; step < kBlindSteps; ++step) {
       watched.move();
       alone.move();
-      watched.look(sensor, sentries(step), std::vector<char>(16, 0));
-      alone.look(sensor, sentries(step), std::vector<char>(16, 1));
+      watched.observe(sensor, sentries(step), std::vector<char>(16, 0));
+      alone.observe(sensor, sentries(step), std::vector<char>(16, 1));
     }
     for (std::size_t m = 0; m < 10; ++m) {
       EXPECT_FALSE(alone.steps()[m].is_seen);

@@ -28,9 +28,10 @@ TEST(ContactsLink, PublishesCollisionOfRealVehicles) {
   bus::Bus lab_bus(*lab_link, 22);
   judge_bus.use_clock(clock);
   const drivers::ContactsNode node(judge_bus, clock, scenario);
-  std::vector<models::CollisionReport> heard;
+  std::vector<models::CollisionReport> received;
   lab_bus.subscribe<models::CollisionReport>(
-      bus::kCollision, [&](const models::CollisionReport& contact) { heard.push_back(contact); });
+      bus::kCollision,
+      [&](const models::CollisionReport& contact) { received.push_back(contact); });
 
   const auto start = clock.now();
   models::VehicleStatus status;
@@ -51,13 +52,13 @@ TEST(ContactsLink, PublishesCollisionOfRealVehicles) {
     lab_bus.publish(bus::kVicon, frame);
     judge_bus.handle(test::kPatience);
   }
-  while (heard.size() < 2 && lab_bus.handle(test::kPatience) > 0) {
+  while (received.size() < 2 && lab_bus.handle(test::kPatience) > 0) {
   }
-  ASSERT_EQ(heard.size(), 2U);
-  EXPECT_EQ(heard[0].kind, models::CollisionKind::kNearMiss);
-  EXPECT_EQ(heard[1].kind, models::CollisionKind::kCollision);
-  EXPECT_EQ(heard[1].body_a + " " + heard[1].body_b, "Q1 Q2");
-  EXPECT_GE(heard[1].stamp.time - start, std::chrono::milliseconds(490));
+  ASSERT_EQ(received.size(), 2U);
+  EXPECT_EQ(received[0].kind, models::CollisionKind::kNearMiss);
+  EXPECT_EQ(received[1].kind, models::CollisionKind::kCollision);
+  EXPECT_EQ(received[1].body_a + " " + received[1].body_b, "Q1 Q2");
+  EXPECT_GE(received[1].stamp.time - start, std::chrono::milliseconds(490));
 }
 
 }  // namespace

@@ -255,7 +255,7 @@ class Drill {
     if (left_ > 0 && what() == round_ && now >= next_victim_ && !lanes_) {
       for (const std::string& robot : robots_) {
         if (!victims_.contains(robot) && states_[robot] == FlightState::kFollow) {
-          strike(now, robot);
+          inject_event(now, robot);
           return;
         }
       }
@@ -299,10 +299,11 @@ class Drill {
       return;
     }
     victims_.clear();
-    strike(now, robots_[std::uniform_int_distribution<std::size_t>(0, robots_.size() - 1)(rng_)]);
+    inject_event(now,
+                 robots_[std::uniform_int_distribution<std::size_t>(0, robots_.size() - 1)(rng_)]);
   }
 
-  void strike(Time now, const std::string& robot) {
+  void inject_event(Time now, const std::string& robot) {
     round_ = what();
     has_grounded_ = causes_landing(round_);
     last_act_ = now;

@@ -26,7 +26,7 @@ namespace vantage {
 namespace {
 
 using test::Bytes;
-using Heard = std::vector<std::pair<std::string, Bytes>>;
+using Messages = std::vector<std::pair<std::string, Bytes>>;
 
 /// A running program that is interrupted and waited for in the destructor.
 class Program {
@@ -133,13 +133,13 @@ TEST_F(LcmTools, LcmLogplayerReplaysToOurTransport) {
     }
   }
   const auto ours = bus::open_transport(test::kUrl);
-  Heard heard;
-  test::collect(*ours, "FLIGHT", heard);
+  Messages received;
+  test::collect(*ours, "FLIGHT", received);
   const Program player({"lcm-logplayer", "-l", test::kUrl, log()});
-  test::handle_until(*ours, [&] { return heard.size() >= kMessages; });
-  ASSERT_EQ(heard.size(), kMessages);
+  test::handle_until(*ours, [&] { return received.size() >= kMessages; });
+  ASSERT_EQ(received.size(), kMessages);
   for (unsigned i = 0; i < kMessages; ++i) {
-    EXPECT_TRUE(heard[i].second == payload(i)) << i;
+    EXPECT_TRUE(received[i].second == payload(i)) << i;
   }
 }
 
@@ -152,7 +152,7 @@ TEST_F(LcmTools, KeepSignedMessagesAndReplayIsRefused) {
   const auto ours = bus::open_transport(test::kUrl);
   bus::Bus sender(*ours, 1);
   sender.secure(test::authenticator(keys), clock);
-  Heard sent;
+  Messages sent;
   const auto ear = bus::open_transport(test::kUrl);
   test::collect(*ear, "VICON", sent);
   {
@@ -197,7 +197,7 @@ TEST_F(LcmTools, KeepSignedMessagesAndReplayIsRefused) {
   bus::Bus reader(*reader_link, 3);  // has no key
   int read = 0;
   reader.subscribe<models::MocapFrame>(bus::kVicon, [&](const auto&) { ++read; });
-  Heard played;
+  Messages played;
   test::collect(*ear, "VICON", played);
   const std::size_t before = sent.size();
   const Program player({"lcm-logplayer", "-l", test::kUrl, log()});

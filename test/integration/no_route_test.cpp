@@ -28,19 +28,19 @@ struct Waiting {
   std::vector<std::string> reports;
   std::unique_ptr<bus::Transport> transport = bus::open_waiting_transport(
       test::kUrl, [this](const std::string& words) { reports.push_back(words); });
-  int heard = 0;
+  int received = 0;
 
   Waiting() {
-    transport->subscribe("A", [this](std::string_view, const bus::Payload&) { ++heard; });
+    transport->subscribe("A", [this](std::string_view, const bus::Payload&) { ++received; });
   }
   /// True if a message of its own comes back within a few tries.
   bool receives_own_message() {
-    const int before = heard;
-    for (int i = 0; i < 100 && heard == before; ++i) {
+    const int before = received;
+    for (int i = 0; i < 100 && received == before; ++i) {
       transport->publish("A", test::random_bytes(10, 1));
       transport->handle(std::chrono::milliseconds(20));
     }
-    return heard > before;
+    return received > before;
   }
   /// True if the last report contains `words` within a few tries.
   bool reports_at_last(const std::string& words) {

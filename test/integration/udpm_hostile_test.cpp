@@ -96,8 +96,8 @@ TEST(UdpmUnderAttack, LosesNoValidMessageAndStaysBounded) {
   constexpr unsigned kRounds = 500;
   const auto victim = bus::open_transport(test::kUrl);
   const auto friendly = bus::open_transport(test::kUrl);
-  std::vector<std::pair<std::string, Bytes>> heard;
-  test::collect(*victim, "WANTED", heard);
+  std::vector<std::pair<std::string, Bytes>> received;
+  test::collect(*victim, "WANTED", received);
   std::mt19937 rng(99);
   auto attacker = std::make_unique<Attacker>();
   const std::int64_t before_kib = resident_kib();
@@ -111,11 +111,11 @@ TEST(UdpmUnderAttack, LosesNoValidMessageAndStaysBounded) {
     if (round % 5 == 0) {
       attacker = std::make_unique<Attacker>();
     }
-    test::handle_until(*victim, [&] { return heard.size() > round; });
-    ASSERT_EQ(heard.size(), round + 1U);
-    ASSERT_TRUE(heard.back().second == test::random_bytes(size, round));
-    heard.back().second.clear();
-    heard.back().second.shrink_to_fit();
+    test::handle_until(*victim, [&] { return received.size() > round; });
+    ASSERT_EQ(received.size(), round + 1U);
+    ASSERT_TRUE(received.back().second == test::random_bytes(size, round));
+    received.back().second.clear();
+    received.back().second.shrink_to_fit();
     most_kib = std::max(most_kib, resident_kib());
   }
   const bus::TransportStats stats = victim->stats();
@@ -138,17 +138,17 @@ TEST(UdpmUnderAttack, KeepsForeignFragmentsOutOfMessages) {
   }
   const auto victim = bus::open_transport(test::kUrl);
   const auto friendly = bus::open_transport(test::kUrl);
-  std::vector<std::pair<std::string, Bytes>> heard;
-  test::collect(*victim, "*", heard);
+  std::vector<std::pair<std::string, Bytes>> received;
+  test::collect(*victim, "*", received);
   Attacker attacker;
   for (unsigned round = 0; round < 50; ++round) {
     attacker.send(fragment(round, 150'000, 65'000, 1, 3, 65'000));
     attacker.send(fragment(round, 150'000, 0, 0, 3, 65'000));
     friendly->publish("WANTED", test::random_bytes(150'000, round));
-    test::handle_until(*victim, [&] { return heard.size() > round; });
-    ASSERT_EQ(heard.size(), round + 1U);
-    ASSERT_EQ(heard.back().first, "WANTED");
-    ASSERT_TRUE(heard.back().second == test::random_bytes(150'000, round));
+    test::handle_until(*victim, [&] { return received.size() > round; });
+    ASSERT_EQ(received.size(), round + 1U);
+    ASSERT_EQ(received.back().first, "WANTED");
+    ASSERT_TRUE(received.back().second == test::random_bytes(150'000, round));
   }
 }
 
@@ -160,16 +160,16 @@ TEST(UdpmReassembly, AssemblesMessageOfConfiguredMaximum) {
   constexpr std::uint32_t kMessageBytes = kPieces * kPieceBytes;
   const auto listener =
       bus::open_transport(test::kUrl + "&max_message_size=" + std::to_string(kMessageBytes));
-  std::vector<std::pair<std::string, Bytes>> heard;
-  test::collect(*listener, "*", heard);
+  std::vector<std::pair<std::string, Bytes>> received;
+  test::collect(*listener, "*", received);
   Attacker stranger;
   for (std::uint16_t i = 0; i < kPieces; ++i) {
     stranger.send(fragment(1, kMessageBytes, i * kPieceBytes, i, kPieces, kPieceBytes));
     listener->handle(std::chrono::microseconds{0});
   }
-  test::handle_until(*listener, [&] { return !heard.empty(); });
-  ASSERT_EQ(heard.size(), 1U);
-  EXPECT_EQ(heard[0].second, Bytes(kMessageBytes, 0xAA));
+  test::handle_until(*listener, [&] { return !received.empty(); });
+  ASSERT_EQ(received.size(), 1U);
+  EXPECT_EQ(received[0].second, Bytes(kMessageBytes, 0xAA));
   EXPECT_EQ(listener->stats().incomplete_messages, 0);
 }
 

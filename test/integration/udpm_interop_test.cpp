@@ -10,7 +10,7 @@ namespace vantage {
 namespace {
 
 using test::Bytes;
-using Heard = std::vector<std::pair<std::string, Bytes>>;
+using Messages = std::vector<std::pair<std::string, Bytes>>;
 
 /// Sizes around both limits of a datagram (channel "SIZE_X" takes 7 bytes), and sizes of lab
 /// messages.
@@ -40,15 +40,15 @@ TEST(UdpmInterop, ReceivesFromLiblcmAtEverySize) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
   }
   const auto ours = bus::open_transport(test::kUrl);
-  Heard heard;
-  test::collect(*ours, "SIZE_*", heard);
+  Messages received;
+  test::collect(*ours, "SIZE_*", received);
   test::Liblcm theirs("NOTHING");
   std::size_t sent = 0;
   for (const std::size_t size : kSizes) {
     ASSERT_TRUE(theirs.publish("SIZE_X", payload(size)));
-    test::handle_until(*ours, [&] { return heard.size() > sent; });
-    ASSERT_EQ(heard.size(), ++sent) << size << " bytes";
-    EXPECT_TRUE(heard.back().second == payload(size)) << size << " bytes";
+    test::handle_until(*ours, [&] { return received.size() > sent; });
+    ASSERT_EQ(received.size(), ++sent) << size << " bytes";
+    EXPECT_TRUE(received.back().second == payload(size)) << size << " bytes";
   }
   EXPECT_EQ(ours->stats().malformed_datagrams, 0);
   EXPECT_EQ(ours->stats().incomplete_messages, 0);
@@ -58,8 +58,8 @@ TEST(UdpmInterop, SharesThePortWithLiblcm) {
   const auto first = bus::open_transport(test::kUrl);
   const auto second = bus::open_transport(test::kUrl);
   test::Liblcm theirs("SHARED");
-  Heard at_first;
-  Heard at_second;
+  Messages at_first;
+  Messages at_second;
   test::collect(*first, "SHARED", at_first);
   test::collect(*second, "SHARED", at_second);
   first->publish("SHARED", Bytes{1});
@@ -79,15 +79,15 @@ TEST(UdpmInterop, ReceivesABurstWithoutLoss) {
   constexpr std::size_t kBurst = 1'000;
   const auto ours = bus::open_transport(test::kUrl);
   test::Liblcm theirs("NOTHING");
-  Heard heard;
-  test::collect(*ours, "BURST", heard);
+  Messages received;
+  test::collect(*ours, "BURST", received);
   for (unsigned i = 0; i < kBurst; ++i) {
     ASSERT_TRUE(theirs.publish("BURST", test::random_bytes(200, i)));
   }
-  test::handle_until(*ours, [&] { return heard.size() >= kBurst; });
-  ASSERT_EQ(heard.size(), kBurst);
+  test::handle_until(*ours, [&] { return received.size() >= kBurst; });
+  ASSERT_EQ(received.size(), kBurst);
   for (unsigned i = 0; i < kBurst; ++i) {
-    ASSERT_EQ(heard[i].second, test::random_bytes(200, i)) << "in order";
+    ASSERT_EQ(received[i].second, test::random_bytes(200, i)) << "in order";
   }
   EXPECT_EQ(ours->stats().kernel_drops, 0);
 }
@@ -121,26 +121,26 @@ TEST(UdpmTransport, RefusesAndCountsMessagesBeyondLcmsLimits) {
 TEST(UdpmTransport, RefusesAndCountsReceivedOversizedMessages) {
   const auto small = bus::open_transport(test::kUrl + "&max_message_size=100000");
   const auto large = bus::open_transport(test::kUrl);
-  Heard heard;
-  test::collect(*small, "*", heard);
+  Messages received;
+  test::collect(*small, "*", received);
   large->publish("X", Bytes(100'001));
   large->publish("X", Bytes{1});
-  test::handle_until(*small, [&] { return !heard.empty(); });
-  ASSERT_EQ(heard.size(), 1U);
-  EXPECT_EQ(heard[0].second, Bytes{1});
+  test::handle_until(*small, [&] { return !received.empty(); });
+  ASSERT_EQ(received.size(), 1U);
+  EXPECT_EQ(received[0].second, Bytes{1});
   EXPECT_EQ(small->stats().oversized_messages, 1) << "one message of two fragments";
 }
 
 TEST(UdpmTransport, TransmitsTheLargestMessage) {
   const auto ours = bus::open_transport(test::kUrl + "&max_message_size=100000");
-  Heard heard;
-  test::collect(*ours, "X", heard);
+  Messages received;
+  test::collect(*ours, "X", received);
   EXPECT_TRUE(ours->publish("X", payload(100'000)));
   EXPECT_FALSE(ours->publish("X", payload(100'001)));
   EXPECT_TRUE(ours->publish("X", Bytes{1}));
-  test::handle_until(*ours, [&] { return heard.size() == 2; });
-  ASSERT_EQ(heard.size(), 2U);
-  EXPECT_TRUE(heard[0].second == payload(100'000));
+  test::handle_until(*ours, [&] { return received.size() == 2; });
+  ASSERT_EQ(received.size(), 2U);
+  EXPECT_TRUE(received[0].second == payload(100'000));
   EXPECT_EQ(ours->stats().messages_sent, 2);
   EXPECT_EQ(ours->stats().messages_received, 2);
   EXPECT_EQ(ours->stats().send_errors, 1);

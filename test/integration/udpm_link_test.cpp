@@ -13,15 +13,15 @@ namespace vantage {
 namespace {
 
 using test::Bytes;
-using Heard = std::vector<std::pair<std::string, Bytes>>;
+using Messages = std::vector<std::pair<std::string, Bytes>>;
 
 TEST(UdpmLink, CountsDatagramsDroppedByTheSocket) {
   constexpr int kSent = 2'000;
   const auto sender = bus::open_transport(test::kUrl);
   const auto receiver = bus::open_transport(
       "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=65536&max_message_size=65536");
-  Heard heard;
-  test::collect(*receiver, "X", heard);
+  Messages received;
+  test::collect(*receiver, "X", received);
   // The kernel reports all drops since the start with the next datagram that it accepts.
   std::int64_t dropped = 0;
   for (int burst = 1; burst <= 3; ++burst) {
@@ -31,10 +31,10 @@ TEST(UdpmLink, CountsDatagramsDroppedByTheSocket) {
     while (receiver->handle(std::chrono::microseconds{0}) > 0) {
     }
     sender->publish("X", Bytes{1});
-    test::handle_until(*receiver, [&] { return heard.back().second.size() == 1; });
+    test::handle_until(*receiver, [&] { return received.back().second.size() == 1; });
     EXPECT_GT(receiver->stats().kernel_drops, dropped);
     dropped = receiver->stats().kernel_drops;
-    EXPECT_EQ(static_cast<std::int64_t>(heard.size()) + dropped, burst * (kSent + 1)) << burst;
+    EXPECT_EQ(static_cast<std::int64_t>(received.size()) + dropped, burst * (kSent + 1)) << burst;
   }
 }
 
@@ -44,9 +44,9 @@ TEST(UdpmLink, ReturnsDuringAFlood) {
   constexpr int kSent = 200;
   const auto sender = bus::open_transport(test::kUrl);
   const auto receiver = bus::open_transport(test::kUrl);
-  int heard = 0;
-  receiver->subscribe("X", [&heard](std::string_view, std::span<const std::uint8_t>) {
-    ++heard;
+  int received = 0;
+  receiver->subscribe("X", [&received](std::string_view, std::span<const std::uint8_t>) {
+    ++received;
     const std::int64_t until_ns = monotonic_ns() + 1'000'000;
     while (monotonic_ns() < until_ns) {
     }
@@ -59,7 +59,7 @@ TEST(UdpmLink, ReturnsDuringAFlood) {
   EXPECT_LE(first, 6) << "5 ms beyond what the caller gave it";
   while (receiver->handle(std::chrono::microseconds{0}) > 0) {
   }
-  EXPECT_EQ(heard + receiver->stats().kernel_drops, kSent) << "the rest waits, nothing is lost";
+  EXPECT_EQ(received + receiver->stats().kernel_drops, kSent) << "the rest waits, nothing is lost";
 }
 
 // Each handler call causes ten new messages, so nine more wait than are handled. The oldest waiting
@@ -77,13 +77,13 @@ TEST(UdpmLink, DropsTheOldestForASlowReader) {
     ++sent;
     ASSERT_TRUE(sender->publish("X", bytes));
   };
-  std::int64_t heard = 0;
+  std::int64_t received = 0;
   std::uint32_t newest = 0;
   receiver->subscribe("X", [&](std::string_view, std::span<const std::uint8_t> bytes) {
     const std::uint32_t before = newest;
     std::memcpy(&newest, bytes.data(), sizeof newest);
-    EXPECT_TRUE(heard == 0 || newest > before) << "in order";
-    ++heard;
+    EXPECT_TRUE(received == 0 || newest > before) << "in order";
+    ++received;
     for (int i = 0; i < 10 && sent < kSent; ++i) {
       send_one();
     }
@@ -94,7 +94,7 @@ TEST(UdpmLink, DropsTheOldestForASlowReader) {
   const bus::TransportStats stats = receiver->stats();
   EXPECT_EQ(newest, kSent - 1);
   EXPECT_GT(stats.queue_overflows, 0);
-  EXPECT_EQ(heard + stats.queue_overflows + stats.kernel_drops, kSent);
+  EXPECT_EQ(received + stats.queue_overflows + stats.kernel_drops, kSent);
 }
 
 TEST(UdpmLink, ReportsAReducedReceiveBuffer) {
@@ -125,21 +125,22 @@ class UdpmCards : public ::testing::Test {
   struct Listener {
     explicit Listener(const std::string& options)
         : transport(bus::open_transport("udpm://239.255.76.67:7667?" + options)) {
-      test::collect(*transport, "*", heard);
+      test::collect(*transport, "*", received);
     }
     /// Publishes END; returns the channels that were received until END comes back.
     std::string receive_until_end() {
       transport->publish("END", Bytes{1});
-      test::handle_until(*transport, [&] { return !heard.empty() && heard.back().first == "END"; });
+      test::handle_until(*transport,
+                         [&] { return !received.empty() && received.back().first == "END"; });
       std::string out;
-      for (const auto& [channel, bytes] : heard) {
+      for (const auto& [channel, bytes] : received) {
         out += channel + " ";
       }
-      heard.clear();
+      received.clear();
       return out;
     }
     std::unique_ptr<bus::Transport> transport;
-    Heard heard;
+    Messages received;
   };
 };
 
@@ -170,9 +171,9 @@ TEST_F(UdpmCards, TransmitOverTheirCable) {
   const Listener here("ttl=0&interface=vb0");
   ASSERT_TRUE(here.transport->publish("HERE", Bytes{1}));
   ASSERT_TRUE(a.transport->publish("LARGE", test::random_bytes(150'000, 3)));
-  test::handle_until(*far_a.transport, [&] { return !far_a.heard.empty(); });
-  ASSERT_EQ(far_a.heard.size(), 1U);
-  EXPECT_TRUE(far_a.heard[0].second == test::random_bytes(150'000, 3));
+  test::handle_until(*far_a.transport, [&] { return !far_a.received.empty(); });
+  ASSERT_EQ(far_a.received.size(), 1U);
+  EXPECT_TRUE(far_a.received[0].second == test::random_bytes(150'000, 3));
   // Both ends of the cable belong to one host. Its kernel (early demultiplexing of multicast, with
   // accept_local) sometimes also delivers a datagram to the socket of the other end: END comes
   // twice. HERE was never on the cable, so it does not arrive.
@@ -194,16 +195,16 @@ TEST_F(UdpmCards, RefusesMissingCardByName) {
 
 TEST(UdpmLink, CountsUnsentMessagesAndRecovers) {
   const auto ours = bus::open_transport(test::kUrl);
-  Heard heard;
-  test::collect(*ours, "X", heard);
+  Messages received;
+  test::collect(*ours, "X", received);
   ASSERT_EQ(std::system("ip link set lo down"), 0);
   EXPECT_FALSE(ours->publish("X", Bytes{1}));
   EXPECT_EQ(ours->stats().send_errors, 1);
   ASSERT_EQ(std::system("ip link set lo up && ip route add 224.0.0.0/4 dev lo"), 0);
   EXPECT_TRUE(ours->publish("X", Bytes{2}));
-  test::handle_until(*ours, [&] { return !heard.empty(); });
-  ASSERT_EQ(heard.size(), 1U);
-  EXPECT_EQ(heard[0].second, Bytes{2});
+  test::handle_until(*ours, [&] { return !received.empty(); });
+  ASSERT_EQ(received.size(), 1U);
+  EXPECT_EQ(received[0].second, Bytes{2});
 }
 
 }  // namespace

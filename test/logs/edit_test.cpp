@@ -97,7 +97,7 @@ TEST_F(Edit, RenamesWholeNamesAndPrefixes) {
   Kept kept;
   const EditCounts counts = edit_log(log, rules, into(kept));
   EXPECT_EQ(kept, (Kept{{1, "MOCAP", 1}, {2, "VICON_RAW", 2}, {3, "OLD_PLAN_Q1", 3}}));
-  EXPECT_EQ(counts.name_too_long, 1);
+  EXPECT_EQ(counts.invalid_names, 1);
   EXPECT_THROW(ChannelRenames({"VICON"}), UsageError);
   EXPECT_THROW(ChannelRenames({"VICON*=X"}), UsageError);
   EXPECT_THROW(ChannelRenames({"=X"}), UsageError);

@@ -62,18 +62,18 @@ SpoolOptions quick(const std::string& path = kPath) {
   return out;
 }
 
-/// Waits for a sentence with `words` in it; all that was said until then.
-std::string hear(LogSpool& spool, const std::string& words) {
-  std::string said;
+/// Waits for a sentence with `words` in it; returns all notices until then.
+std::string wait_for_notice(LogSpool& spool, const std::string& words) {
+  std::string notices;
   const std::int64_t give_up_ns = monotonic_ns() + 20'000'000'000;
-  while (said.find(words) == std::string::npos && monotonic_ns() < give_up_ns) {
-    for (const std::string& news : spool.take_news()) {
-      said += news + "\n";
+  while (notices.find(words) == std::string::npos && monotonic_ns() < give_up_ns) {
+    for (const std::string& notice : spool.take_notices()) {
+      notices += notice + "\n";
     }
     std::this_thread::yield();
   }
-  EXPECT_NE(said.find(words), std::string::npos) << said;
-  return said;
+  EXPECT_NE(notices.find(words), std::string::npos) << notices;
+  return notices;
 }
 
 TEST(LogSpool, WritesLogsThatLcmReads) {
@@ -132,7 +132,7 @@ TEST(LogSpool, DoesNotBlockOnAHangingDisk) {
   }
   EXPECT_EQ(spool.report().events_lost, 11);
   EXPECT_EQ(spool.report().queue_bytes, 50 * kEventBytes);
-  EXPECT_NE(hear(spool, "events are lost").find(kPath), std::string::npos);
+  EXPECT_NE(wait_for_notice(spool, "events are lost").find(kPath), std::string::npos);
   disk.hang_append(false);
   spool.close();
   expect_events(disk.bytes(kPath), 0, 50);
@@ -162,10 +162,11 @@ TEST(LogSpool, ContinuesWritingDuringAHangingSync) {
   EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "of the oldest that is not safe";
   disk.hang_sync(false);
   const std::string words = "a power cut would have lost the last ";
-  const std::string said = hear(spool, words);
-  const std::int64_t said_ms = std::stoll(said.substr(said.find(words) + words.size()));
-  EXPECT_GE(said_ms, 100);
-  EXPECT_LE(said_ms, spool.report().at_risk_worst_us / 1'000) << "no more than the worst there was";
+  const std::string notices = wait_for_notice(spool, words);
+  const std::int64_t reported_ms = std::stoll(notices.substr(notices.find(words) + words.size()));
+  EXPECT_GE(reported_ms, 100);
+  EXPECT_LE(reported_ms, spool.report().at_risk_worst_us / 1'000)
+      << "no more than the worst there was";
   EXPECT_GE(spool.report().syncs_late, 1);
   spool.close();
   EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "remembered when all is safe";
@@ -178,14 +179,14 @@ TEST(LogSpool, IsIntactAfterAFullDisk) {
   for (int i = 0; i < 5; ++i) {
     EXPECT_TRUE(write(spool, i));
   }
-  const std::string said = hear(spool, "LOG NOT WRITTEN");
-  EXPECT_NE(said.find(kPath + ": cannot be written: No space left on device"), std::string::npos)
-      << said;
+  const std::string notices = wait_for_notice(spool, "LOG NOT WRITTEN");
+  EXPECT_NE(notices.find(kPath + ": cannot be written: No space left on device"), std::string::npos)
+      << notices;
   EXPECT_FALSE(spool.report().is_written);
   EXPECT_EQ(spool.report().write_errors, 1) << "once, though it is tried again";
   EXPECT_TRUE(write(spool, 5));
   disk.set_room(std::size_t{1} << 20U);
-  hear(spool, "written again; events lost: 0");
+  wait_for_notice(spool, "written again; events lost: 0");
   EXPECT_TRUE(spool.report().is_written);
   spool.close();
   expect_events(disk.bytes(kPath), 0, 6);
@@ -216,8 +217,9 @@ TEST(LogSpool, ReportsUnsyncedData) {
   disk.fail_sync(true);
   LogSpool spool(quick(), disk.opener());
   write(spool, 0);
-  const std::string said = hear(spool, "LOG NOT SAFE");
-  EXPECT_NE(said.find(kPath + ": may not be on the disk: Input/output error"), std::string::npos);
+  const std::string notices = wait_for_notice(spool, "LOG NOT SAFE");
+  EXPECT_NE(notices.find(kPath + ": may not be on the disk: Input/output error"),
+            std::string::npos);
   EXPECT_FALSE(spool.report().is_good());
 }
 
@@ -281,7 +283,7 @@ TEST(LogSpool, StopsAtItsLimit) {
   for (int i = 0; i < 5; ++i) {
     write(spool, i);
   }
-  hear(spool, "the limit of ");
+  wait_for_notice(spool, "the limit of ");
   EXPECT_TRUE(spool.report().is_full);
   spool.close();
   expect_events(disk.bytes(kPath), 0, 3);
@@ -299,10 +301,10 @@ TEST(LogSpool, ReportsFreeSpace) {
   for (int i = 0; i < 5; ++i) {
     write(spool, i);
   }
-  hear(spool, "LOG NOT WRITTEN");
+  wait_for_notice(spool, "LOG NOT WRITTEN");
   EXPECT_EQ(spool.report().free_bytes, 0U);
   disk.set_room(10 * kEventBytes);
-  hear(spool, "written again");
+  wait_for_notice(spool, "written again");
   disk.hang_sync(false);
   spool.close();
   EXPECT_EQ(spool.report().free_bytes, room + 10 * kEventBytes - 5 * kEventBytes);
@@ -372,13 +374,13 @@ TEST(LogSpool, FillsItsLimitExactly) {
     EXPECT_EQ(spool.report().is_full, less > 0);
     EXPECT_EQ(spool.report().events_lost, static_cast<std::int64_t>(less));
     EXPECT_EQ(spool.report().bytes, (3 - less) * kEventBytes);
-    const auto news = spool.take_news();
-    ASSERT_EQ(news.size(), less);
+    const auto notice = spool.take_notices();
+    ASSERT_EQ(notice.size(), less);
     if (less > 0) {
-      EXPECT_EQ(news[0], kPath + ": the limit of " + std::to_string(3 * kEventBytes - 1) +
-                             " bytes is reached");
+      EXPECT_EQ(notice[0], kPath + ": the limit of " + std::to_string(3 * kEventBytes - 1) +
+                               " bytes is reached");
     }
-    EXPECT_TRUE(spool.take_news().empty()) << "told once";
+    EXPECT_TRUE(spool.take_notices().empty()) << "told once";
   }
 }
 
@@ -422,9 +424,9 @@ TEST(LogSpool, RetriesCreatingTheNextFile) {
   LogSpool spool(options, open);
   write(spool, 0);
   write(spool, 1);
-  const std::string said = hear(spool, "written again; events lost: 0");
-  EXPECT_NE(said.find("LOG NOT WRITTEN: /nowhere/flight-2.lcmlog: not yet"), std::string::npos)
-      << said;
+  const std::string notices = wait_for_notice(spool, "written again; events lost: 0");
+  EXPECT_NE(notices.find("LOG NOT WRITTEN: /nowhere/flight-2.lcmlog: not yet"), std::string::npos)
+      << notices;
   spool.close();
   EXPECT_EQ(refused, 3);
   EXPECT_EQ(spool.report().write_errors, 1);

@@ -130,11 +130,11 @@ TEST_F(McapPeer, ReadsAnExportedLogOfEveryType) {
   const ExportCounts counts = export_mcap(log, folder_.file("a.mcap"), all, true);
   EXPECT_EQ(counts.failure, "");
   EXPECT_EQ(counts.left_out, (std::map<std::string, std::int64_t>{{"FOREIGN", 1}}));
-  const std::string said = read(folder_.file("a.mcap"));
+  const std::string listing = read(folder_.file("a.mcap"));
   for (const char* line :
        {"summary VICON vantage_lcm.mocap_frame_t 20\n", "summary PLAN_Q1 vantage_lcm.plan_t 20\n",
         "summary SCENARIO vantage_lcm.scenario_t 20\n"}) {
-    EXPECT_NE(said.find(line), std::string::npos) << line;
+    EXPECT_NE(listing.find(line), std::string::npos) << line;
   }
   EXPECT_GE(counts.messages, 12U * kOfEach);
 }
@@ -159,9 +159,10 @@ TEST_F(McapPeer, ReadsALogWithNamesThatAreNotUtf8) {
   const ExportCounts counts = export_mcap(log, folder_.file("a.mcap"), all, false);
   EXPECT_EQ(counts.messages, 2U);
   EXPECT_EQ(counts.left_out, (std::map<std::string, std::int64_t>{{"FOREIGN\xFF", 1}}));
-  const std::string said = read(folder_.file("a.mcap"));
-  EXPECT_NE(said.find("summary ATT\\xC4CK vantage_lcm.attack_t 1\n"), std::string::npos) << said;
-  EXPECT_NE(said.find("summary A\\x09B vantage_lcm.attack_t 1\n"), std::string::npos) << said;
+  const std::string listing = read(folder_.file("a.mcap"));
+  EXPECT_NE(listing.find("summary ATT\\xC4CK vantage_lcm.attack_t 1\n"), std::string::npos)
+      << listing;
+  EXPECT_NE(listing.find("summary A\\x09B vantage_lcm.attack_t 1\n"), std::string::npos) << listing;
 }
 
 TEST(ExportMcap, EndsCompletelyOnRequest) {

@@ -61,7 +61,7 @@ class PlayerTest : public ::testing::Test {
   }
 
   /// Returns (data, ms) of all published events.
-  std::vector<std::pair<int, std::int64_t>> heard() const {
+  std::vector<std::pair<int, std::int64_t>> received() const {
     std::vector<std::pair<int, std::int64_t>> out;
     for (const auto& [at_ms, channel, value] : heard_) {
       out.emplace_back(value, at_ms);
@@ -80,7 +80,7 @@ TEST_F(PlayerTest, PublishesEachEventAtItsTime) {
   const PlayReport report = play({});
   ASSERT_EQ(heard_.size(), 20U);
   for (int i = 0; i < 20; ++i) {
-    EXPECT_EQ(heard()[static_cast<std::size_t>(i)], (std::pair<int, std::int64_t>(i, 100 * i)));
+    EXPECT_EQ(received()[static_cast<std::size_t>(i)], (std::pair<int, std::int64_t>(i, 100 * i)));
   }
   EXPECT_EQ(report.published, 20);
   EXPECT_EQ(report.late_worst_us, 0.0);
@@ -93,27 +93,27 @@ TEST_F(PlayerTest, PlaysAPartFaster) {
   options.rules.from = from_utime(1'500'000);
   options.rules.to = from_utime(1'800'000);
   play(std::move(options));
-  EXPECT_EQ(heard(), (Pairs{{5, 0}, {6, 50}, {7, 100}}));
+  EXPECT_EQ(received(), (Pairs{{5, 0}, {6, 50}, {7, 100}}));
 }
 
 TEST_F(PlayerTest, ContinuesAfterAPause) {
   PlayOptions options;
   options.rules.to = from_utime(1'400'000);
   play(std::move(options), {{140, "pause"}, {1'000, "resume"}});
-  EXPECT_EQ(heard(), (Pairs{{0, 0}, {1, 100}, {2, 1'060}, {3, 1'160}}));
+  EXPECT_EQ(received(), (Pairs{{0, 0}, {1, 100}, {2, 1'060}, {3, 1'160}}));
 }
 
 TEST_F(PlayerTest, SeeksForwardsAndBackwards) {
   PlayOptions options;
   play(std::move(options), {{110, "seek 1.75"}, {240, "step -1.5"}, {300, "quit"}});
-  EXPECT_EQ(heard(), (Pairs{{0, 0}, {1, 100}, {18, 170}, {4, 270}}));
+  EXPECT_EQ(received(), (Pairs{{0, 0}, {1, 100}, {18, 170}, {4, 270}}));
 }
 
 TEST_F(PlayerTest, ChangesItsSpeedWithoutAJump) {
   PlayOptions options;
   options.rules.to = from_utime(1'400'000);
   play(std::move(options), {{160, "speed 0.5"}});
-  EXPECT_EQ(heard(), (Pairs{{0, 0}, {1, 100}, {2, 240}, {3, 440}}));
+  EXPECT_EQ(received(), (Pairs{{0, 0}, {1, 100}, {2, 240}, {3, 440}}));
 }
 
 TEST_F(PlayerTest, LoopsUntilStopped) {
@@ -121,7 +121,8 @@ TEST_F(PlayerTest, LoopsUntilStopped) {
   options.loops = true;
   options.rules.to = from_utime(1'200'000);
   const PlayReport report = play(std::move(options), {{350, "quit"}});
-  EXPECT_EQ(heard(), (Pairs{{0, 0}, {1, 100}, {0, 100}, {1, 200}, {0, 200}, {1, 300}, {0, 300}}));
+  EXPECT_EQ(received(),
+            (Pairs{{0, 0}, {1, 100}, {0, 100}, {1, 200}, {0, 200}, {1, 300}, {0, 300}}));
   EXPECT_EQ(report.passes, 3);
 }
 
@@ -140,7 +141,7 @@ TEST_F(PlayerTest, StaysPausedUntilResumed) {
   options.starts_paused = true;
   options.rules.to = from_utime(1'200'000);
   play(std::move(options), {{500, " "}});
-  EXPECT_EQ(heard(), (Pairs{{0, 500}, {1, 600}}));
+  EXPECT_EQ(received(), (Pairs{{0, 500}, {1, 600}}));
 }
 
 TEST(ParsePlayCommand, AcceptsOnlyItsCommands) {
@@ -168,12 +169,12 @@ TEST_F(PlayerTest, SkipsWaitsOfBrokenTimeStamps) {
   log_.emplace(folder_.file("b"));
   const PlayReport report = play({});
   const auto pause_ms = Player::kAfterGap / std::chrono::milliseconds(1);
-  EXPECT_EQ(heard(), (Pairs{{0, 0},
-                            {1, pause_ms},
-                            {2, pause_ms + 100},
-                            {3, 2 * pause_ms + 100},
-                            {4, 3 * pause_ms + 100},
-                            {5, 3 * pause_ms + 200}}));
+  EXPECT_EQ(received(), (Pairs{{0, 0},
+                               {1, pause_ms},
+                               {2, pause_ms + 100},
+                               {3, 2 * pause_ms + 100},
+                               {4, 3 * pause_ms + 100},
+                               {5, 3 * pause_ms + 200}}));
   EXPECT_EQ(report.gaps, 3);
   EXPECT_LT(report.late_worst_us, 1e3);
 
@@ -182,7 +183,7 @@ TEST_F(PlayerTest, SkipsWaitsOfBrokenTimeStamps) {
   PlayOptions options;
   options.rules.to = from_utime(1'500'000);
   EXPECT_EQ(play(options).gaps, 0);
-  EXPECT_EQ(heard(), (Pairs{{0, 0}})) << "what comes after the end is not waited for";
+  EXPECT_EQ(received(), (Pairs{{0, 0}})) << "what comes after the end is not waited for";
 }
 
 TEST(ParsePlayCommand, MapsEachKeyAndWord) {
@@ -226,7 +227,7 @@ TEST_F(PlayerTest, DoublesAndHalvesItsSpeedBetweenItsLimits) {
   options.rules.to = from_utime(1'400'000);
   play(options, {{110, "+"}, {170, "-"}});
   // Keys are looked at each 20 ms: from 120 ms on it is twice as fast, from 180 ms on as before.
-  EXPECT_EQ(heard(), (Pairs{{0, 0}, {1, 100}, {2, 160}, {3, 240}}));
+  EXPECT_EQ(received(), (Pairs{{0, 0}, {1, 100}, {2, 160}, {3, 240}}));
   const auto last_speed = [&](double speed, const std::string& key) {
     double seen = 0.0;
     PlayOptions fast;
@@ -263,7 +264,7 @@ TEST_F(PlayerTest, TogglesAndPausesRepeatedly) {
                  {700, "resume"},
                  {740, "resume"}});
   // It stood at 120 ms for 300 ms, and at 220 ms for 180 ms.
-  EXPECT_EQ(heard(), (Pairs{{0, 0}, {1, 100}, {2, 500}, {3, 780}}));
+  EXPECT_EQ(received(), (Pairs{{0, 0}, {1, 100}, {2, 500}, {3, 780}}));
 }
 
 TEST_F(PlayerTest, ClampsSeeksToTheLog) {
@@ -271,11 +272,11 @@ TEST_F(PlayerTest, ClampsSeeksToTheLog) {
   options.rules.from = from_utime(1'500'000);
   options.rules.to = from_utime(1'800'000);
   play(options, {{110, "seek -100"}, {150, "quit"}});
-  EXPECT_EQ(heard(), (Pairs{{5, 0}, {6, 100}, {5, 120}})) << "not before its beginning";
+  EXPECT_EQ(received(), (Pairs{{5, 0}, {6, 100}, {5, 120}})) << "not before its beginning";
   heard_.clear();
   now_ns_ = kBegin;
   const PlayReport report = play(options, {{110, "step 1000"}});
-  EXPECT_EQ(heard(), (Pairs{{5, 0}, {6, 100}}));
+  EXPECT_EQ(received(), (Pairs{{5, 0}, {6, 100}}));
   EXPECT_EQ(report.passes, 1) << "that is its end";
   heard_.clear();
   now_ns_ = kBegin;
@@ -288,8 +289,8 @@ TEST_F(PlayerTest, PlaysTheWholeLogByDefault) {
   options.rules.from = from_utime(1);
   options.rules.to = from_utime(900'000'000);
   EXPECT_EQ(play(options).published, 20);
-  EXPECT_EQ(heard().front(), (std::pair<int, std::int64_t>(0, 0))) << "without waiting for it";
-  EXPECT_EQ(heard().back(), (std::pair<int, std::int64_t>(19, 1900)));
+  EXPECT_EQ(received().front(), (std::pair<int, std::int64_t>(0, 0))) << "without waiting for it";
+  EXPECT_EQ(received().back(), (std::pair<int, std::int64_t>(19, 1900)));
   const PlayOptions usual;
   EXPECT_EQ(usual.speed, 1.0);
   EXPECT_FALSE(usual.loops);
@@ -366,7 +367,7 @@ TEST_F(PlayerTest, SkipsGapsLongerThanOneMinute) {
     heard_.clear();
     now_ns_ = kBegin;
     EXPECT_EQ(play({}).gaps, gap_us > 60'000'000 ? 1 : 0);
-    EXPECT_EQ(heard().back().second, gap_us > 60'000'000 ? 500 : 60'000);
+    EXPECT_EQ(received().back().second, gap_us > 60'000'000 ? 500 : 60'000);
   }
 }
 

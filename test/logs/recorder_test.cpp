@@ -18,12 +18,12 @@ constexpr Time kNow = from_utime(1'700'000'000'000'000);
 
 TEST(Recorder, RecordsFilteredChannelsWithValidNames) {
   bus::InProcessHub hub;
-  const auto ear = hub.connect();
+  const auto receiver = hub.connect();
   const auto mouth = hub.connect();
   bus::VirtualClock clock(kNow);
   std::vector<std::string> recorded;
   const Recorder recorder(
-      *ear, clock,
+      *receiver, clock,
       [&](Time time, std::string_view channel, std::span<const std::uint8_t> data) {
         EXPECT_EQ(time, kNow);
         EXPECT_EQ(data.size(), 3U);
@@ -35,7 +35,7 @@ TEST(Recorder, RecordsFilteredChannelsWithValidNames) {
   for (const char* channel : {"VICON", "SCAN_Q1", "A\n\xff", "\x7f\xfe", "PLAN_Q1"}) {
     mouth->publish(channel, data);
   }
-  ear->handle(std::chrono::microseconds(0));
+  receiver->handle(std::chrono::microseconds(0));
   EXPECT_EQ(recorded, (std::vector<std::string>{"VICON", "PLAN_Q1"}));
   EXPECT_EQ(recorder.received(), 2);
   EXPECT_EQ(recorder.names_refused(), 2);
@@ -43,7 +43,7 @@ TEST(Recorder, RecordsFilteredChannelsWithValidNames) {
 
 TEST(RecorderNode, ReportsAndCountsWriteErrorsAtOnce) {
   bus::InProcessHub hub;
-  const auto ear = hub.connect();
+  const auto receiver = hub.connect();
   const auto mouth = hub.connect();
   bus::VirtualClock clock(kNow);
   test::FakeDisk disk;
@@ -52,7 +52,7 @@ TEST(RecorderNode, ReportsAndCountsWriteErrorsAtOnce) {
   options.path = "flight.lcmlog";
   LogSpool spool(options, disk.opener());
   std::vector<std::string> told;
-  RecorderNode node(*ear, clock, spool, {},
+  RecorderNode node(*receiver, clock, spool, {},
                     [&](const std::string& words) { told.push_back(words); });
   const auto count_of = [](const std::vector<models::NamedCount>& counts, const std::string& name) {
     const auto found = std::find_if(counts.begin(), counts.end(),
@@ -61,7 +61,7 @@ TEST(RecorderNode, ReportsAndCountsWriteErrorsAtOnce) {
   };
   EXPECT_EQ(count_of(node.traffic(), "log.is_written"), 1);
   mouth->publish("VICON", std::vector<std::uint8_t>(100));
-  ear->handle(std::chrono::microseconds(0));
+  receiver->handle(std::chrono::microseconds(0));
   const std::int64_t give_up_ns = monotonic_ns() + 20'000'000'000;
   while (told.empty() && monotonic_ns() < give_up_ns) {
     node.tick(kNow);
@@ -77,14 +77,14 @@ TEST(RecorderNode, ReportsAndCountsWriteErrorsAtOnce) {
 
 TEST(RecorderNode, ReportsWrittenEvents) {
   bus::InProcessHub hub;
-  const auto ear = hub.connect();
+  const auto receiver = hub.connect();
   const auto mouth = hub.connect();
   bus::VirtualClock clock(kNow);
   test::FakeDisk disk;
   SpoolOptions options;
   options.path = "flight.lcmlog";
   LogSpool spool(options, disk.opener());
-  RecorderNode node(*ear, clock, spool, ChannelFilter({}, {"SCAN_.*"}),
+  RecorderNode node(*receiver, clock, spool, ChannelFilter({}, {"SCAN_.*"}),
                     [](const std::string& words) { ADD_FAILURE() << words; });
   EXPECT_EQ(node.name(), "RECORDER");
   EXPECT_EQ(node.next_tick(), kNow);
@@ -93,7 +93,7 @@ TEST(RecorderNode, ReportsWrittenEvents) {
   for (const char* channel : {"VICON", "SCAN_Q1", "\xff\x01", "VICON"}) {
     mouth->publish(channel, std::vector<std::uint8_t>(100));
   }
-  ear->handle(std::chrono::microseconds(0));
+  receiver->handle(std::chrono::microseconds(0));
   EXPECT_EQ(node.received(), 2);
   spool.close();
   std::map<std::string, std::int64_t> counts;

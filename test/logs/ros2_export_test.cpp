@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-struct Said {
+struct TopicContent {
   std::string type;
   std::int64_t stamp_ns = 0;
   Json content;
@@ -43,7 +43,7 @@ class Ros2Export : public ::testing::Test {
   }
 
   /// The log as the peer reads it, the last message of each topic.
-  std::map<std::string, Said> read() {
+  std::map<std::string, TopicContent> read() {
     log_.reset();
     const IndexedLog log(folder_.file("a.lcmlog"));
     ChannelFilter all;
@@ -53,15 +53,15 @@ class Ros2Export : public ::testing::Test {
     EXPECT_EQ(std::system(command.c_str()), 0);
     const test::Bytes bytes = test::read_file(folder_.file("out"));
     std::istringstream lines(std::string(bytes.begin(), bytes.end()));
-    std::map<std::string, Said> said;
+    std::map<std::string, TopicContent> topics;
     for (std::string topic; lines >> topic;) {
-      Said& each = said[topic];
+      TopicContent& each = topics[topic];
       lines >> each.type >> each.stamp_ns;
       std::string json;
       std::getline(lines, json);
       each.content = Json::parse(json);
     }
-    return said;
+    return topics;
   }
 
   static constexpr std::int64_t kUtime = 1'700'000'000'250'000;
@@ -88,11 +88,11 @@ TEST_F(Ros2Export, WritesPosesAndPlansInTheWorldFrame) {
   models::RobotPlan answer = plan;
   answer.trajectory.start.x_m = -7.0;
   add("EXTERNAL_PLAN_Q1", answer);
-  auto said = read();
+  auto topics = read();
   EXPECT_EQ(counts_.messages, 2U);
   EXPECT_TRUE(counts_.left_out.empty());
 
-  const Json transforms = said["/tf"].content["transforms"];
+  const Json transforms = topics["/tf"].content["transforms"];
   ASSERT_EQ(transforms.size(), 1U) << "not who is occluded";
   EXPECT_EQ(transforms[0]["header"]["frame_id"], "world");
   EXPECT_EQ(transforms[0]["header"]["stamp"],
@@ -102,9 +102,9 @@ TEST_F(Ros2Export, WritesPosesAndPlansInTheWorldFrame) {
   EXPECT_NEAR(transforms[0]["transform"]["rotation"]["z"], std::sin(0.25), 1e-12);
   EXPECT_NEAR(transforms[0]["transform"]["rotation"]["w"], std::cos(0.25), 1e-12);
 
-  EXPECT_EQ(said["/Q1/plan"].type, "nav_msgs/msg/Path");
-  EXPECT_EQ(said["/Q1/plan"].stamp_ns, kUtime * 1'000);
-  const Json poses = said["/Q1/plan"].content["poses"];
+  EXPECT_EQ(topics["/Q1/plan"].type, "nav_msgs/msg/Path");
+  EXPECT_EQ(topics["/Q1/plan"].stamp_ns, kUtime * 1'000);
+  const Json poses = topics["/Q1/plan"].content["poses"];
   ASSERT_EQ(poses.size(), 4U) << "each half second and the end";
   EXPECT_EQ(poses[0]["pose"]["position"], (Json{{"x", 1.0}, {"y", 2.0}, {"z", 1.5}}));
   EXPECT_NEAR(poses[3]["pose"]["position"]["x"], 2.2, 1e-9);
@@ -153,9 +153,9 @@ TEST_F(Ros2Export, WritesScansMapsBatteriesAndHealth) {
   health.state = models::ProcessState::kDegraded;
   health.counters = {{"VICON.lost", 3}};
   add("HEALTH_SIM", health);
-  auto said = read();
+  auto topics = read();
 
-  const Json laser = said["/Q1/scan"].content;
+  const Json laser = topics["/Q1/scan"].content;
   EXPECT_EQ(laser["header"]["frame_id"], "Q1");
   models::BeamSensor sensor;
   sensor.beams = 3;
@@ -166,12 +166,12 @@ TEST_F(Ros2Export, WritesScansMapsBatteriesAndHealth) {
     EXPECT_NEAR(bearing_rad, sensor.bearing_rad(beam), 1e-6) << beam;
   }
   EXPECT_EQ(laser["ranges"], Json({0.5, 1.0, 1.5}));
-  const Json grid = said["/Q1/map"].content;
+  const Json grid = topics["/Q1/map"].content;
   EXPECT_EQ(grid["info"]["width"], 3);
   EXPECT_EQ(grid["info"]["origin"]["position"]["x"], -4.0);
   EXPECT_EQ(grid["data"], Json({-1, 100, 0, 100, 0, -1}));
-  EXPECT_EQ(said["/Q1/battery"].content["percentage"], 0.75);
-  const Json diagnostic = said["/diagnostics"].content["status"][0];
+  EXPECT_EQ(topics["/Q1/battery"].content["percentage"], 0.75);
+  const Json diagnostic = topics["/diagnostics"].content["status"][0];
   EXPECT_EQ(diagnostic["level"], 1);
   EXPECT_EQ(diagnostic["name"], "SIM");
   EXPECT_EQ(diagnostic["values"][0], (Json{{"key", "VICON.lost"}, {"value", "3"}}));
@@ -185,8 +185,8 @@ TEST_F(Ros2Export, WritesEverySampleOfKnownTypes) {
     add("HEALTH_SIM", vantage::test::sample<models::ProcessHealth>(sampler));
     add("ATTACK", vantage::test::sample<models::AttackNotice>(sampler));
   }
-  const auto said = read();
-  EXPECT_TRUE(said.contains("/truth/tf"));
+  const auto topics = read();
+  EXPECT_TRUE(topics.contains("/truth/tf"));
   EXPECT_TRUE(counts_.left_out.empty());
   EXPECT_GE(counts_.messages, 60U);
 }

@@ -155,13 +155,13 @@ TEST(ToRos2, WritesPlanarAndSpatialBeliefs) {
   nothing.information.matrix = Eigen::Matrix2d::Zero();
   nothing.information.vector = Eigen::Vector2d::Zero();
   belief.targets.push_back(nothing);
-  const std::vector<Message> said = to_ros2(belief);
-  ASSERT_EQ(said.size(), 3U) << "not of whom nothing is known";
+  const std::vector<Message> messages = to_ros2(belief);
+  ASSERT_EQ(messages.size(), 3U) << "not of whom nothing is known";
   for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(said[k].topic, "/Q1/target_" + std::to_string(12 + k));
-    EXPECT_EQ(said[k].type, "geometry_msgs/msg/PoseWithCovarianceStamped");
-    EXPECT_EQ(said[k].valid, kTime);
-    Reader in(said[k]);
+    EXPECT_EQ(messages[k].topic, "/Q1/target_" + std::to_string(12 + k));
+    EXPECT_EQ(messages[k].type, "geometry_msgs/msg/PoseWithCovarianceStamped");
+    EXPECT_EQ(messages[k].valid, kTime);
+    Reader in(messages[k]);
     in.expect_header(kUtime, "world");
     const Numbers place_m = in.numbers(3);
     EXPECT_NEAR(place_m[0], 1.0, 1e-9);
@@ -195,12 +195,12 @@ TEST(ToRos2, WritesScansByBeamBearing) {
       for (int i = 0; i < beams; ++i) {
         scan.ranges_m.push_back(0.125 * (i + 1));
       }
-      const std::vector<Message> said = to_ros2(scan);
-      ASSERT_EQ(said.size(), 1U);
-      EXPECT_EQ(said[0].topic, "/Q1/scan");
-      EXPECT_EQ(said[0].type, "sensor_msgs/msg/LaserScan");
-      EXPECT_EQ(said[0].valid, kTime);
-      Reader in(said[0]);
+      const std::vector<Message> messages = to_ros2(scan);
+      ASSERT_EQ(messages.size(), 1U);
+      EXPECT_EQ(messages[0].topic, "/Q1/scan");
+      EXPECT_EQ(messages[0].type, "sensor_msgs/msg/LaserScan");
+      EXPECT_EQ(messages[0].valid, kTime);
+      Reader in(messages[0]);
       in.expect_header(kUtime, "Q1");
       const std::vector<float> floats = in.numbers<float>(7);
       const Numbers numbers(floats.begin(), floats.end());

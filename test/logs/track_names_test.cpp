@@ -41,10 +41,10 @@ TEST(NamedByPosition, UsesTheOptimalAssignment) {
     }
     truth.add(frame);
     std::vector<models::TargetBelief> tracks;
-    std::vector<Eigen::Vector2d> told_m;
+    std::vector<Eigen::Vector2d> estimated_m;
     for (int i = 0; i < count; ++i) {
-      told_m.push_back(random.vector<2>(-3.0, 3.0));
-      tracks.push_back(track(100 + i, told_m.back()));
+      estimated_m.push_back(random.vector<2>(-3.0, 3.0));
+      tracks.push_back(track(100 + i, estimated_m.back()));
     }
     double least_m2 = std::numeric_limits<double>::infinity();
     std::vector<std::size_t> order(static_cast<std::size_t>(std::max(targets, count)));
@@ -53,8 +53,8 @@ TEST(NamedByPosition, UsesTheOptimalAssignment) {
     do {
       double sum_m2 = 0.0;
       for (std::size_t i = 0; i < fewer; ++i) {
-        sum_m2 += targets <= count ? (true_m[i] - told_m[order[i]]).squaredNorm()
-                                   : (told_m[i] - true_m[order[i]]).squaredNorm();
+        sum_m2 += targets <= count ? (true_m[i] - estimated_m[order[i]]).squaredNorm()
+                                   : (estimated_m[i] - true_m[order[i]]).squaredNorm();
       }
       least_m2 = std::min(least_m2, sum_m2);
     } while (std::next_permutation(order.begin(), order.end()));
@@ -69,7 +69,7 @@ TEST(NamedByPosition, UsesTheOptimalAssignment) {
       const auto which = static_cast<std::size_t>(to_utime(named[i].last_seen) - 100);
       EXPECT_EQ(named[i].information.vector, tracks.at(which).information.vector) << "as it was";
       sum_m2 +=
-          (true_m[static_cast<std::size_t>(named[i].target_id)] - told_m[which]).squaredNorm();
+          (true_m[static_cast<std::size_t>(named[i].target_id)] - estimated_m[which]).squaredNorm();
     }
     EXPECT_NEAR(sum_m2, fewer == 0 ? 0.0 : least_m2, 1e-9);
   }

@@ -38,8 +38,8 @@ struct Lab {
         bus::vehicle_channel("*"),
         [this](const models::VehicleStatus& status) { statuses.push_back(status); });
     net.other.subscribe<models::AttackNotice>(
-        bus::kAttack, [this](const models::AttackNotice& said) {
-          attacks.emplace_back(said.stamp.time - kStart, said.jammed);
+        bus::kAttack, [this](const models::AttackNotice& notice) {
+          attacks.emplace_back(notice.stamp.time - kStart, notice.jammed);
         });
   }
   void tick() {
@@ -94,9 +94,9 @@ TEST(SimNode, PublishesAtWholePeriodsForAnyStart) {
   }
   // The status of each robot is published at the first instant, because its state is new, and then
   // at 10 Hz.
-  std::vector<std::pair<std::string, Time>> said;
+  std::vector<std::pair<std::string, Time>> stamps;
   for (const models::VehicleStatus& status : lab.statuses) {
-    said.emplace_back(status.robot, status.stamp.time);
+    stamps.emplace_back(status.robot, status.stamp.time);
   }
   std::vector<std::pair<std::string, Time>> expected;
   for (const int ms : {25, 100, 200}) {
@@ -104,7 +104,7 @@ TEST(SimNode, PublishesAtWholePeriodsForAnyStart) {
       expected.emplace_back(robot, kStart + Duration{1'000 * ms});
     }
   }
-  EXPECT_EQ(said, expected);
+  EXPECT_EQ(stamps, expected);
   EXPECT_EQ(lab.node.deadlines_missed(), 0);
   EXPECT_TRUE(lab.node.counters().empty());
   EXPECT_EQ(lab.node.name(), "SIM");
@@ -144,15 +144,15 @@ TEST(SimNode, PublishesAttackOnChangeAndEachSecond) {
   Lab lab(scenario);
   lab.run_until(kStart + Duration{4'900'000});
   using Names = std::vector<std::string>;
-  using Said = std::pair<Duration, Names>;
+  using TimedNotice = std::pair<Duration, Names>;
   const auto at = [](int ms) { return Duration{1'000 * ms}; };
-  EXPECT_EQ(lab.attacks, (std::vector<Said>{{at(0), {}},
-                                            {at(500), {"Q1", "Q3"}},
-                                            {at(1'500), {"Q1", "Q2", "Q3"}},
-                                            {at(2'000), {"Q1", "Q2"}},
-                                            {at(2'600), {}},
-                                            {at(3'600), {}},
-                                            {at(4'600), {}}}));
+  EXPECT_EQ(lab.attacks, (std::vector<TimedNotice>{{at(0), {}},
+                                                   {at(500), {"Q1", "Q3"}},
+                                                   {at(1'500), {"Q1", "Q2", "Q3"}},
+                                                   {at(2'000), {"Q1", "Q2"}},
+                                                   {at(2'600), {}},
+                                                   {at(3'600), {}},
+                                                   {at(4'600), {}}}));
   Lab quiet(test::lab_scenario());
   quiet.run_until(kStart + Duration{1'500'000});
   EXPECT_TRUE(quiet.attacks.empty());

@@ -109,10 +109,10 @@ TEST(SimNode, FliesAPlanFromItsStartAndBrakesAtItsEnd) {
   // The path is 1 m (1 s at 1 m/s) plus ½ · 1² / 2 m for the stop.
   EXPECT_NEAR(q2.position_world_m().y(), 2.25, 0.08);
   EXPECT_NEAR(q2.position_world_m().x(), 2.0, 0.08);
-  const bool said = std::any_of(lab.statuses.begin(), lab.statuses.end(), [](const auto& status) {
-    return status.robot == "Q2" && status.plan_round == 3;
-  });
-  EXPECT_TRUE(said);
+  const bool is_reported = std::any_of(
+      lab.statuses.begin(), lab.statuses.end(),
+      [](const auto& status) { return status.robot == "Q2" && status.plan_round == 3; });
+  EXPECT_TRUE(is_reported);
   EXPECT_TRUE(lab.node.counters().empty());
 }
 
@@ -214,9 +214,9 @@ std::vector<std::uint8_t> bytes_of_run(std::uint64_t seed, Duration tick_every) 
   bus::InProcessHub hub;
   bus::VirtualClock clock(kStart);
   const auto sim_side = hub.connect();
-  const auto ear = hub.connect();
+  const auto receiver = hub.connect();
   std::vector<std::uint8_t> bytes;
-  ear->subscribe("*", [&](std::string_view channel, std::span<const std::uint8_t> payload) {
+  receiver->subscribe("*", [&](std::string_view channel, std::span<const std::uint8_t> payload) {
     bytes.insert(bytes.end(), channel.begin(), channel.end());
     bytes.insert(bytes.end(), payload.begin(), payload.end());
   });
@@ -227,7 +227,7 @@ std::vector<std::uint8_t> bytes_of_run(std::uint64_t seed, Duration tick_every) 
     if (now >= node.next_tick()) {
       node.tick(now);
     }
-    ear->handle(std::chrono::microseconds(0));
+    receiver->handle(std::chrono::microseconds(0));
   }
   return bytes;
 }

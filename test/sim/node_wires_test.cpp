@@ -201,10 +201,10 @@ TEST(SimNode, ReportsRealStreamRateAndLatency) {
   client.read_reply();  // the server's greeting
   const Time capture = run_up_to_a_frame(lab);
   lab.tick_at(capture + Duration{7'000});
-  const std::vector<std::uint8_t> heard = client.read_reply();
-  const vicon::Framed framed = vicon::next_packet(heard);
+  const std::vector<std::uint8_t> received = client.read_reply();
+  const vicon::Framed framed = vicon::next_packet(received);
   ASSERT_EQ(framed.state, vicon::Framing::kWhole);
-  EXPECT_EQ(framed.bytes, heard.size()) << "one frame";
+  EXPECT_EQ(framed.bytes, received.size()) << "one frame";
   std::map<std::uint32_t, vicon::Bytes> blocks;
   vicon::BlockCursor cursor(framed.body);
   while (const auto block = cursor.next()) {
@@ -235,8 +235,8 @@ TEST(SimNode, StampsVrpnWithTheCaptureTime) {
   const Time capture = run_up_to_a_frame(lab);
   client.read_reply();
   lab.run(1);
-  const std::vector<std::uint8_t> heard = client.read_reply();
-  vicon::Bytes left(heard);
+  const std::vector<std::uint8_t> received = client.read_reply();
+  vicon::Bytes left(received);
   int poses = 0;
   while (!left.empty()) {
     vicon::VrpnHeader header;

@@ -54,13 +54,13 @@ struct Lab {
     wire::sitl::ServoOutputs outputs;
     outputs.pulse_us.fill(pulse_us);
     const auto bytes = wire::sitl::format_servo_outputs(outputs);
-    std::array<char, 2048> heard{};
+    std::array<char, 2048> received{};
     for (int k = 0; k < steps; ++k) {
       ASSERT_EQ(sendto(fd, bytes.data(), bytes.size(), 0, as_sockaddr(to), sizeof to),
                 static_cast<ssize_t>(bytes.size()));
       pollfd polled{fd, POLLIN, 0};
       ASSERT_EQ(poll(&polled, 1, 10'000), 1);
-      ASSERT_GT(recv(fd, heard.data(), heard.size(), 0), 0);
+      ASSERT_GT(recv(fd, received.data(), received.size(), 0), 0);
     }
   }
   Eigen::Vector3d place_at(Time now, double dt_s = 0.0) const {

@@ -73,10 +73,10 @@ TEST(WireRover, FollowsItsWheels) {
   }
   EXPECT_NEAR(rover.velocity_world_mps().norm(), 0.5, 1e-6);
   EXPECT_EQ(rover.world_from_body().translation_m.z(), 0.2);
-  const Eigen::Vector3d way_m =
+  const Eigen::Vector3d offset_m =
       rover.world_from_body().translation_m - Eigen::Vector3d(-1, 0.5, 0.2);
-  EXPECT_NEAR(way_m.norm(), 0.5 * (2.0 - 0.25 - 0.035) * 0.97, 0.03);  // ramp, delay and slip
-  for (int i = 0; i < 200; ++i) {                                      // the driver no longer sends
+  EXPECT_NEAR(offset_m.norm(), 0.5 * (2.0 - 0.25 - 0.035) * 0.97, 0.03);  // ramp, delay and slip
+  for (int i = 0; i < 200; ++i) {  // the driver no longer sends
     now = step(rover, now);
   }
   EXPECT_EQ(rover.velocity_world_mps().norm(), 0.0);

@@ -44,7 +44,7 @@ MadeUpFlight flight_held_up_us(std::int64_t waits_us) {
     }
     return true;
   };
-  flight.besides = [waits_us, waits = Waits()](double t_s, FlightRecord& record) mutable {
+  flight.add_messages = [waits_us, waits = Waits()](double t_s, FlightRecord& record) mutable {
     if (const double second = std::round(t_s); std::abs(t_s - second) < 0.001) {
       waits.say(record, t_s, second == 8.0 ? waits_us : 1'000);
     }
@@ -87,7 +87,7 @@ MadeUpFlight flight_that_touches(const std::string& other, double touches_s, std
     }
     return true;
   };
-  flight.besides = [=, before = flight.besides](double t_s, FlightRecord& record) {
+  flight.add_messages = [=, before = flight.add_messages](double t_s, FlightRecord& record) {
     before(t_s, record);
     if (std::abs(t_s - touches_s) < 0.001) {
       models::CollisionReport contact;
@@ -143,7 +143,7 @@ TEST(FlightHeldUp, JudgesSafetyEvenWhenHeldUp) {
   EXPECT_EQ(broken(outside.record()), Names{"Q1 fence"});
 
   MadeUpFlight strange = flight_held_up_us(900'000);
-  strange.besides = [before = strange.besides](double t_s, FlightRecord& record) {
+  strange.add_messages = [before = strange.add_messages](double t_s, FlightRecord& record) {
     before(t_s, record);
     if (std::abs(t_s - 9.02) < 0.005) {
       models::VehicleStatus status = MadeUpFlight::state_of("Q1", t_s);
@@ -181,7 +181,8 @@ TEST(FlightHeldUp, JudgesSafetyEvenWhenHeldUp) {
 // the process, do not count.
 TEST(FlightHeldUp, ReportsLongestWaitWithinOneRun) {
   MadeUpFlight flight;
-  flight.besides = [planner = Waits(), sim = Waits()](double t_s, FlightRecord& record) mutable {
+  flight.add_messages = [planner = Waits(), sim = Waits()](double t_s,
+                                                           FlightRecord& record) mutable {
     const double second = std::round(t_s);
     if (std::abs(t_s - second) > 0.001) {
       return;
@@ -203,7 +204,7 @@ TEST(FlightHeldUp, ReportsLongestWaitWithinOneRun) {
   EXPECT_FALSE(held_up(MadeUpFlight().record(), impatient)) << "of a log that does not say it";
 
   MadeUpFlight older;
-  older.besides = [](double t_s, FlightRecord& told) {
+  older.add_messages = [](double t_s, FlightRecord& told) {
     models::ProcessHealth health;
     health.stamp = {MadeUpFlight::at(t_s), 5, 0};
     health.process = "SIM";
@@ -219,7 +220,8 @@ TEST(FlightHeldUp, ReportsLongestWaitWithinOneRun) {
 // span.
 TEST(FlightHeldUp, CountsProcessorsOfRequestedSpan) {
   MadeUpFlight flight;
-  flight.besides = [planner = Waits(), sim = Waits()](double t_s, FlightRecord& record) mutable {
+  flight.add_messages = [planner = Waits(), sim = Waits()](double t_s,
+                                                           FlightRecord& record) mutable {
     const double second = std::round(t_s);
     if (std::abs(t_s - second) < 0.001) {
       planner.say(record, t_s, 0, "PLANNER_Q1", second == 7.0 ? 800'000 : 200'000);
@@ -244,8 +246,8 @@ TEST(FlightHeldUp, CountsProcessorsOfRequestedSpan) {
 TEST(FlightHeldUp, DoesNotExcuseWaitsCausedByOwnProcesses) {
   const auto record = [](std::int64_t sim_runs_us, std::int64_t waits_later_us) {
     MadeUpFlight flight = flight_held_up_us(300'000);
-    flight.besides = [=, of_planner = flight.besides, later = Waits(), sim = Waits()](
-                         double t_s, FlightRecord& out) mutable {
+    flight.add_messages = [=, of_planner = flight.add_messages, later = Waits(), sim = Waits()](
+                              double t_s, FlightRecord& out) mutable {
       of_planner(t_s, out);  // it uses 0.1 s
       const double second = std::round(t_s);
       if (std::abs(t_s - second) > 0.001) {
@@ -268,8 +270,8 @@ TEST(FlightHeldUp, DoesNotExcuseWaitsCausedByOwnProcesses) {
 TEST(FlightHeldUp, NamesSpinningProcessEvenWhenHeldUp) {
   for (const std::int64_t sim_runs_us : {600'000, 601'000}) {
     MadeUpFlight flight;
-    flight.besides = [sim_runs_us, planner = Waits(), sim = Waits()](double t_s,
-                                                                     FlightRecord& record) mutable {
+    flight.add_messages = [sim_runs_us, planner = Waits(), sim = Waits()](
+                              double t_s, FlightRecord& record) mutable {
       const double second = std::round(t_s);
       if (std::abs(t_s - second) > 0.001) {
         return;

@@ -192,7 +192,7 @@ TEST(FlightInvariants, GroundRobotsAreCheckedOnTheGround) {
 // are accepted, and the flight is reported to have had another driver.
 TEST(FlightInvariants, CountForeignMessagesAndDriverRestarts) {
   MadeUpFlight beside;
-  beside.besides = [](double t_s, FlightRecord& record) {
+  beside.add_messages = [](double t_s, FlightRecord& record) {
     if (std::abs(t_s - 9.01) < 0.05) {
       models::VehicleStatus status = MadeUpFlight::state_of("Q1", t_s);
       status.stamp.run_id = 66;

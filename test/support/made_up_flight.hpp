@@ -28,7 +28,7 @@ class MadeUpFlight {
   std::function<bool(double t_s, models::TruthBody&)> is = [](double, models::TruthBody&) {
     return true;
   };
-  std::function<void(double t_s, FlightRecord&)> besides = [](double, FlightRecord&) {};
+  std::function<void(double t_s, FlightRecord&)> add_messages = [](double, FlightRecord&) {};
   /// Content of the SCENARIO message.
   std::string yaml = scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab.yaml").source_text;
 
@@ -45,7 +45,7 @@ class MadeUpFlight {
         tell_state(out, "Q1", t_s, i / 5);
         tell_state(out, "Q2", t_s, i / 5);
       }
-      besides(t_s, out);
+      add_messages(t_s, out);
     }
     return out;
   }

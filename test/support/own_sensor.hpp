@@ -19,8 +19,8 @@ inline const models::SensorLaw& signal_strength_law() {
   static constexpr models::SensorLaw kLaw{
       .name = "signal_strength",
       .measurement_dim = [](int /*position_dim*/) { return 1; },
-      .sees = [](const SensorModel& /*sensor*/, const Viewpoint& /*from*/,
-                 const SightLine& to) { return to.range_m >= models::kLeastRange_m; },
+      .can_measure = [](const SensorModel& /*sensor*/, const Viewpoint& /*from*/,
+                        const SightLine& to) { return to.range_m >= models::kLeastRange_m; },
       .observe = [](const SensorModel& /*sensor*/, const Viewpoint& /*from*/, const SightLine& to,
                     int /*position_dim*/) -> models::MeasurementVector {
         return Eigen::Matrix<double, 1, 1>(-kDecibelsPerNeper * std::log(to.range_m));

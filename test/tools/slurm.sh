@@ -73,20 +73,20 @@ says "Slurm rejected the job: .*[Ii]nvalid job array"
 # The same if Slurm accepts only the array. Nothing is submitted while the queue cannot be queried.
 mkdir "$work/bin"
 PATH="$work/bin:$PATH"
-# in_the_way PROGRAM CASE WORDS: makes PROGRAM fail if CASE is among its arguments.
-in_the_way() {
+# make_fail PROGRAM CASE WORDS: makes PROGRAM fail if CASE is among its arguments.
+make_fail() {
   printf '#!/bin/sh\ncase "$*" in *%s*) echo "%s" >&2; exit 1;; esac\nexec %s "$@"\n' \
     "$2" "$3" "$(command -v "$1")" > "$work/bin/$1.new"
   chmod +x "$work/bin/$1.new"
   mv "$work/bin/$1.new" "$work/bin/$1"
 }
-in_the_way sbatch --dependency 'sbatch: error: full'
+make_fail sbatch --dependency 'sbatch: error: full'
 run 2 refused --slurm --shards 2 --sbatch=--hold
 says "rejected the job: sbatch: error: full (job that collects the results; job [0-9]* is cancelled)"
 until_queue_is_empty
 rm "$work/bin/sbatch"
 hash -r
-in_the_way squeue --states=all 'squeue: error: no controller'
+make_fail squeue --states=all 'squeue: error: no controller'
 run 2 refused --slurm --shards 2
 says "cannot be queried: squeue: error: no controller; nothing is submitted"
 echo "slurm.sh: all good"

@@ -19,8 +19,8 @@ class DiaryNode : public bus::Node {
  public:
   DiaryNode(std::string name, bus::Bus& bus, Diary& diary, Duration period)
       : name_(std::move(name)), bus_(bus), diary_(diary), period_(period), next_(kStart) {
-    bus_.subscribe<models::AttackNotice>({"DIARY_*"}, [this](const models::AttackNotice& heard) {
-      diary_.push_back(name_ + " hears " + heard.jammed.front());
+    bus_.subscribe<models::AttackNotice>({"DIARY_*"}, [this](const models::AttackNotice& received) {
+      diary_.push_back(name_ + " hears " + received.jammed.front());
     });
   }
   [[nodiscard]] std::string name() const override { return name_; }
@@ -95,25 +95,25 @@ TEST(VirtualTimeLoop, RefusesANodeWithoutProgress) {
 TEST(VirtualTimeLoop, ReportsTheHealthOfItsNodes) {
   Diary diary;
   VirtualTimeLoop loop(kStart);
-  std::set<std::string> heard;
+  std::set<std::string> received;
   loop.add_bus(9).subscribe<models::ProcessHealth>(
       bus::health_channel("*"),
-      [&heard](const models::ProcessHealth& health) { heard.insert(health.process); });
+      [&received](const models::ProcessHealth& health) { received.insert(health.process); });
   loop.add_node(recipe("A", diary, std::chrono::milliseconds(500)), 1);
   loop.add_node(recipe("B", diary, std::chrono::milliseconds(500)), 2);
   loop.run_until(kStart + std::chrono::seconds(3));
-  EXPECT_EQ(heard, (std::set<std::string>{"A", "B"}));
+  EXPECT_EQ(received, (std::set<std::string>{"A", "B"}));
 }
 
 TEST(VirtualTimeLoop, DeliversToListenersBeforeTheNextTick) {
   Diary diary;
   VirtualTimeLoop loop(kStart);
-  const auto ear = loop.connect();
-  ear->subscribe("DIARY_*", [&diary](std::string_view channel, const auto& /*bytes*/) {
+  const auto receiver = loop.connect();
+  receiver->subscribe("DIARY_*", [&diary](std::string_view channel, const auto& /*bytes*/) {
     diary.push_back("recorded " + std::string(channel));
   });
-  loop.on_delivered([&ear] {
-    while (ear->handle(std::chrono::microseconds(0)) > 0) {
+  loop.on_delivered([&receiver] {
+    while (receiver->handle(std::chrono::microseconds(0)) > 0) {
     }
   });
   loop.add_node(recipe("A", diary, Duration(20)), 1);

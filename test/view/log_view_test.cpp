@@ -36,7 +36,7 @@ using test::subscribe;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 /// Returns the newest record of each topic that a new viewer receives.
-std::map<std::string, std::string> told_to_newcomer(Broker& broker) {
+std::map<std::string, std::string> records_for_new_viewer(Broker& broker) {
   const auto newcomer = broker.connect(true);
   pop_text(*newcomer);
   const json advertised = pop_text(*newcomer);
@@ -130,7 +130,7 @@ TEST_F(SampleLog, ShowsSameInstantAfterAnySeekPath) {
     ask(instant);
     broker.disconnect(client);
     // A new viewer receives the scene of that instant of the log.
-    return told_to_newcomer(broker);
+    return records_for_new_viewer(broker);
   };
   const auto straight = newest(false);
   const auto roundabout = newest(true);
@@ -166,9 +166,9 @@ TEST_F(SampleLog, SeekShowsStateOfFullReplay) {
     play(log.newest_before(from));
     play(log.events(from, instant + Duration{1}));
 
-    const auto told = told_to_newcomer(broker);
-    EXPECT_GT(told.size(), 15U);
-    EXPECT_EQ(told, told_to_newcomer(whole)) << at_s << " s";
+    const auto records = records_for_new_viewer(broker);
+    EXPECT_GT(records.size(), 15U);
+    EXPECT_EQ(records, records_for_new_viewer(whole)) << at_s << " s";
     EXPECT_EQ(json::parse(broker.topics_text())["topics"],
               json::parse(whole.topics_text())["topics"])
         << "all are counted";
@@ -379,7 +379,7 @@ class UnreadLog : public ::testing::Test {
     return folder_.file("a.lcmlog");
   }
   static std::string jammed(Broker& broker) {
-    return json::parse(told_to_newcomer(broker).at("/attack"))["jammed"].dump();
+    return json::parse(records_for_new_viewer(broker).at("/attack"))["jammed"].dump();
   }
 
   logs::test::Bytes bytes_;

@@ -114,14 +114,14 @@ void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
       continue;
     }
     for (const models::UnicycleControl& control : robot.primitives) {
-      models::Trajectory way;
-      way.segments = {{control, scenario.planner.step_s, 0.0}};
+      models::Trajectory trajectory;
+      trajectory.segments = {{control, scenario.planner.step_s, 0.0}};
       for (const models::PlanSegment& stop :
            models::brake(control.speed_mps, robot.limits.brake_mps2)) {
-        way.segments.push_back(stop);
+        trajectory.segments.push_back(stop);
       }
       drivers::HeldPlan plan;
-      if (drivers::hold_plan(way, plan) &&
+      if (drivers::hold_plan(trajectory, plan) &&
           drivers::check_shape(plan, limits) != drivers::PlanVerdict::kAccepted) {
         faults.push_back(
             fmt::format("robot {}: flight safety rejects the primitive {:g} m/s, {:g} rad/s: {}",
@@ -292,8 +292,8 @@ void note_static_model_of_moving_targets(const Scenario& scenario,
                                          std::vector<std::string>& notes) {
   const models::TargetModel& believed = scenario.estimator.target_model;
   const models::TargetLaw& law = believed.kind.law();
-  const bool is_believed_to_stand = law.is_constant || (law.uses_q && believed.q == 0.0);
-  if (!is_believed_to_stand || scenario.targets.empty() ||
+  const bool is_assumed_stationary = law.is_constant || (law.uses_q && believed.q == 0.0);
+  if (!is_assumed_stationary || scenario.targets.empty() ||
       scenario.target_truth.motion == scenario::TargetMotion::kStill) {
     return;
   }
@@ -305,7 +305,8 @@ void note_static_model_of_moving_targets(const Scenario& scenario,
 
 }  // namespace
 
-MemoryRoom room_for_planners(const Scenario& scenario, std::optional<std::uint64_t> free_bytes) {
+MemoryCheck check_planner_memory(const Scenario& scenario,
+                                 std::optional<std::uint64_t> free_bytes) {
   std::size_t robots = scenario.hosts.empty() ? scenario.robots.size() : 0;
   for (const scenario::HostSpec& host : scenario.hosts) {
     const auto here = std::count_if(

@@ -41,13 +41,13 @@ Preflight check_preflight(const scenario::Scenario& scenario);
 
 /// Bytes; maximum memory of one robot's planner. Measured: 50 planners in one process used 5.7 GB.
 inline constexpr double kPlannerBytes = 120e6;
-struct MemoryRoom {
+struct MemoryCheck {
   bool is_enough = true;
   std::string summary;
 };
 /// Compares the free memory with the need of the planners on the host that runs most planners.
-MemoryRoom room_for_planners(const scenario::Scenario& scenario,
-                             std::optional<std::uint64_t> free_bytes);
+MemoryCheck check_planner_memory(const scenario::Scenario& scenario,
+                                 std::optional<std::uint64_t> free_bytes);
 /// Returns the available memory of this machine in bytes; nullopt if unknown.
 std::optional<std::uint64_t> free_memory_bytes();
 

@@ -28,7 +28,7 @@ void VehicleCheck::load() { link_.repair_parameters(); }
 
 bool VehicleCheck::is_done(Time now) const {
   if (link_.fault(now)) {
-    return now - started_ > kHeardWithin;
+    return now - started_ > kFirstMessageTimeout;
   }
   return link_.telemetry().is_armed() || link_.parameters().is_complete();
 }

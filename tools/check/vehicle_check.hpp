@@ -16,7 +16,7 @@ namespace vantage::tools {
 class VehicleCheck {
  public:
   /// Longest wait for the first message of an autopilot.
-  static constexpr Duration kHeardWithin = std::chrono::seconds(10);
+  static constexpr Duration kFirstMessageTimeout = std::chrono::seconds(10);
 
   /// @throws UsageError if the robot has no autopilot.
   VehicleCheck(const scenario::RobotSpec& robot,

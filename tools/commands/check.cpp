@@ -94,13 +94,14 @@ int run(const CheckArguments& arguments) {
   Preflight preflight = check_preflight(scenario);
   const std::string log_path =
       arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
-  const logs::LogRoom room = logs::room_for_log(scenario, log_path, logs::free_bytes_for(log_path));
-  (room.is_enough ? preflight.understood : preflight.faults).push_back(room.summary);
+  const logs::LogSpaceCheck space =
+      logs::check_log_space(scenario, log_path, logs::free_bytes_for(log_path));
+  (space.is_enough ? preflight.understood : preflight.faults).push_back(space.summary);
   preflight.understood.push_back(security_words(scenario));
   std::vector<std::string> security_faults = bus::auth::security_faults(scenario);
   const bool can_judge = security_faults.empty();
   std::ranges::move(security_faults, std::back_inserter(preflight.faults));
-  const MemoryRoom memory = room_for_planners(scenario, free_memory_bytes());
+  const MemoryCheck memory = check_planner_memory(scenario, free_memory_bytes());
   (memory.is_enough ? preflight.understood : preflight.faults).push_back(memory.summary);
   if (arguments.is_live && can_judge) {
     listen(scenario, arguments.listen_s, bus::auth::authenticator_for(scenario), preflight.faults);

@@ -114,7 +114,7 @@ int run_as_jobs(ExperimentArguments& arguments, const experiments::SweepIdentity
                        {"--jobs", std::to_string(arguments.options.jobs), "--out", directory});
   slurm.cores_per_task = arguments.options.jobs;
   slurm.is_waiting = !arguments.is_detached;
-  slurm.tell = [](const std::string& line) {
+  slurm.print_line = [](const std::string& line) {
     show_line("");
     print_line(line);
   };

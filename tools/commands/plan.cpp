@@ -25,7 +25,7 @@ struct PlanArguments {
 };
 
 int run(const PlanArguments& arguments) {
-  std::optional<EndsAtOnce> preparing(std::in_place);
+  std::optional<DefaultSignalScope> preparing(std::in_place);
   if (!arguments.svg_path.empty()) {
     require_writable(arguments.svg_path);
   }

@@ -47,14 +47,14 @@ bool has_message_of(const logs::SeekableLog& log, const logs::TypeLibrary& types
 }
 
 logs::SeekableLog open_seekable(const std::string& path) {
-  const EndsAtOnce reading;
+  const DefaultSignalScope reading;
   return logs::SeekableLog(path);
 }
 
 /// Completes the first pass over the log and shows the progress.
 void survey(logs::SeekableLog& log) {
   constexpr std::size_t kStepBytes = std::size_t{16} << 20U;
-  const EndsAtOnce reading;
+  const DefaultSignalScope reading;
   const auto progress = progress_line("reading " + log.path());
   while (log.advance(kStepBytes)) {
     if (progress) {
@@ -92,15 +92,15 @@ void require_messages(logs::SeekableLog& log, const logs::TypeLibrary& types) {
 
 int record(logs::SeekableLog& log, const logs::TypeLibrary& types, const ViewArguments& arguments) {
   constexpr int kStep_percent = 10;
-  std::atomic<int> told_percent = 0;
-  const auto tell = [&](double share) {
+  std::atomic<int> shown_percent = 0;
+  const auto show_progress = [&](double share) {
     const int percent = static_cast<int>(100.0 * share) / kStep_percent * kStep_percent;
-    if (percent > told_percent.exchange(percent)) {
+    if (percent > shown_percent.exchange(percent)) {
       print_line(fmt::format("record   {:3} %", percent));
     }
   };
   const bool is_whole =
-      record_log(log, types, arguments.web, arguments.record, tell, stop_requested);
+      record_log(log, types, arguments.web, arguments.record, show_progress, stop_requested);
   print_line(is_whole ? "record   " + arguments.record.path
                       : "record   interrupted: the video is incomplete");
   return is_whole ? 0 : 1;

@@ -36,19 +36,19 @@ def event_times_us(path):
 
 def arrivals_us(command, count):
     """Runs a player. Returns the arrival times in us of its messages by sequence number."""
-    ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    ear.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    ear.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
-    ear.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
-    ear.bind((GROUP, PORT))
-    ear.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP,
+    receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    receiver.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
+    receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+    receiver.bind((GROUP, PORT))
+    receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP,
                    socket.inet_aton(GROUP) + socket.inet_aton("127.0.0.1"))
-    ear.settimeout(0.2)
+    receiver.settimeout(0.2)
     player = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
     arrived = {}
     while len(arrived) < count:
         try:
-            packet, ancillary, _, _ = ear.recvmsg(65536, 64)
+            packet, ancillary, _, _ = receiver.recvmsg(65536, 64)
         except socket.timeout:
             if player.poll() is not None:
                 break
@@ -59,7 +59,7 @@ def arrivals_us(command, count):
             seconds, nanoseconds = struct.unpack("qq", ancillary[0][2][:16])
             arrived[sequence] = seconds * 1e6 + nanoseconds / 1e3
     player.wait()
-    ear.close()
+    receiver.close()
     return arrived
 
 

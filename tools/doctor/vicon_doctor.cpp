@@ -60,15 +60,15 @@ void probe(sockaddr_in address, ViconPort& port, const Stop& stop) {
   }
   port.answer = Answer::kAccepted;
   std::array<std::uint8_t, 64> buffer{};
-  std::size_t heard = 0;
+  std::size_t received = 0;
   polled.events = POLLIN;
   while (port.server_type == ServerType::kTooFewBytes && wait_for(polled, kGreeting_ms, stop)) {
-    const ssize_t bytes = recv(line.fd(), buffer.data() + heard, buffer.size() - heard, 0);
+    const ssize_t bytes = recv(line.fd(), buffer.data() + received, buffer.size() - received, 0);
     if (bytes <= 0) {
       return;
     }
-    heard += static_cast<std::size_t>(bytes);
-    port.server_type = wire::vicon::identify_stream(wire::vicon::Bytes(buffer).first(heard));
+    received += static_cast<std::size_t>(bytes);
+    port.server_type = wire::vicon::identify_stream(wire::vicon::Bytes(buffer).first(received));
   }
 }
 
@@ -141,7 +141,7 @@ Observation observe(const scenario::MocapSpec& spec, Duration listen, const Stop
 std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<int>& tcp_ports,
                                      int udp_port, Duration listen, const Stop& stop) {
   const sockaddr_in address = [&host] {
-    const EndsAtOnce looking_up;  // a name look-up may block for a long time
+    const DefaultSignalScope looking_up;  // a name look-up may block for a long time
     return require_host(host, 0);
   }();
   std::vector<ViconPort> out;

@@ -11,7 +11,7 @@ namespace {
 using scenario::MocapProtocol;
 using wire::vicon::ServerType;
 
-std::string place_of(const std::string& host, const ViconPort& port) {
+std::string address_text(const std::string& host, const ViconPort& port) {
   return port.expected.is_datagram() ? fmt::format("UDP port {}", port.port)
                                      : fmt::format("{}:{}", host, port.port);
 }
@@ -22,25 +22,25 @@ bool has_seen_bodies(const Observation& observed) {
 }
 
 std::string first_line(const std::string& host, const ViconPort& port) {
-  const std::string place = place_of(host, port);
+  const std::string address = address_text(host, port);
   if (port.expected.is_datagram() && port.answer != Answer::kAccepted) {
     const std::string status = port.observed ? port.observed->status : std::string();
     return status.find(" is ") != std::string::npos || status.find("cannot") != std::string::npos
                ? status
-               : place + ": no data (the UDP object stream is off or goes to another address)";
+               : address + ": no data (the UDP object stream is off or goes to another address)";
   }
   switch (port.answer) {
     case Answer::kNone:
-      return place + ": no answer (wrong host, cable or firewall)";
+      return address + ": no answer (wrong host, cable or firewall)";
     case Answer::kRefused:
-      return place + ": connection refused (no program listens on this port)";
+      return address + ": connection refused (no program listens on this port)";
     case Answer::kAccepted:
       break;
   }
   if (!port.observed || port.observed->frames == 0) {
-    return fmt::format("{}: {}", place, name_of(port.server_type));
+    return fmt::format("{}: {}", address, name_of(port.server_type));
   }
-  return fmt::format("{}: {}, {:.1f} Hz, {} bodies, latency {:.1f} ms", place,
+  return fmt::format("{}: {}, {:.1f} Hz, {} bodies, latency {:.1f} ms", address,
                      name_of(port.server_type), port.observed->rate_hz,
                      port.observed->bodies.size(), 1e3 * port.observed->latency_s);
 }

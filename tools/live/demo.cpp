@@ -103,16 +103,16 @@ DemoResult run_demo(const scenario::Scenario& scenario,
 
   const Time end = start + from_seconds(scenario.duration_s);
   TrialDisplay display(form_of(options.quiet, options.live_table));
-  std::vector<std::string> said;
-  const auto tell = [&] {
-    for (std::string& news : log.take_news()) {
-      options.warn(news);
-      said.push_back(std::move(news));
+  std::vector<std::string> notices;
+  const auto report_notices = [&] {
+    for (std::string& notice : log.take_notices()) {
+      options.warn(notice);
+      notices.push_back(std::move(notice));
     }
   };
   while (!is_over && !stop() && clock.now() < end) {
     drain(kWait);
-    tell();
+    report_notices();
     announcer.tick(clock.now());
     if (const Time now = clock.now(); display.is_due(now)) {
       display.show(now, scenario, observer.metrics(), to_seconds(now - start));
@@ -135,9 +135,9 @@ DemoResult run_demo(const scenario::Scenario& scenario,
   lost += recording.events_lost + recorded->stats().queue_overflows + own_bus.messages_lost() +
           own_transport->stats().queue_overflows;
   result.summary = observer.metrics().finish(ended, lost);
-  tell();
+  report_notices();
   if (!recording.is_good()) {  // a slow disk without losses is not a failure
-    std::ranges::move(said, std::back_inserter(result.failures));
+    std::ranges::move(notices, std::back_inserter(result.failures));
   }
   draw(scenario, observer.scene(), result);
   return result;

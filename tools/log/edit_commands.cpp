@@ -30,16 +30,16 @@ struct EditArguments {
 int report(const EditArguments& arguments, const logs::EditCounts& counts, OutputLog& output) {
   const std::string failure = output.finish();
   print_line(fmt::format("{}: {} events", arguments.output, output.events()));
-  if (counts.name_too_long > 0) {
+  if (counts.invalid_names > 0) {
     fmt::print(stderr, "{} events left out: their new channel name is longer than 63 bytes\n",
-               counts.name_too_long);
+               counts.invalid_names);
   }
   if (!failure.empty()) {
     print_line("vantage: " + failure, stderr);
   } else if (counts.is_stopped) {
     fmt::print(stderr, "vantage: interrupted: the output is valid, but incomplete\n");
   }
-  return failure.empty() && !counts.is_stopped && counts.name_too_long == 0 ? 0 : 1;
+  return failure.empty() && !counts.is_stopped && counts.invalid_names == 0 ? 0 : 1;
 }
 
 logs::EditRules rules_for(const EditArguments& arguments, const logs::IndexedLog& log) {

@@ -26,7 +26,7 @@ struct ExportArguments {
 };
 
 // Prints one line for each channel with events left out, for at most kNamed channels.
-void tell_left_out(const logs::IndexedLog& log, const logs::ExportCounts& counts) {
+void print_left_out(const logs::IndexedLog& log, const logs::ExportCounts& counts) {
   constexpr int kNamed = 20;
   int named = 0;
   for (const auto& [channel, events] : counts.left_out) {
@@ -49,7 +49,7 @@ void tell_left_out(const logs::IndexedLog& log, const logs::ExportCounts& counts
 int report(const logs::IndexedLog& log, const ExportArguments& arguments,
            const logs::ExportCounts& counts) {
   print_line(fmt::format("{}: {} messages", arguments.output, counts.messages));
-  tell_left_out(log, counts);
+  print_left_out(log, counts);
   if (counts.times_held > 0) {
     fmt::print(stderr,
                "{}: the times of {} messages were changed to the nearest time that MCAP supports "

@@ -61,7 +61,7 @@ std::string yaml_of(const models::TargetModel& model) {
   if (!model.kind.law().uses_oscillator) {
     return fmt::format("{{kind: {}, q: {:.3g}}}", model.kind.name(), model.q);
   }
-  const models::Surroundings& around = model.surroundings;
+  const models::DampedOscillator& around = model.oscillator;
   const auto pair = [](const Eigen::Vector2d& of) {
     return fmt::format("[{:.3g}, {:.3g}]", of.x(), of.y());
   };
@@ -103,7 +103,7 @@ nlohmann::ordered_json fits_to_json(const std::vector<logs::FittedMotion>& fits)
                                   {"held_back_nats", fit.held_back.nats},
                                   {"held_back_nees", fit.held_back.nees}};
     if (fit.model.kind.law().uses_oscillator) {
-      const models::Surroundings& around = fit.model.surroundings;
+      const models::DampedOscillator& around = fit.model.oscillator;
       const auto pair = [](const Eigen::Vector2d& of) { return std::vector{of.x(), of.y()}; };
       one["center_m"] = pair(around.center_m);
       one["position_sigma_m"] = pair(around.position_sigma_m);
@@ -133,7 +133,7 @@ int fit(const FitArguments& arguments) {
     static_cast<void>(plot_terminal(arguments.picture));  // checks the name before reading logs
     require_writable(arguments.picture);
   }
-  const EndsAtOnce reading;
+  const DefaultSignalScope reading;
   std::vector<std::vector<logs::TargetCourse>> courses;
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();
   for (const std::string& path : arguments.logs) {

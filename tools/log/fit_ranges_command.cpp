@@ -57,7 +57,7 @@ int fit(const RangesArguments& arguments) {
     static_cast<void>(plot_terminal(arguments.picture));  // checks the name before reading files
     require_writable(arguments.picture);
   }
-  const EndsAtOnce working;
+  const DefaultSignalScope working;
   RangeRecording recording = read(arguments);
   const std::vector<Survey> surveys =
       arguments.beacons.empty() ? std::vector<Survey>() : read_survey(arguments.beacons);

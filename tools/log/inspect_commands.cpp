@@ -21,7 +21,7 @@ std::string flown_by(const logs::IndexedLog& log) {
 }
 
 int info(const LookArguments& arguments) {
-  const EndsAtOnce reading;
+  const DefaultSignalScope reading;
   const logs::IndexedLog log(arguments.log, progress_line("reading"));
   if (arguments.as_json) {
     nlohmann::ordered_json json = to_json(arguments.log, log.survey());
@@ -39,7 +39,7 @@ int info(const LookArguments& arguments) {
 }
 
 int check(const LookArguments& arguments) {
-  const EndsAtOnce reading;
+  const DefaultSignalScope reading;
   const logs::MappedFile file(arguments.log);
   const logs::LogSurvey survey = logs::survey_log(file.bytes(), progress_line("reading"));
   if (arguments.as_json) {

@@ -33,7 +33,7 @@ std::string url_for_log(const std::string& url) {
 }
 
 logs::IndexedLog open_log(const std::string& path) {
-  const EndsAtOnce reading;
+  const DefaultSignalScope reading;
   return logs::IndexedLog(path, progress_line("reading " + path));
 }
 

@@ -35,7 +35,7 @@ bool is_whole(const std::string& path) {
 }
 
 // Returns the index of a robot in the scenario, which determines its colour.
-std::size_t place_of(const scenario::Scenario& scenario, const std::string& robot) {
+std::size_t index_of_robot(const scenario::Scenario& scenario, const std::string& robot) {
   const auto is_it = [&](const scenario::RobotSpec& each) { return each.name == robot; };
   return static_cast<std::size_t>(
       std::find_if(scenario.robots.begin(), scenario.robots.end(), is_it) -
@@ -93,10 +93,11 @@ std::string plot_script(const logs::LogAnalysis& analysis, const scenario::Scena
       }
     }
     out += "EOD\n";
-    const logs::RobotAppearance looks = logs::robot_appearance(place_of(scenario, robot));
+    const logs::RobotAppearance appearance =
+        logs::robot_appearance(index_of_robot(scenario, robot));
     const std::string style =
         fmt::format(" with linespoints pt 7 ps 0.4 lw 1 lc rgb '{}' dt {} title {}",
-                    looks.body_paint().light, looks.dash + 1, gnuplot_text(robot));
+                    appearance.body_paint().light, appearance.dash + 1, gnuplot_text(robot));
     const char* comma = robot_index > 0 ? ", " : "";
     margins += fmt::format("{}$plans{} using 1:2{}", comma, robot_index, style);
     gaps += fmt::format("{}$plans{} using 1:3{}", comma, robot_index, style);

@@ -130,7 +130,7 @@ void print_bands(const std::vector<logs::LogAnalysis>& analyses) {
 }
 
 int metrics(const MetricsArguments& arguments) {
-  const EndsAtOnce reading;
+  const DefaultSignalScope reading;
   std::vector<logs::LogAnalysis> analyses;
   for (const std::string& path : arguments.logs) {
     const logs::IndexedLog log(path, progress_line("reading"));
@@ -154,7 +154,7 @@ int metrics(const MetricsArguments& arguments) {
 int plot(const MetricsArguments& arguments) {
   static_cast<void>(plot_terminal(arguments.output));  // checks the name before reading the log
   require_writable(arguments.output);
-  const EndsAtOnce drawing;
+  const DefaultSignalScope drawing;
   const std::string& path = arguments.logs.front();
   const logs::IndexedLog log(path, progress_line("reading"));
   const scenario::Scenario scenario = scenario_of(log);

@@ -19,7 +19,7 @@
 #include "tools/console/terminal.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
-#include "trial/observe/neighbours.hpp"
+#include "trial/observe/network_conflicts.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -62,15 +62,15 @@ logs::PlayOptions options_of(const PlayArguments& arguments, const logs::Indexed
 
 /// @throws StartupError if a flight is running on the network, because its vehicles might use the
 /// log's messages.
-void refuse_neighbours(const PlayArguments& arguments) {
+void refuse_conflicts(const PlayArguments& arguments) {
   if (arguments.ignore_others || !arguments.prefix.empty()) {
     return;
   }
   const auto transport = bus::open_transport(arguments.url);
-  const auto rivals = trial::rivals_of_play(
-      trial::hear_channels(*transport, trial::kListenToNeighbours, stop_requested));
-  if (!rivals.empty()) {
-    throw StartupError(rivals.front() +
+  const auto conflicts = trial::conflicts_with_play(
+      trial::find_active_channels(*transport, trial::kListenTime, stop_requested));
+  if (!conflicts.empty()) {
+    throw StartupError(conflicts.front() +
                        ": play on another network (--url), under other names (--prefix), or skip "
                        "this check with --ignore-others");
   }
@@ -85,18 +85,18 @@ class PublishFailures {
     }
   }
   void add(const std::string& channel, std::size_t bytes) {
-    if (channels_.contains(channel) || channels_.size() < kChannelsTold) {
+    if (channels_.contains(channel) || channels_.size() < kChannelsPrintedMax) {
       channels_[channel] = std::max(channels_[channel], bytes);
     }
   }
-  void tell() const {
+  void print() const {
     for (const auto& [channel, bytes] : channels_) {
       fmt::print(stderr, "{}: {}\n", readable(channel), why(channel, bytes));
     }
   }
 
  private:
-  static constexpr std::size_t kChannelsTold = 20;
+  static constexpr std::size_t kChannelsPrintedMax = 20;
 
   [[nodiscard]] std::string why(const std::string& channel, std::size_t bytes) const {
     if (bytes > message_bytes_max_) {
@@ -116,8 +116,8 @@ class PublishFailures {
   std::map<std::string, std::size_t> channels_;  ///< bytes of the largest message, by channel
 };
 
-void tell_end(const PlayArguments& arguments, const logs::PlayReport& report,
-              const PublishFailures& failures) {
+void print_summary(const PlayArguments& arguments, const logs::PlayReport& report,
+                   const PublishFailures& failures) {
   if (arguments.as_json) {
     print_json(nlohmann::ordered_json{{"published", report.published},
                                       {"failed", report.failed},
@@ -132,13 +132,13 @@ void tell_end(const PlayArguments& arguments, const logs::PlayReport& report,
   }
   if (report.failed > 0) {
     fmt::print(stderr, "{} messages could not be published\n", report.failed);
-    failures.tell();
+    failures.print();
   }
 }
 
 int run(const PlayArguments& arguments) {
   const logs::IndexedLog log = open_log(arguments.log);
-  refuse_neighbours(arguments);
+  refuse_conflicts(arguments);
   const auto transport = bus::open_transport(url_for_log(arguments.url));
   PublishFailures failures(*transport);
   logs::Player player(log, options_of(arguments, log), logs::monotonic_timer(),
@@ -173,10 +173,10 @@ int run(const PlayArguments& arguments) {
           log.survey().duration_s(), schedule.speed(), schedule.is_paused() ? "   paused" : "")});
     }
   };
-  int gaps_told = 0;
+  int gaps_printed = 0;
   const auto on_gap = [&](Time from, Time to) {
-    constexpr int kGapsTold = 5;
-    if (++gaps_told <= kGapsTold) {
+    constexpr int kGapsPrintedMax = 5;
+    if (++gaps_printed <= kGapsPrintedMax) {
       fmt::print(
           stderr,
           "vantage: {}: a gap is skipped: the log's times jump from {:.3f} s to {:.3f} s after "
@@ -186,7 +186,7 @@ int run(const PlayArguments& arguments) {
     }
   };
   const logs::PlayReport report = player.run(command, stop_requested, on_position, on_gap);
-  tell_end(arguments, report, failures);
+  print_summary(arguments, report, failures);
   return report.failed == 0 ? 0 : 1;
 }
 

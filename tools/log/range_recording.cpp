@@ -107,10 +107,10 @@ std::vector<NamedRange> without_doubles(Table table, std::int64_t& doubled) {
 
 /// Returns the default of gap_max_s, which exceeds the time between poses of a recording without
 /// gaps.
-double usual_gap_s(const std::vector<TableRow>& way) {
+double usual_gap_s(const std::vector<TableRow>& pose_rows) {
   std::vector<double> steps_s;
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    steps_s.push_back(way[i].numbers[0] - way[i - 1].numbers[0]);
+  for (std::size_t i = 1; i < pose_rows.size(); ++i) {
+    steps_s.push_back(pose_rows[i].numbers[0] - pose_rows[i - 1].numbers[0]);
   }
   if (steps_s.empty()) {
     return 0.0;
@@ -151,29 +151,30 @@ RangeRecording place_ranges(Table ranges, Table poses, std::optional<double> gap
   RangeRecording recording;
   recording.not_finite = ranges.not_finite + (ranges.is_torn ? 1 : 0);
   recording.poses_left_out = poses.not_finite + (poses.is_torn ? 1 : 0);
-  std::vector<TableRow>& way = poses.rows;
-  std::stable_sort(way.begin(), way.end(), [](const TableRow& a, const TableRow& b) {
+  std::vector<TableRow>& pose_rows = poses.rows;
+  std::stable_sort(pose_rows.begin(), pose_rows.end(), [](const TableRow& a, const TableRow& b) {
     return a.numbers[0] < b.numbers[0];
   });
-  const auto end = std::unique(way.begin(), way.end(), [](const TableRow& a, const TableRow& b) {
-    return a.numbers[0] == b.numbers[0];
-  });
-  recording.poses_left_out += way.end() - end;
-  way.erase(end, way.end());
+  const auto end = std::unique(
+      pose_rows.begin(), pose_rows.end(),
+      [](const TableRow& a, const TableRow& b) { return a.numbers[0] == b.numbers[0]; });
+  recording.poses_left_out += pose_rows.end() - end;
+  pose_rows.erase(end, pose_rows.end());
 
-  const double gap_s = gap_max_s ? *gap_max_s : usual_gap_s(way);
+  const double gap_s = gap_max_s ? *gap_max_s : usual_gap_s(pose_rows);
 
   std::vector<NamedRange> placed;
   for (NamedRange& range : without_doubles(std::move(ranges), recording.doubled)) {
     const auto after =
-        std::lower_bound(way.begin(), way.end(), range.time_s,
+        std::lower_bound(pose_rows.begin(), pose_rows.end(), range.time_s,
                          [](const TableRow& pose, double t) { return pose.numbers[0] < t; });
-    if (after == way.end() || (after == way.begin() && after->numbers[0] != range.time_s)) {
+    if (after == pose_rows.end() ||
+        (after == pose_rows.begin() && after->numbers[0] != range.time_s)) {
       ++recording.outside_poses;
       continue;
     }
     const TableRow& to = *after;
-    const TableRow& from = after == way.begin() ? *after : *std::prev(after);
+    const TableRow& from = after == pose_rows.begin() ? *after : *std::prev(after);
     const double lasts_s = to.numbers[0] - from.numbers[0];
     const bool is_at_pose = to.numbers[0] == range.time_s;
     if (!is_at_pose && lasts_s > gap_s) {

@@ -13,7 +13,7 @@
 #include "bus/transport/transport.hpp"
 #include "bus/transport/udpm_transport.hpp"
 #include "core/check.hpp"
-#include "core/life_line.hpp"
+#include "core/liveness.hpp"
 #include "core/process.hpp"
 #include "core/utf8.hpp"
 #include "logs/record/recorder.hpp"
@@ -52,7 +52,7 @@ logs::SpoolOptions options_of(const RecordArguments& arguments) {
   return options;
 }
 
-void check_room(const RecordArguments& arguments) {
+void check_disk_space(const RecordArguments& arguments) {
   const auto free_bytes = logs::free_bytes_for(arguments.log);
   if (free_bytes && *free_bytes < arguments.free_mib * kMebi) {
     throw StartupError(fmt::format(
@@ -63,10 +63,10 @@ void check_room(const RecordArguments& arguments) {
 }
 
 /// Prints once when the free space falls below --free-mib, and once when it rises above it again.
-class RoomWatch {
+class DiskSpaceWatch {
  public:
-  explicit RoomWatch(const RecordArguments& arguments) : arguments_(arguments) {}
-  void look(const logs::SpoolReport& report) {
+  explicit DiskSpaceWatch(const RecordArguments& arguments) : arguments_(arguments) {}
+  void update(const logs::SpoolReport& report) {
     const bool is_little = report.free_bytes && *report.free_bytes < arguments_.free_mib * kMebi;
     if (is_little != std::exchange(was_little_, is_little)) {
       print_line(fmt::format("record: {}, {} MiB of disk space are left for {}",
@@ -83,7 +83,7 @@ class RoomWatch {
 
 /// Messages that were sent but not recorded, as far as the transport can detect.
 struct Losses {
-  std::int64_t for_want_of_room = 0;
+  std::int64_t buffer_overflows = 0;
   std::int64_t incomplete = 0;
   std::int64_t oversized = 0;
   std::vector<std::string> sentences;
@@ -93,12 +93,12 @@ struct Losses {
 Losses losses_of(const bus::Transport& transport, logs::ChannelFilter channels) {
   const bus::TransportStats stats = transport.stats();
   Losses out;
-  out.for_want_of_room = stats.kernel_drops + stats.queue_overflows;
+  out.buffer_overflows = stats.kernel_drops + stats.queue_overflows;
   out.incomplete = stats.incomplete_messages;
-  if (out.for_want_of_room > 0) {
+  if (out.buffer_overflows > 0) {
     out.sentences.push_back(
         fmt::format("{} datagrams or messages are not in the log: the receive buffers were full",
-                    out.for_want_of_room));
+                    out.buffer_overflows));
   }
   if (out.incomplete > 0) {
     out.sentences.push_back(
@@ -118,19 +118,19 @@ Losses losses_of(const bus::Transport& transport, logs::ChannelFilter channels) 
   return out;
 }
 
-void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
-              const bus::TransportStats& heard, const Losses& losses) {
+void print_summary(const RecordArguments& arguments, const logs::SpoolReport& report,
+                   const bus::TransportStats& stats, const Losses& losses) {
   if (arguments.as_json) {
     print_json({{"path", report.path},
                 {"files", report.files},
                 {"events", report.events},
                 {"bytes", report.bytes},
                 {"events_lost", report.events_lost},
-                {"kernel_drops", heard.kernel_drops},
-                {"queue_overflows", heard.queue_overflows},
+                {"kernel_drops", stats.kernel_drops},
+                {"queue_overflows", stats.queue_overflows},
                 {"incomplete_messages", losses.incomplete},
                 {"oversized_messages", losses.oversized},
-                {"malformed_datagrams", heard.malformed_datagrams},
+                {"malformed_datagrams", stats.malformed_datagrams},
                 {"write_errors", report.write_errors},
                 {"sync_errors", report.sync_errors},
                 {"syncs_late", report.syncs_late},
@@ -151,14 +151,16 @@ void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
 }
 
 int run(const RecordArguments& arguments) {
-  check_room(arguments);
-  const auto tell = [](const std::string& news) { print_line("record: " + news, stderr); };
-  LifeSign life;
+  check_disk_space(arguments);
+  const auto print_notice = [](const std::string& notice) {
+    print_line("record: " + notice, stderr);
+  };
+  LivenessSender life;
   const auto transport = bus::open_transport(url_for_log(arguments.url));
   logs::LogSpool spool(options_of(arguments));
   const bus::SteadyClock clock;
   logs::RecorderNode node(*transport, clock, spool,
-                          logs::ChannelFilter(arguments.include, arguments.exclude), tell);
+                          logs::ChannelFilter(arguments.include, arguments.exclude), print_notice);
   bus::Bus bus(*transport, bus::random_run_id());
   bus.use_clock(clock);
   if (!arguments.scenario.empty()) {
@@ -174,7 +176,7 @@ int run(const RecordArguments& arguments) {
   while (!is_over() && node.received() == 0 && clock.now() < start + kFirstPatience) {
     bus.handle(std::chrono::milliseconds(20));
   }
-  RoomWatch room(arguments);
+  DiskSpaceWatch disk_space(arguments);
   const auto usage = [&] {
     auto counters = node.traffic();
     const auto of_process = bus::usage_counters();
@@ -185,7 +187,7 @@ int run(const RecordArguments& arguments) {
       bus, node, clock,
       [&] {
         const logs::SpoolReport report = spool.report();
-        room.look(report);
+        disk_space.update(report);
         return is_over() || report.is_full;
       },
       usage, &life);
@@ -198,7 +200,7 @@ int run(const RecordArguments& arguments) {
   const Losses losses =
       losses_of(*transport, logs::ChannelFilter(arguments.include, arguments.exclude));
   if (!arguments.is_quiet) {
-    tell_end(arguments, report, transport->stats(), losses);
+    print_summary(arguments, report, transport->stats(), losses);
   }
   return report.is_good() && losses.is_none() ? 0 : 1;
 }

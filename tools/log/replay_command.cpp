@@ -69,7 +69,7 @@ void print(const std::string& node, const trial::ReplayReport& report) {
 }
 
 int run(ReplayArguments arguments) {
-  const EndsAtOnce comparing;
+  const DefaultSignalScope comparing;
   const logs::IndexedLog log(arguments.log, progress_line("reading"));
   const scenario::Scenario scenario = scenario_of(log);
   if (arguments.nodes.empty()) {

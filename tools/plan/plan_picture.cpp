@@ -64,17 +64,17 @@ void draw_target(logs::Svg& svg, const logs::Layout& layout, const Course& cours
                fmt::format(R"(class="prior" fill="none" stroke="{}" stroke-width="1.2" )"
                            R"(stroke-dasharray="4 4")",
                            logs::role_colour("fallback")));
-  Points way_px;
+  Points path_px;
   for (const Eigen::Vector2d& mean_m : course.mean_m) {
-    way_px.push_back(layout.page_from_world(mean_m));
+    path_px.push_back(layout.page_from_world(mean_m));
   }
-  svg.polyline(way_px, fmt::format(R"(fill="none" stroke="{}" stroke-width="1.4")",
-                                   logs::role_colour("estimate")));
+  svg.polyline(path_px, fmt::format(R"(fill="none" stroke="{}" stroke-width="1.4")",
+                                    logs::role_colour("estimate")));
   draw_ellipse(svg, layout, course.mean_m.back(), course.after_m2,
                fmt::format(R"(class="target" fill="{0}" fill-opacity="0.12" stroke="{0}" )"
                            R"(stroke-width="1.6")",
                            logs::role_colour("estimate")));
-  svg.circle(way_px.back(), 2.5, fmt::format("fill=\"{}\"", logs::role_colour("estimate")));
+  svg.circle(path_px.back(), 2.5, fmt::format("fill=\"{}\"", logs::role_colour("estimate")));
 }
 
 void draw_path(logs::Svg& svg, const logs::Layout& layout, const planner::SearchProblem& problem,

@@ -106,9 +106,9 @@ void read_sensor(Mapping& keys, models::SensorModel& sensor) {
   for (const char* key : {"type", "range", "sigma_r"}) {
     keys.require(key);
   }
-  keys.word("type", sensor.kind,
-            {{"range", models::SensorKind::kRange},
-             {"range_bearing", models::SensorKind::kRangeBearing}});
+  keys.choice("type", sensor.kind,
+              {{"range", models::SensorKind::kRange},
+               {"range_bearing", models::SensorKind::kRangeBearing}});
   keys.number("range", sensor.range_max_m, positive(kFar_m));
   keys.number("fov_deg", fov_deg, positive(360.0));
   keys.number("sigma_r", sensor.range_sigma_m, sigmas);
@@ -144,7 +144,7 @@ std::vector<std::pair<std::string_view, models::TargetKind>> planar_kinds() {
 planner::SearchTarget read_target_model(Mapping& keys) {
   planner::SearchTarget target;
   models::TargetModel& model = target.model;
-  keys.word("target_model", model.kind, planar_kinds());
+  keys.choice("target_model", model.kind, planar_kinds());
   double q = 0.0;
   keys.number("q", q, scenario::from_to(0.0, kFar_m));
   if (model.kind.law().uses_q) {
@@ -209,7 +209,7 @@ void read_description(Mapping& keys, PlanningProblem& read) {
 
 void read_problem(Mapping& top, PlanningProblem& read) {
   planner::SearchProblem& problem = read.problem;
-  top.expect({"name", "family", "notes", "seed", "n_targets", "q", "cost"});
+  top.declare({"name", "family", "notes", "seed", "n_targets", "q", "cost"});
   for (const char* key : {"map", "robot", "tau", "controls", "T", "target_model", "targets",
                           "prior_cov_diag", "sensor"}) {
     top.require(key);
@@ -234,8 +234,8 @@ void read_problem(Mapping& top, PlanningProblem& read) {
   problem.targets = read_targets(top);
   top.section("sensor",
               [&](Mapping& sensor) { read_sensor(sensor, problem.sensors.emplace_back()); });
-  top.word("cost", problem.cost,
-           {{"logdet", planner::CostKind::kLogDet}, {"trace", planner::CostKind::kTrace}});
+  top.choice("cost", problem.cost,
+             {{"logdet", planner::CostKind::kLogDet}, {"trace", planner::CostKind::kTrace}});
   top.finish();
   read.field = std::make_unique<models::DistanceField>(*read.world, resolution_m);
   problem.world = read.world.get();

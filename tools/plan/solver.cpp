@@ -82,7 +82,7 @@ const PlanOutcome& Solver::solve(const planner::SearchProblem& problem, bool (*i
   const Deadline budget =
       request_.nodes ? Deadline::nodes(*request_.nodes)
                      : Deadline::at(start_ns + static_cast<std::int64_t>(1e9 * request_.budget_s));
-  outcome_.result = search_->plan(problem, budget.unless(is_cancelled));
+  outcome_.result = search_->plan(problem, budget.with_cancellation(is_cancelled));
   outcome_.elapsed_s = 1e-9 * static_cast<double>(monotonic_ns() - start_ns);
   outcome_.cpu_s = thread_cpu_s() - cpu_start_s;
   outcome_.peak_bytes = search_->peak_bytes();

@@ -60,17 +60,18 @@ std::string last_output_line(const ProcessSpec& spec) {
   return last.empty() ? "" : fmt::format("; last output: '{}' ({})", last, output_of(spec));
 }
 
-/// Starts the process of `spec` with a new pipe `line` for its signs of life.
-Result<Child> start_child(const ProcessSpec& spec, LifeLine& line) {
-  ChildPlace place{-1, spec.folder, spec.end_signal};
-  place.keep_open = spec.keep_open;
+/// Starts the process of `spec` with a new pipe `liveness` for its signs of life.
+Result<Child> start_child(const ProcessSpec& spec, LivenessReceiver& liveness) {
+  ChildOptions options{-1, spec.folder, spec.end_signal};
+  options.keep_open = spec.keep_open;
   if (spec.patience_s > 0.0) {
-    if (!line.open()) {
+    if (!liveness.open()) {
       return Error{std::string("cannot create a pipe: ") + std::strerror(errno)};
     }
-    place.keep_open.push_back(line.child_end());
-    place.environment.push_back(fmt::format("{}={}", LifeSign::kHandedOn, line.child_end()));
-    place.blocks_stop_signals = true;
+    options.keep_open.push_back(liveness.child_end());
+    options.environment.push_back(
+        fmt::format("{}={}", LivenessSender::kDescriptorVariable, liveness.child_end()));
+    options.blocks_stop_signals = true;
   }
   if (!spec.folder.empty()) {
     std::error_code failed;
@@ -83,17 +84,17 @@ Result<Child> start_child(const ProcessSpec& spec, LifeLine& line) {
       }
     }
     const std::string path = output_of(spec);
-    place.output =
+    options.output =
         failed ? -1 : ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-    if (place.output < 0) {
+    if (options.output < 0) {
       return Error{path + ": " + (failed ? failed.message() : std::strerror(errno))};
     }
   }
-  Result<Child> child = Child::start(spec.arguments, place);
-  if (place.output >= 0) {
-    ::close(place.output);
+  Result<Child> child = Child::start(spec.arguments, options);
+  if (options.output >= 0) {
+    ::close(options.output);
   }
-  line.close_child_end();
+  liveness.close_child_end();
   return child;
 }
 
@@ -105,13 +106,13 @@ using models::SupervisedPhase;
 using Kind = SupervisorEvent::Kind;
 
 void Supervisor::start(const ProcessSpec& spec, Nanoseconds monotonic_ns) {
-  LifeLine line;
-  Result<Child> child = start_child(spec, line);
+  LivenessReceiver liveness;
+  Result<Child> child = start_child(spec, liveness);
   if (!child.ok()) {
     throw StartupError("cannot start " + spec.name + ": " + child.error().message);
   }
   Supervised process{spec, RestartSchedule(policy_), std::move(child).value()};
-  process.line = std::move(line);
+  process.liveness = std::move(liveness);
   process.schedule.on_start(monotonic_ns);
   if (spec.patience_s > 0.0) {
     watchdog_.watch(spec.name, spec.patience_s);
@@ -120,7 +121,7 @@ void Supervisor::start(const ProcessSpec& spec, Nanoseconds monotonic_ns) {
 }
 
 void Supervisor::take_signs(Supervised& process, Nanoseconds now_ns) {
-  const LifeLine::Signs signs = process.line.take();
+  const LivenessReceiver::Report signs = process.liveness.take();
   if (signs.any) {
     watchdog_.on_sign(process.spec.name, time_of(now_ns));
   }
@@ -184,7 +185,7 @@ SupervisorEvent Supervisor::restart(Supervised& process, Nanoseconds now_ns) {
     process.spec.before_restart();
   }
   process.schedule.on_start(now_ns);
-  Result<Child> child = start_child(process.spec, process.line);
+  Result<Child> child = start_child(process.spec, process.liveness);
   if (!child.ok()) {
     return start_again_later(process, child.error().message, now_ns);
   }

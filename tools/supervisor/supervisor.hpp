@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/child.hpp"
-#include "core/life_line.hpp"
+#include "core/liveness.hpp"
 #include "models/exchange/messages.hpp"
 #include "tools/supervisor/restart_schedule.hpp"
 #include "tools/supervisor/watchdog.hpp"
@@ -28,7 +28,7 @@ struct ProcessSpec {
   std::string folder = {};
   std::map<std::string, std::string> files = {};  ///< content by name, written to `folder`
   int end_signal = SIGTERM;                       ///< signal that ends the process
-  /// s; longest time without a sign of life (core/life_line) before the process is killed and
+  /// s; longest time without a sign of life (core/liveness) before the process is killed and
   /// restarted. 0: a foreign program, which gives no signs of life and is not watched.
   double patience_s = 0.0;
   std::string vehicle = {};         ///< vehicle that the process drives; empty: none
@@ -99,7 +99,7 @@ class Supervisor {
     models::SupervisedPhase phase = models::SupervisedPhase::kRunning;
     std::string last_end = {};
     Nanoseconds restart_at_ns = 0;
-    LifeLine line = {};
+    LivenessReceiver liveness = {};
     InFlight in_flight = InFlight::kUnknown;  ///< last known state of its vehicle
   };
   void take_signs(Supervised& process, Nanoseconds now_ns);

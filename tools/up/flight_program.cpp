@@ -14,7 +14,7 @@ constexpr Duration kOrderPeriod = std::chrono::milliseconds(500);
 constexpr Duration kHoldPatience = std::chrono::seconds(3);
 // Every 60th ground order is a hold, which clears the order to arm. A driver restarts motors that
 // the autopilot has stopped only after such a hold.
-constexpr int kOrdersToStartAnew = 60;
+constexpr int kOrdersPerHold = 60;
 
 bool is_at_rest(FlightState state) {
   return state == FlightState::kIdle || state == FlightState::kKilled;
@@ -75,7 +75,7 @@ std::optional<OperatorAction> FlightProgram::wanted(Vehicle& vehicle, Time now) 
   }
   if (state == FlightState::kIdle && !vehicle.has_lifted) {
     ++vehicle.ground_orders;
-    if (vehicle.ground_orders % kOrdersToStartAnew == 0) {
+    if (vehicle.ground_orders % kOrdersPerHold == 0) {
       return OperatorAction::kHold;
     }
     // Take-off is refused, without harm, until the motors run.

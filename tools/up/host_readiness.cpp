@@ -14,7 +14,7 @@
 #include "core/real_time.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/up/process_plan.hpp"
-#include "trial/observe/neighbours.hpp"
+#include "trial/observe/network_conflicts.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -95,7 +95,7 @@ UpOptions with_priority(const scenario::Scenario& scenario, UpOptions options,
   const bool is_granted = grants_fifo(kDriverPriority);
   options.driver_priority = is_granted ? kDriverPriority : 0;
   if (!is_granted && options.ignore_others) {  // otherwise run_up() has listened for this time
-    std::this_thread::sleep_for(trial::kListenToNeighbours);
+    std::this_thread::sleep_for(trial::kListenTime);
   }
   const auto fault = is_granted ? std::nullopt : host_fault({false, load.free_processors()});
   if (fault && options.fly && !options.ignore_load) {

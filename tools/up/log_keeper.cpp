@@ -16,13 +16,13 @@ constexpr auto kPatience = std::chrono::seconds(5);
 }  // namespace
 
 // "--free-mib 0": run_up() has checked the free space already.
-ProcessSpec recorder_process(const ProcessPlaces& places, const std::string& log_path) {
+ProcessSpec recorder_process(const ProcessSettings& settings, const std::string& log_path) {
   ProcessSpec process{
       kRecorderProcess,
-      {places.executables + "/vantage", "log", "record", log_path, "--append", "--url", places.url,
-       "--scenario", places.scenario_path, "--free-mib", "0", "--quiet"}};
+      {settings.executables + "/vantage", "log", "record", log_path, "--append", "--url",
+       settings.url, "--scenario", settings.scenario_path, "--free-mib", "0", "--quiet"}};
   process.patience_s = kPatienceS;
-  process.keep_open = places.keep_open;
+  process.keep_open = settings.keep_open;
   return process;
 }
 

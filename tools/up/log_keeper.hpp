@@ -19,8 +19,8 @@ namespace vantage::tools {
 inline constexpr const char* kRecorderProcess = "recorder";
 
 /// Returns the process `vantage log record` that appends to `log_path`. It signs and verifies
-/// messages as the scenario of `places` requires.
-ProcessSpec recorder_process(const ProcessPlaces& places, const std::string& log_path);
+/// messages as the scenario of `settings` requires.
+ProcessSpec recorder_process(const ProcessSettings& settings, const std::string& log_path);
 
 /// Result of recording a trial.
 struct LogOutcome {

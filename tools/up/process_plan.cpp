@@ -33,21 +33,23 @@ constexpr const char* kArdupilotHome = "39.9522,-75.1932,10,0";
 /// Returns the path of an executable; empty if there is none. Makes a name with a slash absolute
 /// and searches other names in PATH.
 std::string find_program(const std::string& name) {
-  std::vector<std::string> places;
+  std::vector<std::string> candidates;
   if (name.find('/') != std::string::npos) {
-    places.push_back(std::filesystem::absolute(name).string());
+    candidates.push_back(std::filesystem::absolute(name).string());
   } else {
     std::istringstream folders(std::getenv("PATH") != nullptr ? std::getenv("PATH") : "");
     for (std::string folder; std::getline(folders, folder, ':');) {
       // A firmware is started in another working folder.
-      places.push_back(std::filesystem::absolute(folder + "/" + name).string());
+      candidates.push_back(std::filesystem::absolute(folder + "/" + name).string());
     }
   }
-  const auto found = std::find_if(places.begin(), places.end(), [](const std::string& place) {
-    std::error_code unreadable;
-    return ::access(place.c_str(), X_OK) == 0 && !std::filesystem::is_directory(place, unreadable);
-  });
-  return found == places.end() ? "" : *found;
+  const auto found =
+      std::find_if(candidates.begin(), candidates.end(), [](const std::string& path) {
+        std::error_code unreadable;
+        return ::access(path.c_str(), X_OK) == 0 &&
+               !std::filesystem::is_directory(path, unreadable);
+      });
+  return found == candidates.end() ? "" : *found;
 }
 
 std::string absolute(const std::string& path) {
@@ -76,7 +78,7 @@ constexpr const char* kArdupilotAirframe =
     "SIM_VIB_MOT_MASK 15\n";  // motors that load the simulated battery; the default is none
 
 ProcessSpec ardupilot_process(const scenario::RobotSpec& robot, int instance, int system_id,
-                              const ProcessPlaces& places) {
+                              const ProcessSettings& settings) {
   ProcessSpec out{
       "firmware " + robot.name,
       {find_program(robot.firmware->binary), "--wipe", "--instance", std::to_string(instance),
@@ -89,7 +91,7 @@ ProcessSpec ardupilot_process(const scenario::RobotSpec& robot, int instance, in
                           std::string(wire::parameter_file(models::AutopilotDialect::kArdupilot));
   }
   out.arguments.insert(out.arguments.end(), {"--defaults", defaults});
-  out.folder = absolute(places.firmware_folder) + "/" + robot.name;
+  out.folder = absolute(settings.firmware_folder) + "/" + robot.name;
   out.end_signal = SIGKILL;  // ArduPilot ignores other signals when its simulator has ended
   return out;
 }
@@ -122,10 +124,10 @@ std::vector<std::string> px4_settings(std::istream& text) {
 }
 
 ProcessSpec px4_process(const scenario::RobotSpec& robot, int instance, int system_id,
-                        const ProcessPlaces& places) {
+                        const ProcessSettings& settings) {
   const std::string binary = find_program(robot.firmware->binary);
   ProcessSpec out{"firmware " + robot.name, {"/usr/bin/env", "PX4_SIM_MODEL=none_iris"}};
-  out.folder = absolute(places.firmware_folder) + "/" + robot.name;
+  out.folder = absolute(settings.firmware_folder) + "/" + robot.name;
   std::vector<std::string>& words = out.arguments;
   words.insert(words.end(), kPx4Airframe.begin(), kPx4Airframe.end());
   std::ifstream file(robot.firmware->parameters);
@@ -192,19 +194,19 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
 
 // long: adds one kind of process after the other.
 std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
-                                      const ProcessPlaces& places) {
-  const auto command = [&places](const std::string& program) {
-    return std::vector<std::string>{places.executables + "/" + program, "--scenario",
-                                    places.scenario_path, "--url", places.url};
+                                      const ProcessSettings& settings) {
+  const auto command = [&settings](const std::string& program) {
+    return std::vector<std::string>{settings.executables + "/" + program, "--scenario",
+                                    settings.scenario_path, "--url", settings.url};
   };
   const auto runs = [&](const std::string& part) {
-    return places.host.empty() || scenario.runs_on(places.host, part);
+    return settings.host.empty() || scenario.runs_on(settings.host, part);
   };
   std::vector<ProcessSpec> out;
   const auto ours = [&](const std::string& name, const std::string& program, double patience_s) {
     ProcessSpec process{name, command(program)};
     process.patience_s = patience_s;
-    process.keep_open = places.keep_open;
+    process.keep_open = settings.keep_open;
     return process;
   };
   const auto add_for = [&](const std::string& program, const std::string& robot,
@@ -216,13 +218,13 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
     return out.back();
   };
   const auto give_priority = [&](ProcessSpec& process) {
-    if (places.driver_priority > 0) {
+    if (settings.driver_priority > 0) {
       process.arguments.insert(process.arguments.end(),
-                               {"--fifo", std::to_string(places.driver_priority)});
+                               {"--fifo", std::to_string(settings.driver_priority)});
     }
   };
   const bool is_simulated =
-      places.has_virtual_targets || scenario.mocap.device != DeviceSource::kReal ||
+      settings.has_virtual_targets || scenario.mocap.device != DeviceSource::kReal ||
       std::any_of(scenario.robots.begin(), scenario.robots.end(),
                   [](const auto& robot) { return robot.device != DeviceSource::kReal; });
   if (is_simulated && runs(scenario::kSimPart)) {
@@ -235,8 +237,8 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
       const int system_id =
           robot.autopilot->system_id > 0 ? robot.autopilot->system_id : instance + 1;
       out.push_back(robot.autopilot->dialect == models::AutopilotDialect::kPx4
-                        ? px4_process(robot, instance, system_id, places)
-                        : ardupilot_process(robot, instance, system_id, places));
+                        ? px4_process(robot, instance, system_id, settings)
+                        : ardupilot_process(robot, instance, system_id, settings));
     }
   }
   if (scenario.mocap.device != DeviceSource::kDirect && runs(scenario::kMocapPart)) {

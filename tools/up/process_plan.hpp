@@ -17,7 +17,7 @@ inline constexpr double kDriverPatienceS = 0.8;
 inline constexpr double kPatienceS = 3.2;
 
 /// Files, network and settings of the processes of a trial.
-struct ProcessPlaces {
+struct ProcessSettings {
   std::string executables;    ///< folder of the vantage-* programs
   std::string scenario_path;  ///< scenario file that each process reads
   std::string url;
@@ -45,6 +45,6 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario);
 /// - sensor, estimator and planner of each robot.
 /// The simulator and the mocap driver are essential: the trial ends without them.
 std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
-                                      const ProcessPlaces& places);
+                                      const ProcessSettings& settings);
 
 }  // namespace vantage::tools

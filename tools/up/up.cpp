@@ -38,7 +38,7 @@
 #include "tools/up/scenario_memory.hpp"
 #include "tools/up/up_report.hpp"
 #include "trial/observe/announcer.hpp"
-#include "trial/observe/neighbours.hpp"
+#include "trial/observe/network_conflicts.hpp"
 #include "trial/observe/observer.hpp"
 #include "trial/robot_processes.hpp"
 
@@ -127,7 +127,7 @@ class Up {
   const SharedClock clock_;
   trial::Announcer announcer_;
   const ScenarioMemory file_;
-  const ProcessPlaces places_;
+  const ProcessSettings settings_;
   std::unique_ptr<LogKeeper> keeper_;
   const Time start_;
   trial::TrialObserver observer_;
@@ -156,13 +156,13 @@ Up::Up(const scenario::Scenario& scenario, const UpOptions& options)
       bus_(*transport_, bus::random_run_id()),
       announcer_(secured(bus_, scenario, clock_), scenario, "up"),
       file_(scenario.source_text),
-      places_{options.executables,         file_.path(),
-              scenario.network.url,        options.host,
-              options.has_virtual_targets, options.firmware_folder,
-              {file_.descriptor()},        options.driver_priority},
+      settings_{options.executables,         file_.path(),
+                scenario.network.url,        options.host,
+                options.has_virtual_targets, options.firmware_folder,
+                {file_.descriptor()},        options.driver_priority},
       keeper_(options.log_path.empty()
                   ? nullptr
-                  : std::make_unique<LogKeeper>(recorder_process(places_, options.log_path),
+                  : std::make_unique<LogKeeper>(recorder_process(settings_, options.log_path),
                                                 options.log_path, options.restarts, announcer_,
                                                 clock_)),
       start_(clock_.now()),
@@ -178,7 +178,7 @@ Up::Up(const scenario::Scenario& scenario, const UpOptions& options)
   if (announces()) {
     announcer_.publish(start_);
   }
-  for (const ProcessSpec& process : process_plan(scenario, places_)) {
+  for (const ProcessSpec& process : process_plan(scenario, settings_)) {
     team_.start(process, monotonic_ns());
     serves_flights_ = serves_flights_ || process.is_essential;
     if (!process.vehicle.empty()) {
@@ -188,8 +188,8 @@ Up::Up(const scenario::Scenario& scenario, const UpOptions& options)
 }
 
 void Up::listen() {
-  bus_.subscribe<models::HostReport>(bus::host_channel("*"), [this](const auto& heard) {
-    show_event(board_.on_report(heard, clock_.now()));
+  bus_.subscribe<models::HostReport>(bus::host_channel("*"), [this](const auto& report) {
+    show_event(board_.on_report(report, clock_.now()));
   });
   bus_.subscribe<models::ScenarioNotice>(bus::kScenario, [this](const auto& notice) {
     if (notice.yaml != scenario_.source_text && !std::exchange(result_.has_other_scenario, true)) {
@@ -440,12 +440,12 @@ UpResult Up::run(const std::function<bool()>& stop) {
   result_.summary = observer_.metrics().finish(clock_.now());
   land();
   stop_all();
-  const logs::TrialMetrics& heard = observer_.metrics();
-  result_.summary.collisions = heard.collisions();
-  result_.summary.separation_violations = heard.separation_violations();
+  const logs::TrialMetrics& metrics = observer_.metrics();
+  result_.summary.collisions = metrics.collisions();
+  result_.summary.separation_violations = metrics.separation_violations();
   result_.contacts_unverified = contacts_unverified(bus_.counters());
   result_.summary.messages_lost =
-      heard.messages_lost() + bus_.messages_lost() + transport_->stats().queue_overflows;
+      metrics.messages_lost() + bus_.messages_lost() + transport_->stats().queue_overflows;
   return std::move(result_);
 }
 
@@ -463,10 +463,10 @@ UpResult run_up(const scenario::Scenario& scenario, const UpOptions& options,
     bus::auth::require_operator(scenario);
   }
   if (!options.log_path.empty()) {
-    const logs::LogRoom room =
-        logs::room_for_log(scenario, options.log_path, logs::free_bytes_for(options.log_path));
-    if (!room.is_enough) {
-      throw StartupError(room.summary +
+    const logs::LogSpaceCheck space =
+        logs::check_log_space(scenario, options.log_path, logs::free_bytes_for(options.log_path));
+    if (!space.is_enough) {
+      throw StartupError(space.summary +
                          ": free disk space, write to another disk (--log), fly for a shorter "
                          "time (--duration-s), or do not record (--no-log)");
     }
@@ -476,12 +476,12 @@ UpResult run_up(const scenario::Scenario& scenario, const UpOptions& options,
     const auto transport = bus::open_transport(scenario.network.url);
     const auto authenticator = bus::auth::authenticator_for(scenario);
     const bus::SteadyClock clock;
-    const trial::HeardChannels heard = trial::hear_channels(*transport, trial::kListenToNeighbours,
-                                                            stop, authenticator.get(), clock);
-    print_unverified(trial::rivals_of_up(scenario, options.host, heard.unverified));
-    const auto rivals = trial::rivals_of_up(scenario, options.host, heard.accepted);
-    if (!rivals.empty()) {
-      throw StartupError(rivals.front() +
+    const trial::ActiveChannels active = trial::find_active_channels(
+        *transport, trial::kListenTime, stop, authenticator.get(), clock);
+    print_unverified(trial::conflicts_with_up(scenario, options.host, active.unverified));
+    const auto conflicts = trial::conflicts_with_up(scenario, options.host, active.accepted);
+    if (!conflicts.empty()) {
+      throw StartupError(conflicts.front() +
                          ": end it, use another network (--url), or start anyway with "
                          "--ignore-others");
     }

@@ -23,7 +23,7 @@ struct UpOptions {
   bool ends_by_duration = true;      ///< end the trial after scenario.duration_s
   bool ignore_others = false;        ///< start although processes of another trial are alive
   bool ignore_load = false;          ///< fly although the host is busy and grants no priority
-  int driver_priority = 0;           ///< see ProcessPlaces; set by run_up() if it is granted
+  int driver_priority = 0;           ///< see ProcessSettings; set by run_up() if it is granted
   bool has_virtual_targets = false;  ///< simulate the targets although every device is real
   RestartPolicy restarts;
   /// Returns the number of requests to end so far. The second request ends the wait for landings:
@@ -64,11 +64,11 @@ struct UpResult {
 /// With `fly`, acts as the operator of the vehicles that have drivers. Its commands and heartbeats
 /// are in the log. Any other station may still hold, land or stop a vehicle.
 ///
-/// Listens to the network for kListenToNeighbours first (unless ignore_others). Drivers get
+/// Listens to the network for kListenTime first (unless ignore_others). Drivers get
 /// SCHED_FIFO if the system grants it. If it does not and the host is busy, `fly` is refused unless
 /// ignore_load is set; without `fly` a warning is printed.
 /// @throws StartupError
-/// - if other processes are alive (rivals_of_up) and ignore_others is not set;
+/// - if other processes are alive (conflicts_with_up) and ignore_others is not set;
 /// - if the disk has too little space for the log;
 /// - if the network, the recorder or a program cannot be used;
 /// - if the combination of devices or the security of the scenario has a fault;

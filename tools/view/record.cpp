@@ -71,10 +71,10 @@ Child start_browser(const std::string& address, const RecordOptions& options,
     names = {named};
   }
   const int output = ::open(folder.file("said").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-  ChildPlace place;
-  place.output = output;
-  place.end_signal = SIGKILL;
-  place.environment = {"TMPDIR=" + folder.file("")};  // removed with its temporary files
+  ChildOptions child_options;
+  child_options.output = output;
+  child_options.end_signal = SIGKILL;
+  child_options.environment = {"TMPDIR=" + folder.file("")};  // removed with its temporary files
   std::optional<Child> browser;
   for (const std::string& name : names) {
     std::vector<std::string> words = {
@@ -89,7 +89,7 @@ Child start_browser(const std::string& address, const RecordOptions& options,
       words.emplace_back("--no-sandbox");  // the browser refuses to run sandboxed as root
     }
     words.push_back(address);
-    Result<Child> started = Child::start(words, place);
+    Result<Child> started = Child::start(words, child_options);
     if (started.ok()) {
       browser.emplace(std::move(started).value());
       break;

@@ -54,17 +54,17 @@ ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& s
   bus::VirtualClock clock(std::min(log.survey().begin, end));
   bus::InProcessHub hub;
   const auto source = hub.connect();
-  const auto ear = hub.connect();
+  const auto receiver = hub.connect();
   // The node also publishes mixtures. A mixture is compared only if the log contains it, because
   // logs of older versions, or with lost messages, may not.
-  const std::string said_if_logged = kPrefix + bus::mixture_channel(target.robot).name;
+  const std::string compared_if_logged = kPrefix + bus::mixture_channel(target.robot).name;
   for (const std::string& output : outputs) {
-    ear->subscribe(kPrefix + output,
-                   [&](std::string_view channel, std::span<const std::uint8_t> message) {
-                     if (channel != said_if_logged || report.outputs.has_logged(message)) {
-                       report.outputs.add_replayed(message);
-                     }
-                   });
+    receiver->subscribe(kPrefix + output,
+                        [&](std::string_view channel, std::span<const std::uint8_t> message) {
+                          if (channel != compared_if_logged || report.outputs.has_logged(message)) {
+                            report.outputs.add_replayed(message);
+                          }
+                        });
   }
   const auto endpoint = hub.connect();
   bus::Bus bus(*endpoint, kRunId, kPrefix);
@@ -81,7 +81,7 @@ ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& s
     if (node->next_tick() <= clock.now()) {
       node->tick(clock.now());
     }
-    while (ear->handle(std::chrono::microseconds(0)) > 0) {
+    while (receiver->handle(std::chrono::microseconds(0)) > 0) {
     }
   };
   const auto judge = bus::auth::log_authenticator_for(scenario);

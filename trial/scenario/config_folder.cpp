@@ -17,19 +17,19 @@ namespace fs = std::filesystem;
 constexpr const char* kSuffix = ".yaml";
 
 // Returns the possible folders of scenario files, in the order of preference.
-std::array<fs::path, 2> places() {
+std::array<fs::path, 2> candidate_folders() {
   std::error_code error;
   const fs::path programs = fs::read_symlink("/proc/self/exe", error).parent_path();
   return {programs.parent_path() / "share/vantage/config", fs::path(VANTAGE_CONFIG_FOLDER)};
 }
 
-bool is_folder(const fs::path& place) {
+bool is_folder(const fs::path& path) {
   std::error_code error;
-  return fs::is_directory(place, error);
+  return fs::is_directory(path, error);
 }
 
 bool has_config(const std::string& name) {
-  const auto all = places();
+  const auto all = candidate_folders();
   const auto folder = std::find_if(all.begin(), all.end(), is_folder);
   std::error_code error;
   return folder != all.end() && fs::exists(*folder / (name + kSuffix), error);
@@ -38,7 +38,7 @@ bool has_config(const std::string& name) {
 }  // namespace
 
 std::string config_folder() {
-  const auto all = places();
+  const auto all = candidate_folders();
   const auto found = std::find_if(all.begin(), all.end(), is_folder);
   if (found == all.end()) {
     throw StartupError("folder of scenarios not found: tried " + all[0].string() + " and " +

@@ -5,7 +5,7 @@
 namespace vantage::models::sensor_kinds {
 namespace {
 
-bool sees(const SensorModel& sensor, const Viewpoint& /*from*/, const SightLine& to) {
+bool can_measure(const SensorModel& sensor, const Viewpoint& /*from*/, const SightLine& to) {
   return has_bearing(sensor, to);
 }
 
@@ -34,7 +34,7 @@ PlanarLaw planar_law(const SensorModel& sensor) {
 constinit const SensorLaw bearing = [] {
   SensorLaw law = law_of("bearing", one_row, observe, jacobian, variances, bearing_information);
   law.measures_bearing = true;
-  law.sees = sees;
+  law.can_measure = can_measure;
   law.planar_law = planar_law;
   return law;
 }();

@@ -25,7 +25,7 @@ Eigen::Matrix3d camera_from_world(const SensorModel& sensor, const Viewpoint& fr
   return camera_from_body(sensor.camera_tilt_rad) * body_from_world(from);
 }
 
-bool sees(const SensorModel& sensor, const Viewpoint& from, const SightLine& to) {
+bool can_measure(const SensorModel& sensor, const Viewpoint& from, const SightLine& to) {
   const Eigen::Vector3d q = camera_from_world(sensor, from) * to.offset_world_m;
   const double depth_m = q.z();
   return depth_m > 0.0 && depth_m >= sensor.depth_min_m;
@@ -64,7 +64,7 @@ double bound(const SensorModel& sensor, const ReachedDistances& reached) {
   const double c = std::cos(sensor.camera_tilt_rad);
   const double s = std::sin(sensor.camera_tilt_rad);
   // depth = c ρ cos β + s · drop is bilinear in ρ and cos β: its extrema are at the box corners.
-  const double least_cos = sees_all_around(sensor) ? -1.0 : std::cos(0.5 * sensor.fov_rad);
+  const double least_cos = has_full_view(sensor) ? -1.0 : std::cos(0.5 * sensor.fov_rad);
   double depth_min_m = std::numeric_limits<double>::infinity();
   double depth_max_m = -depth_min_m;
   for (const double rho_m : {nearest_m, farthest_m}) {
@@ -116,7 +116,7 @@ double depth_per_m(const SensorModel& sensor, double bearing_rad, double cos_ele
 
 constinit const SensorLaw camera = [] {
   SensorLaw law = law_of("camera", two_rows, observe, jacobian, variances, bound);
-  law.sees = sees;
+  law.can_measure = can_measure;
   law.position_from = position_from;
   law.depth_per_m = depth_per_m;
   return law;

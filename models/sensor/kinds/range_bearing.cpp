@@ -8,7 +8,7 @@
 namespace vantage::models::sensor_kinds {
 namespace {
 
-bool sees(const SensorModel& sensor, const Viewpoint& /*from*/, const SightLine& to) {
+bool can_measure(const SensorModel& sensor, const Viewpoint& /*from*/, const SightLine& to) {
   return has_bearing(sensor, to);
 }
 
@@ -65,7 +65,7 @@ constinit const SensorLaw range_bearing = [] {
   SensorLaw law = law_of("range_bearing", two_rows, observe, jacobian, variances, bound);
   law.measures_range = true;
   law.measures_bearing = true;
-  law.sees = sees;
+  law.can_measure = can_measure;
   law.position_from = position_from;
   law.planar_law = planar_law;
   return law;

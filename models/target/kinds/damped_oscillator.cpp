@@ -39,7 +39,7 @@ AxisStep axis_step(double k, double damping_per_s, double t) {
   return {even + h * odd, odd, -k * odd, even - h * odd};
 }
 
-AxisStep axis_step(const Surroundings& of, Eigen::Index axis, double t) {
+AxisStep axis_step(const DampedOscillator& of, Eigen::Index axis, double t) {
   const double omega = of.velocity_sigma_mps(axis) / of.position_sigma_m(axis);
   return axis_step(omega * omega, of.damping_per_s(axis), t);
 }
@@ -47,7 +47,7 @@ AxisStep axis_step(const Surroundings& of, Eigen::Index axis, double t) {
 StateMatrix oscillator_transition(const TargetModel& model, double dt_s) {
   StateMatrix A = StateMatrix::Identity(4, 4);
   for (Eigen::Index i = 0; i < 2; ++i) {
-    const AxisStep step = axis_step(model.surroundings, i, dt_s);
+    const AxisStep step = axis_step(model.oscillator, i, dt_s);
     A(i, i) = step.a;
     A(i, i + 2) = step.b;
     A(i + 2, i) = step.c;
@@ -58,7 +58,7 @@ StateMatrix oscillator_transition(const TargetModel& model, double dt_s) {
 
 // W restores the stationary covariance that A reduces.
 StateMatrix oscillator_noise(const TargetModel& model, double dt_s, int /*steps_unseen*/) {
-  const Surroundings& of = model.surroundings;
+  const DampedOscillator& of = model.oscillator;
   StateMatrix W = StateMatrix::Zero(4, 4);
   for (Eigen::Index i = 0; i < 2; ++i) {
     const AxisStep step = axis_step(of, i, dt_s);
@@ -73,7 +73,7 @@ StateMatrix oscillator_noise(const TargetModel& model, double dt_s, int /*steps_
 }
 
 std::optional<std::string_view> broken_oscillator_rule(const TargetModel& model) {
-  const Surroundings& of = model.surroundings;
+  const DampedOscillator& of = model.oscillator;
   const auto are_positive = [](const Eigen::Vector2d& values) {
     return values.allFinite() && values.minCoeff() > 0.0;
   };
@@ -100,10 +100,10 @@ constinit const TargetLaw damped_oscillator{
     .uses_oscillator = true,
     .transition = oscillator_transition,
     .process_noise = oscillator_noise,
-    .center_m = [](const TargetModel& model) { return model.surroundings.center_m; },
+    .center_m = [](const TargetModel& model) { return model.oscillator.center_m; },
     .velocity_variance =
         [](const TargetModel& model) {
-          return Eigen::Vector2d(model.surroundings.velocity_sigma_mps.cwiseAbs2());
+          return Eigen::Vector2d(model.oscillator.velocity_sigma_mps.cwiseAbs2());
         },
     .broken_rule = broken_oscillator_rule};
 

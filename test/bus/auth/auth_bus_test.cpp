@@ -146,12 +146,12 @@ TEST_F(SecuredBus, RefusesAForgedFrameWithTheTrueRunAndNumber) {
   EXPECT_EQ(vehicle_.frames.size(), 1U);
   EXPECT_EQ(vehicle_.count("VICON.unsigned"), 1);
   // With the trailer of the genuine message appended.
-  std::vector<std::uint8_t> dressed = test::encoded(forged);
+  std::vector<std::uint8_t> with_trailer = test::encoded(forged);
   const auto& whole = heard_.at(0).second;
-  dressed.insert(dressed.end(),
-                 whole.begin() + static_cast<std::ptrdiff_t>(auth::payload_of(whole).size()),
-                 whole.end());
-  forge("VICON", dressed);
+  with_trailer.insert(with_trailer.end(),
+                      whole.begin() + static_cast<std::ptrdiff_t>(auth::payload_of(whole).size()),
+                      whole.end());
+  forge("VICON", with_trailer);
   EXPECT_EQ(vehicle_.frames.size(), 1U);
   EXPECT_EQ(vehicle_.count("VICON.bad_mac"), 1);
   lab_.bus.publish(kVicon, frame());

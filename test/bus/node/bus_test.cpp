@@ -58,11 +58,11 @@ TEST(Bus, CountsNoLossWhileUnsubscribed) {
   test::BusPair net(42, 43);
   Bus& speaker = net.own;
   Bus& bus = net.other;
-  int heard = 0;
+  int received = 0;
   const auto listen = [&] {
     for (int twice = 0; twice < 2; ++twice) {
       bus.subscribe<models::OperatorCommand>(kCommand,
-                                             [&](const models::OperatorCommand&) { ++heard; });
+                                             [&](const models::OperatorCommand&) { ++received; });
     }
   };
   const auto say = [&](int times) {
@@ -74,14 +74,14 @@ TEST(Bus, CountsNoLossWhileUnsubscribed) {
   bus.subscribe<models::AttackNotice>(kAttack, [](const auto&) {});
   listen();
   say(3);
-  EXPECT_EQ(heard, 6);
+  EXPECT_EQ(received, 6);
   bus.unsubscribe(kAttack.name);  // its place is taken by one of the next
   bus.unsubscribe(kCommand.name);
   say(3);
-  EXPECT_EQ(heard, 6);
+  EXPECT_EQ(received, 6);
   listen();
   say(2);
-  EXPECT_EQ(heard, 10);
+  EXPECT_EQ(received, 10);
   EXPECT_EQ(bus.messages_lost(), 0);
   EXPECT_EQ(count_of(bus, "left.fresh"), 3);
   EXPECT_EQ(count_of(bus, "COMMAND.fresh"), 2);
@@ -240,8 +240,9 @@ void expect_first_is_kept(const Channel<Message>& channel, Message message) {
   Bus second(*second_side, 3);
   VirtualClock clock(from_utime(1'700'000'000'000'000));
   bus.use_clock(clock);
-  std::vector<std::int64_t> heard;
-  bus.subscribe<Message>(channel, [&](const Message& said) { heard.push_back(said.stamp.run_id); });
+  std::vector<std::int64_t> received;
+  bus.subscribe<Message>(channel,
+                         [&](const Message& said) { received.push_back(said.stamp.run_id); });
   const auto run = [&](double seconds, bool first_speaks) {
     const Time end = clock.now() + from_seconds(seconds);
     for (; clock.now() < end; clock.set(clock.now() + Duration{10'000})) {
@@ -254,10 +255,10 @@ void expect_first_is_kept(const Channel<Message>& channel, Message message) {
     }
   };
   run(2.0, true);
-  EXPECT_EQ(heard, std::vector<std::int64_t>(200, 2));
-  heard.clear();
+  EXPECT_EQ(received, std::vector<std::int64_t>(200, 2));
+  received.clear();
   run(2.0, false);
-  EXPECT_EQ(heard, std::vector<std::int64_t>(151, 3)) << "once it is silent";
+  EXPECT_EQ(received, std::vector<std::int64_t>(151, 3)) << "once it is silent";
 }
 
 TEST(Bus, KeepsTheFirstMocapWhileItPublishes) {
@@ -347,14 +348,14 @@ TEST_F(BusAgainstRawBytes, IsUsableAfterAHandlerThrew) {
 TEST(Bus, MayBeDestroyedBeforeItsTransport) {
   InProcessHub hub;
   const auto endpoint = hub.connect();
-  int heard = 0;
+  int received = 0;
   {
     Bus bus(*endpoint, 1);
-    bus.subscribe<models::OperatorCommand>(kCommand, [&](const auto&) { ++heard; });
+    bus.subscribe<models::OperatorCommand>(kCommand, [&](const auto&) { ++received; });
     bus.publish(kCommand, command(1));
   }
   endpoint->handle(kNow);
-  EXPECT_EQ(heard, 0);
+  EXPECT_EQ(received, 0);
 }
 
 TEST(Bus, LetsHandlersPublishAndSubscribe) {

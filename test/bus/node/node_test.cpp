@@ -228,14 +228,14 @@ TEST_F(RunNode, RunsUntilTheNodeMayEndAndReportsEachRequestOnce) {
 }
 
 TEST_F(RunNode, SendsHeartbeatsAndAFinalFlightState) {
-  LifeLine line;
-  ASSERT_TRUE(line.open());
-  LifeSign life(dup(line.child_end()));
+  LivenessReceiver receiver;
+  ASSERT_TRUE(receiver.open());
+  LivenessSender life(dup(receiver.child_end()));
   Lander node(start_ + milliseconds(20), milliseconds(20));
   node.ends_at = start_ + seconds(1);
   std::vector<InFlight> signs;
   const auto take = [&] {
-    if (const LifeLine::Signs come = line.take(); come.any) {
+    if (const LivenessReceiver::Report come = receiver.take(); come.any) {
       signs.push_back(come.in_flight);
     }
   };

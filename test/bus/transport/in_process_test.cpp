@@ -49,35 +49,35 @@ TEST(InProcessHub, DeliversToEveryEndpointIncludingTheSender) {
 TEST(InProcessHub, DeliversNothingAfterUnsubscribing) {
   InProcessHub hub;
   const auto a = hub.connect();
-  std::vector<Bytes> heard;
+  std::vector<Bytes> received;
   for (const char* name : {"X", "P*"}) {
-    a->subscribe(name, into(heard));
+    a->subscribe(name, into(received));
     a->publish("X", Bytes{1});
     a->publish("PQ", Bytes{1});
     a->unsubscribe(name);
     EXPECT_EQ(a->handle(kNow), 1);
-    EXPECT_TRUE(heard.empty()) << "though it was in the queue";
+    EXPECT_TRUE(received.empty()) << "though it was in the queue";
     a->publish("X", Bytes{2});
     a->publish("PQ", Bytes{2});
     EXPECT_EQ(a->handle(kNow), 0);
   }
-  a->subscribe("X", into(heard));
+  a->subscribe("X", into(received));
   a->publish("X", Bytes{3});
   a->handle(kNow);
-  EXPECT_EQ(heard, (std::vector<Bytes>{{3}}));
+  EXPECT_EQ(received, (std::vector<Bytes>{{3}}));
 }
 
 TEST(InProcessHub, DropsAndCountsTheOldestMessage) {
   InProcessHub hub(3);
   const auto slow = hub.connect();
   const auto fast = hub.connect();
-  std::vector<Bytes> heard;
-  slow->subscribe("X", into(heard));
+  std::vector<Bytes> received;
+  slow->subscribe("X", into(received));
   for (std::uint8_t i = 0; i < 5; ++i) {
     fast->publish("X", Bytes{i});
   }
   EXPECT_EQ(slow->handle(kNow), 3);
-  EXPECT_EQ(heard, (std::vector<Bytes>{{2}, {3}, {4}}));
+  EXPECT_EQ(received, (std::vector<Bytes>{{2}, {3}, {4}}));
   EXPECT_EQ(slow->stats().queue_overflows, 2);
   EXPECT_EQ(slow->stats().messages_received, 3);
   EXPECT_EQ(fast->stats().messages_sent, 5);
@@ -101,18 +101,18 @@ TEST(InProcessHub, QueuesMessagesOfHandlersForTheNextHandle) {
 TEST(InProcessHub, KeepsTheQueueWhenAHandlerThrows) {
   InProcessHub hub;
   const auto endpoint = hub.connect();
-  std::vector<Bytes> heard;
+  std::vector<Bytes> received;
   endpoint->subscribe("X", [&](std::string_view, std::span<const std::uint8_t> bytes) {
     if (bytes[0] == 0) {
       throw std::runtime_error("handler");
     }
-    heard.emplace_back(bytes.begin(), bytes.end());
+    received.emplace_back(bytes.begin(), bytes.end());
   });
   endpoint->publish("X", Bytes{0});
   endpoint->publish("X", Bytes{1});
   EXPECT_THROW(endpoint->handle(kNow), std::runtime_error);
   EXPECT_EQ(endpoint->handle(kNow), 1);
-  EXPECT_EQ(heard, (std::vector<Bytes>{{1}}));
+  EXPECT_EQ(received, (std::vector<Bytes>{{1}}));
 }
 
 TEST(InProcessHub, ForgetsDestroyedEndpoints) {

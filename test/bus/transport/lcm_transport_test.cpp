@@ -72,25 +72,25 @@ TEST(LcmTransport, AcceptsAllValidChannelCharacters) {
 
 TEST(LcmTransport, DeliversNothingAfterUnsubscribing) {
   const auto transport = open_transport("memq://");
-  std::string heard;
+  std::string received;
   const std::vector<std::pair<const char*, char>> handlers{
       {"X", 'a'}, {"Y", 'b'}, {"X", 'c'}, {"X*", 'd'}};
   for (const auto& [name, who] : handlers) {
-    transport->subscribe(name, [&heard, who = who](auto, auto) { heard += who; });
+    transport->subscribe(name, [&received, who = who](auto, auto) { received += who; });
   }
   for (int time = 0; time < 2; ++time) {
     transport->unsubscribe("X");
     transport->publish("X", Bytes{});
     transport->publish("Y", Bytes{});
     EXPECT_EQ(transport->handle(kNow), 2);
-    EXPECT_EQ(heard, "db");
-    heard.clear();
+    EXPECT_EQ(received, "db");
+    received.clear();
   }
-  transport->subscribe("X", [&heard](auto, auto) { heard += 'e'; });
+  transport->subscribe("X", [&received](auto, auto) { received += 'e'; });
   transport->unsubscribe("X*");
   transport->publish("X", Bytes{});
   transport->handle(kNow);
-  EXPECT_EQ(heard, "e");
+  EXPECT_EQ(received, "e");
 }
 
 TEST(LcmTransport, CountsSentAndReceivedMessages) {
@@ -111,13 +111,13 @@ TEST(LcmTransport, CountsSentAndReceivedMessages) {
 // A flood must not keep the caller; what it left is handled next time.
 TEST(LcmTransport, HandlesTheRequestedNumberOfMessages) {
   const auto transport = open_transport("memq://");
-  int heard = 0;
-  transport->subscribe("X", [&heard](auto, auto) { ++heard; });
+  int received = 0;
+  transport->subscribe("X", [&received](auto, auto) { ++received; });
   for (int i = 0; i < 5'000; ++i) {
     transport->publish("X", Bytes{1});
   }
   EXPECT_EQ(transport->handle(kNow), 4'096);
-  EXPECT_EQ(heard, 4'096);
+  EXPECT_EQ(received, 4'096);
   EXPECT_EQ(transport->handle(kNow), 904);
   EXPECT_EQ(transport->handle(kNow), 0);
 }
@@ -148,9 +148,9 @@ TEST(LcmTransport, WritesALogAndReadsItToItsEnd) {
     }
   }
   const auto reader = open_transport("file://" + path.string() + "?mode=r&speed=0");
-  Bytes heard;
-  reader->subscribe("X",
-                    [&](auto, std::span<const std::uint8_t> bytes) { heard.push_back(bytes[0]); });
+  Bytes received;
+  reader->subscribe(
+      "X", [&](auto, std::span<const std::uint8_t> bytes) { received.push_back(bytes[0]); });
   int status = 0;
   int handled = 0;
   for (int i = 0; i < 1'000 && status != kSourceEnded; ++i) {
@@ -161,7 +161,7 @@ TEST(LcmTransport, WritesALogAndReadsItToItsEnd) {
   EXPECT_EQ(reader->handle(kNow), kSourceEnded) << "and so it stays";
   std::filesystem::remove(path);
   EXPECT_EQ(status, kSourceEnded);
-  EXPECT_EQ(heard, (Bytes{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
+  EXPECT_EQ(received, (Bytes{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
 }
 
 }  // namespace

@@ -217,9 +217,10 @@ TEST(ContactsNode, PublishesItsContactsNextToThoseOfTheSimulator) {
   bus::Bus lab_bus(*lab_side, 22);
   bus::Bus sim_bus(*sim_side, 33);
   ContactsNode node(judge_bus, clock, real_lab());
-  std::vector<models::CollisionReport> heard;
+  std::vector<models::CollisionReport> received;
   lab_bus.subscribe<models::CollisionReport>(
-      bus::kCollision, [&](const models::CollisionReport& contact) { heard.push_back(contact); });
+      bus::kCollision,
+      [&](const models::CollisionReport& contact) { received.push_back(contact); });
 
   lab_bus.publish(bus::vehicle_channel("Q1"), status_of("Q1", FlightState::kHold));
   const Placed together = {{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {1.1, 4.0, 1.0}}};
@@ -239,11 +240,11 @@ TEST(ContactsNode, PublishesItsContactsNextToThoseOfTheSimulator) {
   judge_bus.handle(std::chrono::microseconds(0));
   while (lab_bus.handle(std::chrono::microseconds(0)) > 0) {
   }
-  ASSERT_EQ(heard.size(), 4U) << "neither publisher silences the other";
-  EXPECT_EQ(heard[0].kind, CollisionKind::kCollision);
-  EXPECT_EQ(heard[1].kind, CollisionKind::kNearMiss);
-  EXPECT_EQ(heard[2].body_a, "Q3");
-  EXPECT_EQ(heard[3].body_b, "bounds");
+  ASSERT_EQ(received.size(), 4U) << "neither publisher silences the other";
+  EXPECT_EQ(received[0].kind, CollisionKind::kCollision);
+  EXPECT_EQ(received[1].kind, CollisionKind::kNearMiss);
+  EXPECT_EQ(received[2].body_a, "Q3");
+  EXPECT_EQ(received[3].body_b, "bounds");
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ bool has(const std::vector<std::uint8_t>& datagram,
 }
 
 /// Returns the horizontal position in a message, in the world frame, m.
-Eigen::Vector2d place_of(const auto& message) {
+Eigen::Vector2d position_of(const auto& message) {
   return {static_cast<double>(message.x), -static_cast<double>(message.y)};
 }
 
@@ -72,7 +72,7 @@ TEST_P(FlightFaults, IgnoresARejectedPose) {
       has(datagram, [&](const wire::mavlink::Frame& frame) {
         const auto see = [&](const auto& message, bool is_pose) {
           if (message) {
-            const Eigen::Vector2d at_m = place_of(*message);
+            const Eigen::Vector2d at_m = position_of(*message);
             sent_offset_m = std::max(sent_offset_m, (at_m - place_m).norm());
             poses += is_pose ? 1 : 0;
           }

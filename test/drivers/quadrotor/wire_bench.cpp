@@ -288,7 +288,7 @@ void WireBench::change_vehicle(Vehicle& vehicle, WiredVehicle& wired_vehicle, do
   const VehicleKnobs& knobs = vehicle.knobs;
   sim::FlightController& controller = wired_vehicle.emulator.controller();
   if (!controller.airframe().is_on_ground()) {
-    controller.airframe().push(dt_s * turn_axes(push_mps2(vehicle)));
+    controller.airframe().push(dt_s * convert_axes(push_mps2(vehicle)));
   }
   if (knobs.battery_share && !wired_vehicle.charge_share) {
     wired_vehicle.charge_share = controller.airframe().battery_share();

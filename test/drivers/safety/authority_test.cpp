@@ -291,9 +291,9 @@ TEST_F(Authority, PassesToAStationWithANewHeartbeat) {
   for (const std::int64_t first : {0, 1}) {  // ids of a station may have any value
     authority = {};
     EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, first, 1, 0.0), kStart, 1.0));
-    const auto heard = command(OperatorAction::kHeartbeat, 7, 4, 0.5);
-    EXPECT_FALSE(authority.admit(heard, kStart + from_seconds(0.5), 1.0));
-    EXPECT_FALSE(authority.admit(heard, kStart + from_seconds(1.5), 1.0)) << "a copy";
+    const auto received = command(OperatorAction::kHeartbeat, 7, 4, 0.5);
+    EXPECT_FALSE(authority.admit(received, kStart + from_seconds(0.5), 1.0));
+    EXPECT_FALSE(authority.admit(received, kStart + from_seconds(1.5), 1.0)) << "a copy";
     const auto arm = command(OperatorAction::kArm, 7, 5, 1.5);
     EXPECT_FALSE(authority.admit(arm, kStart + from_seconds(1.5), 1.0)) << "it does not beat";
     EXPECT_EQ(authority.handovers(), 0);
@@ -311,7 +311,7 @@ TEST_F(Authority, AcceptsDelayedSaferCommandsOnce) {
   const auto at = [](double t_s) { return kStart + from_seconds(t_s); };
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 50, 0.0), at(0.0), 1.0));
   const auto newest = command(OperatorAction::kHold, 1, 50, 0.1);
-  EXPECT_FALSE(authority.admit(newest, at(3.0), 1.0)) << "its number was heard";
+  EXPECT_FALSE(authority.admit(newest, at(3.0), 1.0)) << "its number was received";
   for (const std::int64_t number : {51, 52}) {
     const auto late = command(OperatorAction::kHold, 1, number, 0.2);
     EXPECT_TRUE(authority.admit(late, at(3.0), 1.0)) << number;

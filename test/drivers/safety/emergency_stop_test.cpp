@@ -77,10 +77,10 @@ TEST_P(EmergencyStopInTakeOff, StopsEveryMotorUntilRearmed) {
   stop_and_expect_all_off();
 
   bool has_run = false;
-  int said = 0;
+  int orders_sent = 0;
   bench.run(3.0, [&] {
     has_run = has_run || any_armed();
-    bench.send_command(++said % 2 == 0 ? OperatorAction::kTakeOff : OperatorAction::kFollow);
+    bench.send_command(+orders_sent % 2 == 0 ? OperatorAction::kTakeOff : OperatorAction::kFollow);
   });
   EXPECT_FALSE(has_run);
   for (const Vehicle& each : bench.vehicles()) {

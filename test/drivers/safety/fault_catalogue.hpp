@@ -28,8 +28,8 @@ struct Fault {
   int number;        ///< number in the project's list of faults
   const char* name;  ///< name of this case
   const char* what;
-  const char* whom;  ///< vehicles that must react: "Q1", "Q1 Q2" or "all"
-  double begins_s;   ///< s after the injection, > 0 if the fault needs a preparation
+  const char* vehicles;  ///< vehicles that must react: "Q1", "Q1 Q2" or "all"
+  double begins_s;       ///< s after the injection, > 0 if the fault needs a preparation
   Act act;
   std::vector<Stage> stages;      ///< empty: the vehicle flies on
   const char* reason = nullptr;   ///< condition that must be among the reasons

@@ -74,9 +74,9 @@ void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& ot
   // A vehicle may have landed before its motors would be stopped near the floor.
   const bool ends_at_floor = !fault.stages.empty() && fault.stages.back().within_s >= kFloorS;
   // A hold that the operator can end is ended by the second station, which sends `follow`.
-  const bool goes_on =
+  const bool is_resumed =
       std::string(other.name) == kSecondStationFault && fault.end == models::FlightState::kHold;
-  const int needed = goes_on ? 0 : std::min(severity_of(fault.end), ends_at_floor ? 2 : 3);
+  const int needed = is_resumed ? 0 : std::min(severity_of(fault.end), ends_at_floor ? 2 : 3);
   EXPECT_GE(severity_of(outcome.end), needed)
       << fault.name << " ends in " << name_of(outcome.end) << " with " << other.name;
   // If the other fault suppresses the plan that would have had the effect, the next plan has it.

@@ -102,11 +102,11 @@ inline Fault fault(int number, const char* name, const char* what, Act act, Expe
           expected.counter,
           expected.end};
 }
-inline Fault on(const char* whom, Fault fault) {
-  fault.whom = whom;
+inline Fault on(const char* vehicles, Fault fault) {
+  fault.vehicles = vehicles;
   return fault;
 }
-inline Fault everybody(Fault fault) { return on("all", std::move(fault)); }
+inline Fault for_all(Fault fault) { return on("all", std::move(fault)); }
 inline Fault after(double begins_s, Fault fault) {
   fault.begins_s = begins_s;
   return fault;
@@ -115,7 +115,7 @@ inline Fault delaying(double delays_s, Fault fault) {
   fault.delays_s = delays_s;
   return fault;
 }
-inline Fault trusting(Fault fault) {
+inline Fault with_trusted_plans(Fault fault) {
   fault.trusts_plans = true;
   return fault;
 }

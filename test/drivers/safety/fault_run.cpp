@@ -7,8 +7,8 @@ namespace vantage::test {
 namespace {
 
 bool is_concerned(const Fault& fault, const Vehicle& vehicle) {
-  const std::string whom = fault.whom;
-  return whom == "all" || whom.find(vehicle.name) != std::string::npos;
+  const std::string vehicles = fault.vehicles;
+  return vehicles == "all" || vehicles.find(vehicle.name) != std::string::npos;
 }
 
 bool shows(const Vehicle& vehicle, const std::string& reason) {

@@ -252,10 +252,10 @@ TEST(Landing, StopsWhenThePathAsideIsBlocked) {
   one.others = {one.body("W1", below_m)};
   one.begin_landing_at({0.0, 0.0, 1.5});
   one.run(0.5, [&] { one.others = {one.body("W1", below_m)}; });
-  const Eigen::Vector2d way_m = one.out.setpoint.velocity_world_mps.head<2>();
-  ASSERT_GT(way_m.norm(), 0.3);
+  const Eigen::Vector2d offset_m = one.out.setpoint.velocity_world_mps.head<2>();
+  ASSERT_GT(offset_m.norm(), 0.3);
   const Eigen::Vector3d ahead_m =
-      one.position_m + 0.62 * Eigen::Vector3d(way_m.x(), way_m.y(), 0.0).normalized();
+      one.position_m + 0.62 * Eigen::Vector3d(offset_m.x(), offset_m.y(), 0.0).normalized();
   bool has_stopped = false;
   one.run(1.0, [&] {
     one.others = {one.body("W1", below_m), one.body("W2", ahead_m)};

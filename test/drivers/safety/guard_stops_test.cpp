@@ -177,7 +177,7 @@ TEST(GuardStop, PredictsADriftingHover) {
 TEST(GuardStop, StopsAtItsPositionWhenThePlanHasJustBegun) {
   struct Case {
     double own_mps, asked_mps;
-    bool goes_on;
+    bool continues_plan;
   };
   for (const Case& c : {Case{0.0, 0.09, true}, Case{0.0, 0.11, false}, Case{0.3, 0.68, true},
                         Case{0.3, 0.72, false}, Case{0.2, 0.48, true}, Case{0.2, 0.52, false}}) {
@@ -197,7 +197,8 @@ TEST(GuardStop, StopsAtItsPositionWhenThePlanHasJustBegun) {
     one.tracks_setpoint = false;
     one.run(1.0);
     const double off_m = back(one.setpoint_m()).x() - here_m - c.own_mps * c.own_mps / 4.0;
-    EXPECT_EQ(std::abs(off_m) > 2e-4, c.goes_on) << c.own_mps << " " << c.asked_mps << " " << off_m;
+    EXPECT_EQ(std::abs(off_m) > 2e-4, c.continues_plan)
+        << c.own_mps << " " << c.asked_mps << " " << off_m;
   }
 }
 
@@ -284,21 +285,21 @@ TEST(GuardStop, FlightTimeContinuesInAllAirborneStates) {
   OneVehicle one;
   one.tick();
   double flown_s = 0.0;
-  const auto goes_on = [&](double seconds, FlightState state) {
+  const auto run_for = [&](double seconds, FlightState state) {
     one.run(seconds);
     flown_s += seconds;
     EXPECT_EQ(one.state(), state);
     EXPECT_NEAR(one.in().flight_s, flown_s, 1e-6);
   };
-  goes_on(0.4, FlightState::kHold);
+  run_for(0.4, FlightState::kHold);
   one.send_command(OperatorAction::kFollow);
-  goes_on(0.1, FlightState::kHold);
+  run_for(0.1, FlightState::kHold);
   ASSERT_EQ(one.follow(0.5, 0.0, 2.0, 1.5), PlanVerdict::kAccepted);
-  goes_on(0.4, FlightState::kFollow);
+  run_for(0.4, FlightState::kFollow);
   one.send_command(OperatorAction::kHold);
-  goes_on(0.4, FlightState::kHold);
+  run_for(0.4, FlightState::kHold);
   one.send_command(OperatorAction::kLand);
-  goes_on(0.4, FlightState::kLand);
+  run_for(0.4, FlightState::kLand);
 }
 
 // A pose up to 0.05 s old is fresh enough for a motion away from the fence.

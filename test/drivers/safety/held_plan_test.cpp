@@ -79,11 +79,11 @@ TEST(PointAt, BrakesAtTheStatedDeceleration) {
         for (int k = 0; k <= 40; ++k) {
           const double t_s = 0.1 * k * stop_s;
           const double left_mps = std::max(0.0, speed_mps - brake_mps2 * t_s);
-          const double way_m =
+          const double distance_m =
               0.5 * (speed_mps * speed_mps - left_mps * left_mps) / brake_mps2;  // v² = v0² − 2as
           const Setpoint here = point_at(plan, t_s);
           EXPECT_LT((here.velocity_world_mps - sense * left_mps * ahead).norm(), 1e-12) << t_s;
-          EXPECT_LT((here.position_world_m - sense * way_m * ahead).norm(), 1e-12) << t_s;
+          EXPECT_LT((here.position_world_m - sense * distance_m * ahead).norm(), 1e-12) << t_s;
           EXPECT_EQ(here.yaw_rad, 2.0);
           EXPECT_EQ(here.yaw_rate_radps, 0.0);
         }

@@ -144,9 +144,9 @@ struct OneVehicle {
       position_m.z() = std::max(0.0, position_m.z());
       yaw_rad = wrap_to_pi(out.setpoint.yaw_rad +
                            (kTickS - limits.setpoint_lead_s) * out.setpoint.yaw_rate_radps);
-      const Eigen::Vector3d way_m = position_m - from_m;
-      if (way_m.norm() > kTickS * fastest_mps) {
-        position_m = from_m + kTickS * fastest_mps * way_m.normalized();
+      const Eigen::Vector3d offset_m = position_m - from_m;
+      if (offset_m.norm() > kTickS * fastest_mps) {
+        position_m = from_m + kTickS * fastest_mps * offset_m.normalized();
       }
       const double turn_rad = wrap_to_pi(yaw_rad - from_rad);
       if (std::abs(turn_rad) > kTickS * fastest_radps) {

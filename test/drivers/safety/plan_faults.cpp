@@ -59,14 +59,14 @@ std::vector<Fault> plan_faults() {
             spoils(PlanFault::kLeavesFence), ends(kHold, at_plan_end, "no plan")),
       spoilt(28, "old plan replayed", "three rounds old", PlanFault::kReplayed, "plan.stale"),
       on("Q1 Q2",
-         trusting(fault(
+         with_trusted_plans(fault(
              31, "head-on at 2 m/s", "Q1 and Q2 plan into each other, unseen by the plan check",
              lasting(2.0, both(spoils(PlanFault::kHeadOn), spoils(PlanFault::kHeadOn, "Q2"))),
              ends(kFollow, {{kHold, 3.5}}, "separation")))),
       on("Q2",
-         trusting(fault(31, "planner that keeps flying at a teammate",
-                        "Q2 at Q1, unseen by the plan check", spoils(PlanFault::kHeadOn, "Q2"),
-                        ends(kHold, {{kHold, 4.0}}, "separation")))),
+         with_trusted_plans(fault(
+             31, "planner that keeps flying at a teammate", "Q2 at Q1, unseen by the plan check",
+             spoils(PlanFault::kHeadOn, "Q2"), ends(kHold, {{kHold, 4.0}}, "separation")))),
       fault(42, "map differs", "another scenario is announced",
             sets(&VehicleKnobs::map_differs, true), ends(kHold, {{kHold, kTicks}}, "map differs")),
   };

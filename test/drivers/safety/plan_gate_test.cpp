@@ -294,9 +294,10 @@ TEST_F(Gate, CountsEachVerdictByName) {
     EXPECT_EQ(judge(bad([](auto& p) { p.trajectory.start.y_m += 0.6; }), 0.0),
               PlanVerdict::kDiscontinuous);
     const auto leads_to = [&](double x_m, double y_m) {
-      const double way_m = std::hypot(x_m - 1.0, y_m + 1.0);
+      const double distance_m = std::hypot(x_m - 1.0, y_m + 1.0);
       return bad([&](auto& p) {
-        p.trajectory.segments = {{{0.0, 3.0}, 0.0, 0.0}, {{1.0, 0.0}, way_m, 0.0}, {{}, 0.1, 0.0}};
+        p.trajectory.segments = {
+            {{0.0, 3.0}, 0.0, 0.0}, {{1.0, 0.0}, distance_m, 0.0}, {{}, 0.1, 0.0}};
       });
     };
     EXPECT_EQ(judge(leads_to(-4.0, -1.0), 0.0), PlanVerdict::kOutsideFence);

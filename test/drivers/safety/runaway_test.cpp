@@ -127,12 +127,12 @@ TEST(Runaway, FasterThanItsLimitIsHeld) {
     FlightBench bench(3);
     bench.fly_up(6.4);
     Vehicle& q1 = bench.vehicle("Q1");
-    bool is_said = false;
+    bool is_too_fast = false;
     bench.run(0.6, [&] {
       q1.knobs.runaway_mps = {way * (q1.velocity_mps.x() > 0.0 ? 1.2 : -1.2), 0.0, 0.0};
-      is_said = is_said || FlightBench::has_reason(q1, "too fast", bench.now());
+      is_too_fast = is_too_fast || FlightBench::has_reason(q1, "too fast", bench.now());
     });
-    EXPECT_EQ(is_said, way > 0.0) << "against its way it is slower";
+    EXPECT_EQ(is_too_fast, way > 0.0) << "against its way it is slower";
   }
 }
 

@@ -34,7 +34,7 @@ SetpointMonitor::SetpointMonitor(FlightBench& bench)
 
 double SetpointMonitor::step_max_m(const Vehicle& vehicle, const Snapshot& before) const {
   const drivers::SafetyInputs& in = vehicle.guard->inputs();
-  const double way_m =
+  const double distance_m =
       limits_.vehicle.speed_max_mps * std::max(FlightBench::kTickS, in.since_last_tick_s);
   const bool follows =
       vehicle.out.state == FlightState::kFollow && before.state == FlightState::kFollow;
@@ -49,7 +49,7 @@ double SetpointMonitor::step_max_m(const Vehicle& vehicle, const Snapshot& befor
         (vehicle.out.setpoint.position_world_m.head<2>() - body_m).norm() <= kAtBodyM;
     more_m = is_at_body ? std::numeric_limits<double>::infinity() : corner_m_;
   }
-  return way_m + more_m + kRoundingM;
+  return distance_m + more_m + kRoundingM;
 }
 
 void SetpointMonitor::update(FlightBench& bench) {

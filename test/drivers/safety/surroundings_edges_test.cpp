@@ -134,9 +134,9 @@ TEST(ComputeSurroundings, FindsAPostNextToThePath) {
   SafetyLimits limits = limits_in({{-8.0, -8.0}, {8.0, 8.0}});
   const Eigen::Vector3d here_m(1.0, -2.0, 1.0);
   for (const double v_mps : {0.5, -1.0}) {
-    const double way_m = std::copysign(stopping_distance_m(limits, std::abs(v_mps)), v_mps);
+    const double distance_m = std::copysign(stopping_distance_m(limits, std::abs(v_mps)), v_mps);
     for (double share = 0.0; share <= 1.0; share += 0.05) {
-      const double post_x_m = here_m.x() + share * way_m;
+      const double post_x_m = here_m.x() + share * distance_m;
       limits.fence.obstacles = {{{{post_x_m - 0.06, -1.4}, {post_x_m + 0.06, -1.3}}, 2.5}};
       const BrakingPath way = stop_from(here_m, {v_mps, 0.0, 0.0}, limits);
       EXPECT_NEAR(compute_surroundings(here_m, way, {}, limits).obstacle_stop_m,

@@ -233,19 +233,19 @@ TEST(SerialPort, DropsTheOldestWholeMessages) {
   ASSERT_EQ(counters.size(), 1U);
   EXPECT_EQ(counters[0].name, "port.messages_dropped");
   const auto sent = static_cast<std::size_t>(kMessages - counters[0].count);
-  Bytes heard;
-  for (int i = 0; i < 100 && heard.size() < sent * kBytes; ++i) {
-    const Bytes some = line.receive(std::min<std::size_t>(2000, sent * kBytes - heard.size()));
-    heard.insert(heard.end(), some.begin(), some.end());
+  Bytes received;
+  for (int i = 0; i < 100 && received.size() < sent * kBytes; ++i) {
+    const Bytes some = line.receive(std::min<std::size_t>(2000, sent * kBytes - received.size()));
+    received.insert(received.end(), some.begin(), some.end());
     port->write({}, kNow);  // continues to send the queued messages
   }
-  ASSERT_EQ(heard.size(), sent * kBytes);
+  ASSERT_EQ(received.size(), sent * kBytes);
   std::vector<int> numbers;
-  for (std::size_t at = 0; at < heard.size(); at += kBytes) {
-    ASSERT_EQ(heard[at], 255);
-    numbers.push_back(256 * heard[at + 1] + heard[at + 2]);
+  for (std::size_t at = 0; at < received.size(); at += kBytes) {
+    ASSERT_EQ(received[at], 255);
+    numbers.push_back(256 * received[at + 1] + received[at + 2]);
     for (std::size_t k = 2; k < kBytes; ++k) {
-      ASSERT_EQ(heard[at + k], heard[at + 2]);
+      ASSERT_EQ(received[at + k], received[at + 2]);
     }
   }
   EXPECT_TRUE(std::is_sorted(numbers.begin(), numbers.end()));

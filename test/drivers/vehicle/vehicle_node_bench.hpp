@@ -35,7 +35,7 @@ class VehicleNodeBench {
         place(std::move(place_of)) {
     lab.subscribe<models::VehicleStatus>(
         bus::vehicle_channel(robot()),
-        [this](const models::VehicleStatus& heard) { statuses.push_back(heard); });
+        [this](const models::VehicleStatus& received) { statuses.push_back(received); });
   }
 
   /// From now on, node and lab sign and verify messages; the attacker has no key.

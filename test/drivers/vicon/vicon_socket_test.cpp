@@ -45,7 +45,7 @@ struct SocketBench {
     listener.subscribe<models::MocapFrame>(
         bus::kVicon, [this](const models::MocapFrame& frame) { frames.push_back(frame); });
     node = std::make_unique<ViconNode>(
-        bus, clock, scenario, [this](const std::string& status) { said.push_back(status); });
+        bus, clock, scenario, [this](const std::string& status) { statuses.push_back(status); });
   }
 
   void start_server() {
@@ -103,7 +103,7 @@ struct SocketBench {
   std::unique_ptr<SocketServer> server;
   std::unique_ptr<ViconNode> node;
   std::vector<models::MocapFrame> frames;
-  std::vector<std::string> said;
+  std::vector<std::string> statuses;
   std::uint32_t number = 0;
 };
 
@@ -202,14 +202,14 @@ INSTANTIATE_TEST_SUITE_P(Protocols, ViconSocket,
 TEST(ViconNode, ReportsAnotherServerType) {
   SocketBench bench(MocapProtocol::kVrpn);
   bench.scenario.mocap.protocol = MocapProtocol::kDataStream;
-  std::vector<std::string> said;
+  std::vector<std::string> statuses;
   ViconNode lost(bench.bus, bench.clock, bench.scenario,
-                 [&](const std::string& status) { said.push_back(status); });
+                 [&](const std::string& status) { statuses.push_back(status); });
   ASSERT_TRUE(bench.until([&] {
     lost.tick(bench.clock.now());
-    return !said.empty() && said.back().find("is a VRPN server, not") != std::string::npos;
+    return !statuses.empty() && statuses.back().find("is a VRPN server, not") != std::string::npos;
   }));
-  EXPECT_NE(said.back().find("set mocap.protocol: vrpn"), std::string::npos);
+  EXPECT_NE(statuses.back().find("set mocap.protocol: vrpn"), std::string::npos);
   EXPECT_GE(lost.counters().size(), 1u);
 }
 
@@ -260,13 +260,13 @@ TEST(SocketServer, SkipsFramesForAClientThatDoesNotRead) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.mocap.device = scenario::DeviceSource::kReal;
   scenario.mocap.port = server.port();
-  std::vector<std::size_t> heard(3, 0);
+  std::vector<std::size_t> received(3, 0);
   const bus::SystemClock clock;
   std::vector<std::unique_ptr<vicon::ViconDriver>> drivers;
   std::vector<std::unique_ptr<vicon::SocketLink>> links;
-  for (std::size_t i = 0; i < heard.size(); ++i) {
+  for (std::size_t i = 0; i < received.size(); ++i) {
     drivers.push_back(std::make_unique<vicon::ViconDriver>(
-        scenario.mocap, [&heard, i](const models::MocapFrame&) { ++heard[i]; }));
+        scenario.mocap, [&received, i](const models::MocapFrame&) { ++received[i]; }));
     links.push_back(std::make_unique<vicon::SocketLink>(*drivers.back(), [&clock] {
       return vicon::Moment{clock.now(), Duration{monotonic_ns() / 1'000}};
     }));
@@ -274,20 +274,20 @@ TEST(SocketServer, SkipsFramesForAClientThatDoesNotRead) {
   const std::int64_t end_ns = monotonic_ns() + kTimeLimit_ns;
   EmulatedFrame frame = test::circling(100, 0.0);
   // The third client requests frames and then stops reading.
-  while ((server.frames_skipped() == 0 || heard[0] < 100 || heard[1] < 100) &&
+  while ((server.frames_skipped() == 0 || received[0] < 100 || received[1] < 100) &&
          monotonic_ns() < end_ns) {
     server.wait(std::chrono::microseconds(0));
     ++frame.number;
     server.publish(frame);
     for (std::size_t i = 0; i < links.size(); ++i) {
-      if (i < 2 || heard[2] == 0) {
+      if (i < 2 || received[2] == 0) {
         links[i]->step();
       }
     }
   }
   EXPECT_EQ(server.clients(), 3u);
-  EXPECT_GE(heard[0], 100u);
-  EXPECT_GE(heard[1], 100u);
+  EXPECT_GE(received[0], 100u);
+  EXPECT_GE(received[1], 100u);
   EXPECT_GT(server.frames_skipped(), 0);
   EXPECT_EQ(drivers[0]->frame_counts().frames_lost, 0);
 }

@@ -20,8 +20,8 @@ namespace {
 
 // Runs `script` in a shell as array task `task` and returns its output.
 std::string said_by(const std::string& script, const std::string& task) {
-  const Result<ChildAnswer> answer =
-      ask({"env", "SLURM_ARRAY_TASK_ID=" + task, "sh", "-c", script.substr(script.find('\n'))});
+  const Result<CommandOutput> answer = run_command(
+      {"env", "SLURM_ARRAY_TASK_ID=" + task, "sh", "-c", script.substr(script.find('\n'))});
   EXPECT_TRUE(answer.ok() && answer.value().exit.is_success());
   return answer.ok() ? answer.value().text : "";
 }
@@ -53,7 +53,7 @@ TEST(ShardsLacking, CoverAllMissingUnits) {
         undone.insert(unit);
       }
     }
-    for (const int shard : shards_lacking(plan, of, done)) {
+    for (const int shard : incomplete_shards(plan, of, done)) {
       const std::size_t before = undone.size();
       for (const Unit& unit : units_of(plan, {shard, of})) {
         undone.erase(unit);
@@ -95,10 +95,10 @@ TEST(StatesOf, ReportWhichJobsMayStillWrite) {
 // again.
 TEST(SlurmState, CompletingJobIsNotReportedAsEnded) {
   EXPECT_TRUE(is_live("COMPLETING"));
-  EXPECT_FALSE(is_at_work("COMPLETING"));
+  EXPECT_FALSE(is_running_or_pending("COMPLETING"));
   EXPECT_FALSE(is_failure("COMPLETING"));
-  EXPECT_TRUE(is_at_work("REQUEUED"));
-  EXPECT_FALSE(is_at_work("COMPLETED"));
+  EXPECT_TRUE(is_running_or_pending("REQUEUED"));
+  EXPECT_FALSE(is_running_or_pending("COMPLETED"));
 }
 
 /// Fake squeue and scancel that record their arguments; first in PATH during its lifetime.
@@ -136,7 +136,7 @@ TEST(SlurmClient, UsesTheClusterOfTheJobs) {
       {{"77;east", "78;east", 1}, "--clusters=east ", "jobs 77 and 78 on cluster east are"}};
   for (const auto& [jobs, option, sentence] : cases) {
     const FakeSlurm fake;
-    const Result<SlurmQueue> queue = ask_queue(jobs);
+    const Result<SlurmQueue> queue = query_queue(jobs);
     ASSERT_TRUE(queue.ok());
     EXPECT_EQ(queue.value().tasks.at(1), "RUNNING");
     EXPECT_EQ(queue.value().collector, "PENDING");
@@ -149,7 +149,7 @@ TEST(SlurmClient, UsesTheClusterOfTheJobs) {
               std::string::npos)
         << fake.words();
     EXPECT_EQ(cancel_command(jobs), "scancel " + option + "77 78");
-    EXPECT_EQ(jobs.are(), sentence);
+    EXPECT_EQ(jobs.subject_and_verb(), sentence);
   }
 }
 

@@ -135,7 +135,7 @@ void expect_same(const LogColumn& column, const std::vector<Json>& wanted) {
                                             : wanted[i].get<double>() == values[i])
                 << column.name;
           } else if constexpr (std::is_same_v<Value, std::uint8_t>) {
-            ASSERT_EQ(wanted[i].is_boolean(), column.is_truth) << column.name;
+            ASSERT_EQ(wanted[i].is_boolean(), column.is_boolean) << column.name;
             ASSERT_EQ(wanted[i].get<int>(), int{values[i]}) << column.name;
           } else {
             ASSERT_EQ(wanted[i].get<Value>(), values[i]) << column.name;

@@ -35,10 +35,10 @@ TargetCourse course_of(const models::TargetModel& model, const models::StateVect
 
 models::TargetModel oscillator() {
   models::TargetModel model{models::TargetKind::kDampedOscillator};
-  model.surroundings.center_m = {1.0, -2.0};
-  model.surroundings.position_sigma_m = {1.8, 0.8};
-  model.surroundings.velocity_sigma_mps = {0.4, 0.25};
-  model.surroundings.damping_per_s = {0.3, 0.6};
+  model.oscillator.center_m = {1.0, -2.0};
+  model.oscillator.position_sigma_m = {1.8, 0.8};
+  model.oscillator.velocity_sigma_mps = {0.4, 0.25};
+  model.oscillator.damping_per_s = {0.3, 0.6};
   return model;
 }
 
@@ -47,7 +47,7 @@ std::vector<std::vector<TargetCourse>> many(const models::TargetModel& model, in
   std::mt19937_64 rng(seed);
   std::vector<std::vector<TargetCourse>> logs(1);
   models::StateVector start = models::StateVector::Zero(model.dim());
-  start.head<2>() = model.surroundings.center_m;
+  start.head<2>() = model.oscillator.center_m;
   for (int i = 0; i < count; ++i) {
     logs.front().push_back(course_of(model, start, 300.0, rng));
   }
@@ -74,10 +74,10 @@ TEST(TargetCourse, DoesNotInterpolateGaps) {
 
 TEST(FitMotion, FindsTheTrueOscillator) {
   const auto logs = many(oscillator(), 40, 7);
-  const std::vector<FittedMotion> fits = fit_motion(logs, oscillator().surroundings.center_m);
+  const std::vector<FittedMotion> fits = fit_motion(logs, oscillator().oscillator.center_m);
   ASSERT_EQ(fits.size(), 3U);
-  const models::Surroundings& found = fits[2].model.surroundings;
-  const models::Surroundings& true_one = oscillator().surroundings;
+  const models::DampedOscillator& found = fits[2].model.oscillator;
+  const models::DampedOscillator& true_one = oscillator().oscillator;
   for (Eigen::Index i = 0; i < 2; ++i) {
     EXPECT_NEAR(found.position_sigma_m(i) / true_one.position_sigma_m(i), 1.0, 0.1);
     EXPECT_NEAR(found.velocity_sigma_mps(i) / true_one.velocity_sigma_mps(i), 1.0, 0.1);

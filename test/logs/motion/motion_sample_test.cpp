@@ -127,21 +127,21 @@ TEST(Judge, ReturnsTheLikelihood) {
   constexpr double kQ = 0.4;
   for (const models::TargetKind kind :
        {models::TargetKind::kRandomWalk, models::TargetKind::kDoubleIntegrator}) {
-    const bool goes_on = kind == models::TargetKind::kDoubleIntegrator;
+    const bool has_velocity = kind == models::TargetKind::kDoubleIntegrator;
     const MotionScore score = judge({kind, 2, kQ}, sample);
     double nats = 0.0;
     for (std::size_t h = 0; h < kHorizons_s.size(); ++h) {
       const double ahead_s = kHorizons_s[h];
-      const double variance = goes_on ? kQ * std::pow(ahead_s, 3) / 3.0 : kQ * ahead_s;
+      const double variance = has_velocity ? kQ * std::pow(ahead_s, 3) / 3.0 : kQ * ahead_s;
       double nees = 0.0;
       for (Eigen::Index axis = 0; axis < 2; ++axis) {
-        const double way_m = goes_on ? ahead_s * velocity(axis) : 0.0;
-        const double error_m = later(axis) - now(axis) - way_m;
+        const double distance_m = has_velocity ? ahead_s * velocity(axis) : 0.0;
+        const double error_m = later(axis) - now(axis) - distance_m;
         nees += error_m * error_m / variance;
         nats -= 0.5 * (std::log(2.0 * kPi * variance) + error_m * error_m / variance) / 5.0;
         const Displacement& each = score.displacements[static_cast<std::size_t>(axis)][h];
         EXPECT_NEAR(each.observed_m2, std::pow(later(axis) - now(axis), 2), 1e-12);
-        EXPECT_NEAR(each.predicted_m2, way_m * way_m + variance, 1e-9);
+        EXPECT_NEAR(each.predicted_m2, distance_m * distance_m + variance, 1e-9);
       }
       EXPECT_NEAR(score.nees[h], nees, 1e-9);
     }
@@ -161,10 +161,10 @@ TEST(Judge, ReturnsTheLikelihood) {
 /// Returns the stationary moments of targets that move by `model`.
 MotionSample in_the_long_run(const models::TargetModel& model) {
   MotionSample out;
-  out.center_m = model.surroundings.center_m;
+  out.center_m = model.oscillator.center_m;
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
-    const double place_m2 = std::pow(model.surroundings.position_sigma_m(axis), 2);
-    const double velocity_m2 = std::pow(model.surroundings.velocity_sigma_mps(axis), 2);
+    const double place_m2 = std::pow(model.oscillator.position_sigma_m(axis), 2);
+    const double velocity_m2 = std::pow(model.oscillator.velocity_sigma_mps(axis), 2);
     for (std::size_t h = 0; h < kHorizons_s.size(); ++h) {
       const models::StateMatrix A = model.transition(kHorizons_s[h]);
       const models::StateMatrix W = model.process_noise(kHorizons_s[h]);
@@ -185,16 +185,16 @@ TEST(FitOscillator, IsExactForAnInfiniteSample) {
   test::Random random(2);
   for (int trial = 0; trial < 10; ++trial) {
     models::TargetModel model{models::TargetKind::kDampedOscillator};
-    model.surroundings.center_m = random.vector<2>(-3.0, 3.0);
-    model.surroundings.position_sigma_m = random.vector<2>(0.5, 2.5);
-    model.surroundings.velocity_sigma_mps = random.vector<2>(0.2, 0.6);
-    model.surroundings.damping_per_s = random.vector<2>(0.2, 1.5);
+    model.oscillator.center_m = random.vector<2>(-3.0, 3.0);
+    model.oscillator.position_sigma_m = random.vector<2>(0.5, 2.5);
+    model.oscillator.velocity_sigma_mps = random.vector<2>(0.2, 0.6);
+    model.oscillator.damping_per_s = random.vector<2>(0.2, 1.5);
     const models::TargetModel fitted = fit_oscillator(in_the_long_run(model));
     EXPECT_EQ(fitted.kind, models::TargetKind::kDampedOscillator);
-    EXPECT_EQ(fitted.surroundings.center_m, model.surroundings.center_m);
+    EXPECT_EQ(fitted.oscillator.center_m, model.oscillator.center_m);
     for (Eigen::Index axis = 0; axis < 2; ++axis) {
-      const auto& found = fitted.surroundings;
-      const auto& wanted = model.surroundings;
+      const auto& found = fitted.oscillator;
+      const auto& wanted = model.oscillator;
       EXPECT_NEAR(found.position_sigma_m(axis) / wanted.position_sigma_m(axis), 1.0, 1e-3);
       EXPECT_NEAR(found.velocity_sigma_mps(axis) / wanted.velocity_sigma_mps(axis), 1.0, 1e-3);
       EXPECT_NEAR(found.damping_per_s(axis) / wanted.damping_per_s(axis), 1.0, 1e-3);

@@ -442,11 +442,11 @@ TEST(RenderPng, ReportsErrorsAndRemovesThePartialFile) {
       return error.what();
     }
   };
-  const std::string said = render();
-  EXPECT_TRUE(said.find("not installed") != std::string::npos ||
-              said == folder + "/no.png: cannot be written: rsvg-convert failed on " + folder +
-                          "/no.svg")
-      << said;
+  const std::string outcome = render();
+  EXPECT_TRUE(outcome.find("not installed") != std::string::npos ||
+              outcome == folder + "/no.png: cannot be written: rsvg-convert failed on " + folder +
+                             "/no.svg")
+      << outcome;
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
 }
 

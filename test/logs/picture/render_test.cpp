@@ -29,7 +29,7 @@ class RenderPngBy : public ::testing::Test {
     write_file(path, "#!/bin/sh\n" + lines);
     fs::permissions(path, fs::perms::owner_all);
   }
-  [[nodiscard]] std::string said() const {
+  [[nodiscard]] std::string outcome() const {
     try {
       const Result<std::string> png = render_png(folder_.file("a.svg"), folder_.file("a.png"));
       return png.ok() ? "drawn: " + png.value() : png.error().message;
@@ -43,14 +43,14 @@ class RenderPngBy : public ::testing::Test {
 };
 
 TEST_F(RenderPngBy, NamesThePackageToInstall) {
-  EXPECT_EQ(said(), "no PNG: rsvg-convert is not installed (apt install librsvg2-bin)");
+  EXPECT_EQ(outcome(), "no PNG: rsvg-convert is not installed (apt install librsvg2-bin)");
 }
 
 TEST_F(RenderPngBy, RunsItsProgramWithBothPaths) {
   draws_by("[ \"$1\" = --format=png ] && [ \"$3\" = \"" + folder_.file("a.svg") +
            "\" ] && echo drawn > \"${2#--output=}\"\n");
   const std::string png_path = folder_.file("a.png");
-  EXPECT_EQ(said(), "drawn: " + png_path);
+  EXPECT_EQ(outcome(), "drawn: " + png_path);
   std::ifstream file(png_path);
   std::string word;
   EXPECT_TRUE(file >> word);
@@ -61,12 +61,12 @@ TEST_F(RenderPngBy, RunsItsProgramWithBothPaths) {
 TEST_F(RenderPngBy, RemovesTheFileOfAFailedProgram) {
   const std::string png_path = folder_.file("a.png");
   draws_by("echo half > \"${2#--output=}\"\nexit 3\n");
-  EXPECT_EQ(said(),
+  EXPECT_EQ(outcome(),
             png_path + ": cannot be written: rsvg-convert failed on " + folder_.file("a.svg"));
   EXPECT_FALSE(fs::exists(png_path));
   EXPECT_FALSE(fs::exists(png_path + ".part"));
   draws_by("exit 0\n");  // and has written nothing
-  EXPECT_EQ(said(), png_path + ": cannot be written: No such file or directory");
+  EXPECT_EQ(outcome(), png_path + ": cannot be written: No such file or directory");
 }
 
 }  // namespace

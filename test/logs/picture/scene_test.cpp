@@ -70,8 +70,8 @@ TEST(SceneRecorder, KeepsAPointPerTenthOfASecondOrTwoCentimetres) {
   for (const double speed_mps : {0.04, 0.1, 0.25, 1.0}) {
     SceneRecorder recorder(a_scenario());
     for (int i = 0; i <= 500; ++i) {  // to and fro, 50 frames a second
-      const double way_m = speed_mps * 0.02 * i;
-      const double x_m = std::abs(std::remainder(way_m, 0.8));
+      const double distance_m = speed_mps * 0.02 * i;
+      const double x_m = std::abs(std::remainder(distance_m, 0.8));
       recorder.on_truth(truth(0.02 * i, "Q1", -1, {x_m, 0.0}));
     }
     const auto& track = recorder.scene().robots.at("Q1").track;

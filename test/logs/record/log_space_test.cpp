@@ -17,12 +17,12 @@ scenario::Scenario three_robots() {
 TEST(RoomForLog, CoversTrialAndLandings) {
   const scenario::Scenario scenario = three_robots();
   EXPECT_EQ(log_bytes_needed(scenario), 90'000'000U);  // 3 · 100 kB/s · 300 s
-  const LogRoom enough = room_for_log(scenario, "lab.lcmlog", 90'000'000U);
+  const LogSpaceCheck enough = check_log_space(scenario, "lab.lcmlog", 90'000'000U);
   EXPECT_TRUE(enough.is_enough);
-  const LogRoom little = room_for_log(scenario, "lab.lcmlog", 89'900'000U);
+  const LogSpaceCheck little = check_log_space(scenario, "lab.lcmlog", 89'900'000U);
   EXPECT_FALSE(little.is_enough);
   EXPECT_EQ(little.summary, "log: 89.9 MB are free for lab.lcmlog; 300 s need at most 90.0 MB");
-  EXPECT_TRUE(room_for_log(scenario, "lab.lcmlog", std::nullopt).is_enough) << "nobody knows";
+  EXPECT_TRUE(check_log_space(scenario, "lab.lcmlog", std::nullopt).is_enough) << "nobody knows";
 }
 
 struct Watched {
@@ -92,15 +92,15 @@ TEST(LogWatch, ReportsANearlyFullDisk) {
 
 TEST(RoomForLog, ReportsFreeAndRequiredSpace) {
   scenario::Scenario scenario = three_robots();
-  EXPECT_EQ(room_for_log(scenario, "a", std::nullopt).summary,
+  EXPECT_EQ(check_log_space(scenario, "a", std::nullopt).summary,
             "log: the free disk space is unknown for a");
   scenario.duration_s = 0.5;
   scenario.robots.resize(1);
   EXPECT_EQ(log_bytes_needed(scenario), 6'050'000U);  // 100 kB/s · 60.5 s
-  EXPECT_EQ(room_for_log(scenario, "a", 6'050'000U).summary,
+  EXPECT_EQ(check_log_space(scenario, "a", 6'050'000U).summary,
             "log: 6.0 MB are free for a; 60.5 s need at most 6.0 MB");
-  EXPECT_TRUE(room_for_log(scenario, "a", 6'050'000U).is_enough);
-  EXPECT_FALSE(room_for_log(scenario, "a", 6'049'999U).is_enough);
+  EXPECT_TRUE(check_log_space(scenario, "a", 6'050'000U).is_enough);
+  EXPECT_FALSE(check_log_space(scenario, "a", 6'049'999U).is_enough);
 }
 
 TEST(LogWatch, ReportsAStallAfterThreeSeconds) {

@@ -248,7 +248,7 @@ TEST(Belief, AllocatesNothing) {
 // predicted relative to its centre.
 TEST(Predict, UsesTheTargetsModel) {
   TargetModel swings{TargetKind::kDampedOscillator, 2};
-  swings.surroundings.center_m = {3.0, -2.0};
+  swings.oscillator.center_m = {3.0, -2.0};
   const TargetModel models[] = {{TargetKind::kStatic, 2, 0.1},
                                 {TargetKind::kRandomWalk, 3, 0.1},
                                 {TargetKind::kDoubleIntegrator, 2, 0.1},

@@ -124,17 +124,17 @@ TEST(LengthAtMost, BoundsForwardAndReverseDistance) {
       segment.control.speed_mps *= random.coin() ? 1.0 : -1.0;
     }
     double expected_m = 0.0;
-    double way_m = 0.0;
+    double length_m = 0.0;
     Eigen::Vector3d last_m = position_m(trajectory, trajectory.start_time);
     for (const PlanSegment& segment : trajectory.segments) {
       expected_m += std::abs(segment.control.speed_mps) * segment.duration_s;
     }
     for (Time t = trajectory.start_time; t < end_time(trajectory); t += from_seconds(0.01)) {
-      way_m += (position_m(trajectory, t) - last_m).norm();
+      length_m += (position_m(trajectory, t) - last_m).norm();
       last_m = position_m(trajectory, t);
     }
     EXPECT_NEAR(length_at_most_m(trajectory), expected_m, 1e-12);
-    EXPECT_GE(length_at_most_m(trajectory), way_m - 1e-9);
+    EXPECT_GE(length_at_most_m(trajectory), length_m - 1e-9);
   }
 }
 

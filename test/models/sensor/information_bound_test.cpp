@@ -52,19 +52,19 @@ Viewpoint reached(test::Random& random, const Question& question) {
   const Pose2& from = question.from.world_from_body;
   const Eigen::Vector2d to_target = question.target.head<2>() - from.position_m();
   double angle_rad = random.uniform(-kPi, kPi);
-  double way_m = question.reach_m * std::sqrt(random.uniform(0.0, 1.0));
+  double distance_m = question.reach_m * std::sqrt(random.uniform(0.0, 1.0));
   switch (random.integer(0, 3)) {
     case 0:
-      way_m = question.reach_m;
+      distance_m = question.reach_m;
       break;
     case 1:
       angle_rad = std::atan2(to_target.y(), to_target.x());
-      way_m = std::min(question.reach_m, to_target.norm());
+      distance_m = std::min(question.reach_m, to_target.norm());
       break;
     default:
       break;
   }
-  return {{from.x_m + way_m * std::cos(angle_rad), from.y_m + way_m * std::sin(angle_rad),
+  return {{from.x_m + distance_m * std::cos(angle_rad), from.y_m + distance_m * std::sin(angle_rad),
            random.uniform(-kPi, kPi)},
           question.from.height_m};
 }

@@ -11,8 +11,8 @@ namespace vantage::models {
 namespace {
 
 // γ² below, at and above 4 σ_v²/σ_p²: underdamped on one axis, overdamped on the other.
-const Surroundings kSwings{{1.0, -2.0}, {1.8, 0.8}, {0.4, 0.25}, {0.3, 0.9}};
-const Surroundings kOnTheEdge{{0.0, 0.0}, {2.0, 1.0}, {0.5, 0.25}, {0.5, 0.5 + 1e-6}};
+const DampedOscillator kSwings{{1.0, -2.0}, {1.8, 0.8}, {0.4, 0.25}, {0.3, 0.9}};
+const DampedOscillator kOnTheEdge{{0.0, 0.0}, {2.0, 1.0}, {0.5, 0.25}, {0.5, 0.5 + 1e-6}};
 
 const TargetModel kModels[] = {
     {TargetKind::kStatic, 2, 0.3},
@@ -27,7 +27,7 @@ const TargetModel kModels[] = {
 };
 
 // Returns the stationary covariance of an oscillator: N(c, σ_p²), N(0, σ_v²).
-StateMatrix stationary(const Surroundings& around) {
+StateMatrix stationary(const DampedOscillator& around) {
   Eigen::Vector4d variances;
   variances << around.position_sigma_m.cwiseAbs2(), around.velocity_sigma_mps.cwiseAbs2();
   return variances.asDiagonal();
@@ -77,7 +77,7 @@ TEST(DoubleIntegrator, MovesAtItsVelocity) {
 }
 
 TEST(DampedOscillator, KeepsItsStationaryDistribution) {
-  for (const Surroundings& around : {kSwings, kOnTheEdge}) {
+  for (const DampedOscillator& around : {kSwings, kOnTheEdge}) {
     const TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, around};
     const StateMatrix P = stationary(around);
     for (const double dt_s : {1e-3, 0.5, 3.0, 60.0}) {
@@ -125,9 +125,9 @@ TEST(DampedOscillator, TendsToADoubleIntegrator) {
   const double sigma_mps = std::sqrt(0.3 / (2.0 * kDamping_per_s));
   const TargetModel free{TargetKind::kDoubleIntegrator, 2, 0.3};
   TargetModel bound{TargetKind::kDampedOscillator};
-  bound.surroundings.position_sigma_m.setConstant(1e5 * sigma_mps);
-  bound.surroundings.velocity_sigma_mps.setConstant(sigma_mps);
-  bound.surroundings.damping_per_s.setConstant(kDamping_per_s);
+  bound.oscillator.position_sigma_m.setConstant(1e5 * sigma_mps);
+  bound.oscillator.velocity_sigma_mps.setConstant(sigma_mps);
+  bound.oscillator.damping_per_s.setConstant(kDamping_per_s);
   EXPECT_TRUE(test::is_near(bound.transition(0.5), free.transition(0.5), 1e-4));
   const StateMatrix W = bound.process_noise(0.5);
   EXPECT_NEAR(W(2, 2), 0.15, 1e-4);
@@ -190,9 +190,9 @@ TEST(DampedOscillator, IsExactNearCriticalDamping) {
     const long double D = static_cast<long double>(x) / (kT * kT);
     const long double k = kH * kH - D;
     TargetModel model{TargetKind::kDampedOscillator, 2};
-    model.surroundings.damping_per_s.setConstant(2.0 * static_cast<double>(kH));
-    model.surroundings.position_sigma_m.setConstant(2.0);
-    model.surroundings.velocity_sigma_mps.setConstant(2.0 * std::sqrt(static_cast<double>(k)));
+    model.oscillator.damping_per_s.setConstant(2.0 * static_cast<double>(kH));
+    model.oscillator.position_sigma_m.setConstant(2.0);
+    model.oscillator.velocity_sigma_mps.setConstant(2.0 * std::sqrt(static_cast<double>(k)));
     const long double root = std::sqrt(std::abs(D));
     const long double even = D > 0.0L ? std::cosh(root * kT) : std::cos(root * kT);
     const long double odd = (D > 0.0L ? std::sinh(root * kT) : std::sin(root * kT)) / root;

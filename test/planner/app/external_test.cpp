@@ -230,7 +230,7 @@ TEST(RobotPlanner, RefusesAnswerInsideMarginByTwoCentimetres) {
   for (const double nearer_m : {-0.1, 0.0, 0.018, 0.022, 0.1}) {
     PlanInputs inputs = test::first_inputs(scenario, 0, 5);
     RobotPlanner planner(scenario, "Q1");
-    const auto question = planner.question(inputs);
+    const auto question = planner.external_request(inputs);
     ASSERT_TRUE(question);
     inputs.answer = drive(*question, speed_mps, (1.2 - margin_m + nearer_m - stop_m) / speed_mps);
     const auto plan = planner.plan(inputs, Deadline::nodes(0));

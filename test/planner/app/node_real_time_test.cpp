@@ -121,13 +121,13 @@ TEST_F(PlannerNodeTest, PublishesNoNewSearchAfterItsSlot) {
 }
 
 /// The parameter is true for a vehicle with a driver.
-class PlannerOfABusyHost : public PlannerNodeTest, public ::testing::WithParamInterface<bool> {};
+class OverloadedPlannerNode : public PlannerNodeTest, public ::testing::WithParamInterface<bool> {};
 
-INSTANTIATE_TEST_SUITE_P(WithADriver, PlannerOfABusyHost, ::testing::Bool());
+INSTANTIATE_TEST_SUITE_P(WithADriver, OverloadedPlannerNode, ::testing::Bool());
 
 // The planner of a vehicle with a driver brakes if it waited too long for a processor within the
 // last second. It searches again when the machine is no longer busy.
-TEST_P(PlannerOfABusyHost, PlansAStopWhileItWaitsForAProcessor) {
+TEST_P(OverloadedPlannerNode, PlansAStopWhileItWaitsForAProcessor) {
   struct Row {
     double wait_s;
     bool stops_with_driver;

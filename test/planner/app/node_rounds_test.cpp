@@ -304,7 +304,7 @@ TEST_F(PlannerNodeTest, YieldsSlotToRobotWithLowerIndex) {
   scenario.planner.slots = 2;
   start(scenario);
   const RoundSchedule schedule(scenario.planner, 2, 3);
-  ASSERT_EQ(schedule.first_place(), 0);
+  ASSERT_EQ(schedule.first_slot_index(), 0);
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   for (std::int64_t k = 0; k < 4; ++k) {
     models::RobotPlan lower = plan_of("Q3");

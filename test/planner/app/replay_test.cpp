@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "bus/convert/external_channels.hpp"
-#include "models/mapping/looks.hpp"
+#include "models/mapping/cell_counts.hpp"
 #include "planner/app/replay_node.hpp"
 #include "test/planner/app/node_fixture.hpp"
 

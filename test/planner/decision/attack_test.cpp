@@ -143,8 +143,9 @@ TEST(GreedyAttack, RemovesRobotThatMinimisesRemainingValue) {
 TEST(AttackOnBestAlone, PrefersLowerIndexAndAttacksNoneForZeroAttacks) {
   for_each_team([](const TeamOracle& oracle, const Choice& choice) {
     std::vector<int> ranked = robots_of(choice);
-    std::ranges::sort(
-        ranked, {}, [&](int robot) { return std::pair(-oracle.alone(choice[at(robot)]), robot); });
+    std::ranges::sort(ranked, {}, [&](int robot) {
+      return std::pair(-oracle.individual_value(choice[at(robot)]), robot);
+    });
     for (int attacks = -2; attacks <= oracle.robot_count() + 1; ++attacks) {
       std::vector<int> taken = ranked;
       taken.resize(std::min(taken.size(), at(std::max(0, attacks))));

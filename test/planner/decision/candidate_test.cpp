@@ -13,7 +13,7 @@
 #include "core/angle.hpp"
 #include "core/check.hpp"
 #include "planner/decision/team_set.hpp"
-#include "planner/problem/look.hpp"
+#include "planner/problem/information_at.hpp"
 #include "planner/problem/motion_table.hpp"
 #include "test/planner/problem/random_problem.hpp"
 
@@ -60,7 +60,8 @@ TEST(CandidateTrajectories, ContainTheBestPlanOfTheSearch) {
     SearchProblem blind = problem;
     blind.sensors.clear();
     const double unseen = score(blind, result.poses);
-    EXPECT_NEAR(oracle.alone(best), 0.5 * (unseen - result.cost), 1e-7 * (1.0 + std::abs(unseen)))
+    EXPECT_NEAR(oracle.individual_value(best), 0.5 * (unseen - result.cost),
+                1e-7 * (1.0 + std::abs(unseen)))
         << "seed " << seed;
     std::set<std::vector<int>> different;
     for (const Candidate& candidate : team.candidates[0]) {
@@ -111,7 +112,7 @@ TEST(CandidateTrajectories, SupplyStandAloneGain) {
     const TeamOracle asked(bare);
     EXPECT_EQ(asked.calls(), asked.candidate_count());
     for (CandidateId id = 0; id < asked.candidate_count(); ++id) {
-      EXPECT_EQ(brought.alone(id), asked.alone(id)) << "seed " << seed;
+      EXPECT_EQ(brought.individual_value(id), asked.individual_value(id)) << "seed " << seed;
     }
     team.measure = InformationMeasure::kLogDet;  // the supplied gains are mutual information
     EXPECT_EQ(TeamOracle(team).calls(), asked.candidate_count());
@@ -203,13 +204,13 @@ std::vector<int> drawn_controls(const SearchProblem& problem, std::uint64_t seed
 }
 
 void expect_same_looks(const Candidate& a, const Candidate& b) {
-  ASSERT_EQ(a.looks.size(), b.looks.size());
-  for (std::size_t i = 0; i < a.looks.size(); ++i) {
-    EXPECT_EQ(a.looks[i].target, b.looks[i].target);
-    EXPECT_EQ(a.looks[i].step, b.looks[i].step);
+  ASSERT_EQ(a.measurements.size(), b.measurements.size());
+  for (std::size_t i = 0; i < a.measurements.size(); ++i) {
+    EXPECT_EQ(a.measurements[i].target, b.measurements[i].target);
+    EXPECT_EQ(a.measurements[i].step, b.measurements[i].step);
     for (int k = 0; k < 6; ++k) {
-      const double of_b = b.looks[i].information.m[k];
-      EXPECT_NEAR(a.looks[i].information.m[k], of_b, 1e-6 * (1.0 + std::abs(of_b)));
+      const double of_b = b.measurements[i].information.m[k];
+      EXPECT_NEAR(a.measurements[i].information.m[k], of_b, 1e-6 * (1.0 + std::abs(of_b)));
     }
   }
 }
@@ -235,15 +236,15 @@ TEST(MakeCandidate, HasMeasurementsOfAllVisibleTargets) {
         belief = models::predict(belief, problem.targets[m].model, problem.step_s);
         at = models::step_unicycle(at, problem.controls[static_cast<std::size_t>(made.controls[t])],
                                    problem.step_s);
-        const models::PositionMatrix M = look(sight_world(problem), problem.sensors,
-                                              {at, problem.height_m}, belief.mean.head(p));
+        const models::PositionMatrix M = information_at(
+            sight_world(problem), problem.sensors, {at, problem.height_m}, belief.mean.head(p));
         if (M.isZero(0.0)) {
           ++hidden;
           continue;
         }
         ++seen;
-        ASSERT_LT(next, made.looks.size());
-        const Look& is = made.looks[next++];
+        ASSERT_LT(next, made.measurements.size());
+        const PredictedMeasurement& is = made.measurements[next++];
         EXPECT_EQ(is.target, m);
         EXPECT_EQ(is.step, t + 1);
         const models::PositionMatrix told =
@@ -251,7 +252,7 @@ TEST(MakeCandidate, HasMeasurementsOfAllVisibleTargets) {
         EXPECT_LE((told - M).norm(), 1e-6 * M.norm());
       }
     }
-    EXPECT_EQ(next, made.looks.size());
+    EXPECT_EQ(next, made.measurements.size());
   }
   EXPECT_GT(seen, 300);
   EXPECT_GT(hidden, 300);
@@ -276,7 +277,7 @@ TEST(MakeCandidate, IsSameFromSearchAndFromMotion) {
     EXPECT_EQ(found.controls, result.controls);
     EXPECT_NEAR(found.energy_cost, made.energy_cost, 1e-12);
     expect_same_looks(found, made);
-    looks += static_cast<int>(made.looks.size());
+    looks += static_cast<int>(made.measurements.size());
 
     // The candidate uses the sensor and height of the moving robot, not those of the evaluating
     // robot.
@@ -293,7 +294,7 @@ TEST(MakeCandidate, IsSameFromSearchAndFromMotion) {
     EXPECT_EQ(told.energy_cost, 2.5);
     EXPECT_EQ(told.poses.size(), made.poses.size());
     const Candidate blind = make_candidate(problem, nullptr, motion, 2.5);
-    EXPECT_TRUE(blind.looks.empty());
+    EXPECT_TRUE(blind.measurements.empty());
     EXPECT_EQ(blind.energy_cost, 2.5);
 
     result.poses.pop_back();
@@ -341,7 +342,7 @@ std::vector<PlainLeaf> leaves_of(const SearchProblem& problem, const EnergyModel
       models::Gaussian belief = problem.targets[m].prior;
       for (int t = 1; t <= problem.horizon_steps; ++t) {
         belief = models::predict(belief, problem.targets[m].model, problem.step_s);
-        for (const Look& look : made.looks) {
+        for (const PredictedMeasurement& look : made.measurements) {
           if (look.target == m && look.step == t) {
             belief.covariance = models::update_covariance(
                 belief.covariance,

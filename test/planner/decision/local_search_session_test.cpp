@@ -66,7 +66,7 @@ class Team {
     for (CandidateId id = oracle.begin(robot); id < oracle.end(robot); ++id) {
       setup.own.push_back(choice_of(oracle, id, names_));
     }
-    setup.effect_of = [&oracle](const models::TeamChoice& choice) {
+    setup.candidate_of = [&oracle](const models::TeamChoice& choice) {
       return oracle.candidate(static_cast<CandidateId>(choice.trajectory.start.x_m));
     };
     return std::make_unique<LocalSearchSession>(std::move(setup));
@@ -149,7 +149,7 @@ Outcome run(Team& team, const Network& network, std::uint64_t seed, std::int64_t
     while (!under_way.empty() && under_way.begin()->first <= step) {
       const auto [to, message] = under_way.begin()->second;
       under_way.erase(under_way.begin());
-      team[to].hear(message);
+      team[to].receive(message);
     }
     const int robot = static_cast<int>(rng() % index(team.size()));
     if (const auto proposal = team[robot].improve(Deadline::nodes(calls))) {
@@ -223,7 +223,8 @@ TEST(LocalSearchSession, EndsAndNeverLosesValueOnAnyNetwork) {
       EXPECT_GE(value, 0.0);
       for (CandidateId id = team.oracle_of(robot).begin(robot);
            id < team.oracle_of(robot).end(robot); ++id) {
-        EXPECT_LE(team.oracle_of(robot).alone(id), value + LocalSearchSession::kLeastRise_nats)
+        EXPECT_LE(team.oracle_of(robot).individual_value(id),
+                  value + LocalSearchSession::kLeastRise_nats)
             << "at least the best that it could do alone";
       }
     }
@@ -291,8 +292,8 @@ TEST(LocalSearchSession, NeedsOnlyNewestMessage) {
     }
     for (int robot = 0; robot < team.size(); ++robot) {
       const auto fresh = team.session_of(robot);
-      EXPECT_TRUE(fresh->hear(outcome.said.back()));
-      EXPECT_FALSE(fresh->hear(outcome.said.back())) << "twice is as once";
+      EXPECT_TRUE(fresh->receive(outcome.said.back()));
+      EXPECT_FALSE(fresh->receive(outcome.said.back())) << "twice is as once";
       EXPECT_FALSE(fresh->improve(Deadline::never())) << "a local optimum for all";
       ++heard;
     }
@@ -356,7 +357,7 @@ TEST(LocalSearchSession, RefusesOtherRoundTeamOrRobot) {
     models::TeamProposal spoiled = *said;
     spoil(spoiled);
     const auto session = team.session_of(robot);
-    return !session->hear(spoiled) && !session->held();
+    return !session->receive(spoiled) && !session->held();
   };
   EXPECT_FALSE(is_refused(1, [](auto&) {}));
   EXPECT_TRUE(is_refused(1, [](auto& p) { --p.round; }));
@@ -396,12 +397,12 @@ TEST(LocalSearchSession, KeepsSeparationInProposals) {
       for (CandidateId id = oracle.begin(robot); id < oracle.end(robot); ++id) {
         setup.own.push_back(choice_of(oracle, id, robots));
       }
-      setup.effect_of = [&oracle](const models::TeamChoice& choice) {
+      setup.candidate_of = [&oracle](const models::TeamChoice& choice) {
         return oracle.candidate(static_cast<CandidateId>(choice.trajectory.start.x_m));
       };
       LocalSearchSession session(std::move(setup));
       if (newest) {
-        EXPECT_TRUE(session.hear(*newest));
+        EXPECT_TRUE(session.receive(*newest));
       }
       while (const auto proposal = session.improve(Deadline::never())) {
         newest = proposal;
@@ -447,7 +448,7 @@ TEST(LocalSearchSession, UsesMotionEffectOfHeldSolution) {
     setup.round = kRound;
     setup.activation = kActivation;
     setup.problem.candidates.resize(2);
-    setup.effect_of = [](const models::TeamChoice& choice) {
+    setup.candidate_of = [](const models::TeamChoice& choice) {
       Candidate effect;
       effect.energy_cost = choice.energy_nats;
       effect.unshared_nats = choice.information_nats;
@@ -466,11 +467,11 @@ TEST(LocalSearchSession, UsesMotionEffectOfHeldSolution) {
     return proposal;
   };
   const auto worthless = session();
-  EXPECT_TRUE(worthless->hear(said(1.0, 0.5)));
+  EXPECT_TRUE(worthless->receive(said(1.0, 0.5)));
   EXPECT_TRUE(worthless->improve(Deadline::never())) << "it costs more than it tells";
   const auto both = session();
-  EXPECT_TRUE(both->hear(said(1.0, 0.5)));
-  EXPECT_TRUE(both->hear(said(2.0, 3.0)));
+  EXPECT_TRUE(both->receive(said(1.0, 0.5)));
+  EXPECT_TRUE(both->receive(said(2.0, 3.0)));
   EXPECT_FALSE(both->improve(Deadline::never())) << "as one that has heard the second alone";
 }
 

@@ -220,7 +220,7 @@ TEST(LocalSearch, EndsWhenAlphaOverN4Vanishes) {
   std::vector<Candidate> kinds(7);
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     for (std::uint16_t t = 1; t <= 3; ++t) {
-      kinds[k].looks.push_back(
+      kinds[k].measurements.push_back(
           {0, t, {{1.0 + static_cast<double>(k % 3), 0.1, 2.0, 0.0, 0.0, 1.0}}});
     }
     kinds[k].energy_cost = 0.1 * static_cast<double>(k);

@@ -125,7 +125,7 @@ SessionSetup setup_of(const std::vector<Own>& own) {
     candidate.energy_cost = each.cost;
     candidate.unshared_nats = each.unshared;
     if (each.m > 0.0) {
-      candidate.looks = {{0, 1, {{each.m, 0.0, each.m}}}};
+      candidate.measurements = {{0, 1, {{each.m, 0.0, each.m}}}};
     }
     setup.problem.candidates[1].push_back(candidate);
     models::TeamChoice motion;
@@ -133,7 +133,7 @@ SessionSetup setup_of(const std::vector<Own>& own) {
     motion.trajectory.start.x_m = static_cast<double>(setup.own.size());
     setup.own.push_back(motion);
   }
-  setup.effect_of = [](const models::TeamChoice& of_mate) {
+  setup.candidate_of = [](const models::TeamChoice& of_mate) {
     Candidate effect;
     effect.energy_cost = of_mate.energy_nats;
     effect.unshared_nats = of_mate.information_nats;
@@ -227,11 +227,11 @@ TEST(LocalSearchSession, HoldsSameProposalInAnyOrder) {
   };
   for (const auto& [better, worse] : pairs) {
     LocalSearchSession session(setup_of({}));
-    EXPECT_TRUE(session.hear(worse));
-    EXPECT_TRUE(session.hear(better));
+    EXPECT_TRUE(session.receive(worse));
+    EXPECT_TRUE(session.receive(better));
     EXPECT_EQ(session.held()->history, better.history);
-    EXPECT_FALSE(session.hear(worse));
-    EXPECT_FALSE(session.hear(better));
+    EXPECT_FALSE(session.receive(worse));
+    EXPECT_FALSE(session.receive(better));
     EXPECT_EQ(session.held()->history, better.history);
     EXPECT_EQ(session.held()->robot, better.robot);
   }
@@ -243,7 +243,7 @@ TEST(LocalSearchSession, ChecksRoundAndValidityOfProposals) {
   const auto verdict = [&](const std::function<void(models::TeamProposal&)>& spoil) {
     models::TeamProposal spoilt = good;
     spoil(spoilt);
-    return std::pair(session.is_of_round(spoilt), session.can_be(spoilt));
+    return std::pair(session.belongs_to_round(spoilt), session.is_consistent(spoilt));
   };
   using Verdict = std::pair<bool, bool>;
   EXPECT_EQ(verdict([](auto&) {}), Verdict(true, true));
@@ -281,7 +281,7 @@ TEST(LocalSearchSession, LimitsTheHistoryTo256) {
     for (std::size_t i = 0; i < before; ++i) {
       said.history.insert(said.history.begin(), static_cast<std::int64_t>(i));
     }
-    ASSERT_TRUE(session.hear(said));
+    ASSERT_TRUE(session.receive(said));
     EXPECT_EQ(session.is_searching(), before < 255);
     EXPECT_EQ(session.improve(Deadline::never()).has_value(), before < 255);
   }
@@ -298,7 +298,7 @@ TEST(LocalSearchSession, ProposesNoEarlierSolution) {
     if (was_there) {
       said.history.insert(said.history.begin(), fingerprint(kTeam, both));
     }
-    ASSERT_TRUE(session.hear(said));
+    ASSERT_TRUE(session.receive(said));
     const auto proposal = session.improve(Deadline::never());
     ASSERT_EQ(proposal.has_value(), !was_there);
     if (proposal) {

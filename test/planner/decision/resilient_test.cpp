@@ -33,8 +33,9 @@ double curvature(const TeamOracle& oracle, const Choice& choice) {
   double least = 1.0;
   for (int robot = 0; robot < oracle.robot_count(); ++robot) {
     const CandidateId id = choice[static_cast<std::size_t>(robot)];
-    if (id != kNoCandidate && oracle.alone(id) > kRounding) {
-      least = std::min(least, (team.value() - team.value_without(robot)) / oracle.alone(id));
+    if (id != kNoCandidate && oracle.individual_value(id) > kRounding) {
+      least =
+          std::min(least, (team.value() - team.value_without(robot)) / oracle.individual_value(id));
     }
   }
   return 1.0 - least;
@@ -136,14 +137,14 @@ TEST(AttackOnBestAlone, AttacksRobotsWithHighestStandAloneValue) {
       for (const int robot : attack.robots) {
         CandidateId& taken = left[static_cast<std::size_t>(robot)];
         ASSERT_NE(taken, kNoCandidate);
-        least_taken = std::min(least_taken, oracle.alone(taken));
+        least_taken = std::min(least_taken, oracle.individual_value(taken));
         taken = kNoCandidate;
       }
       const auto chosen_left = test::chosen_of(oracle, left);
       EXPECT_EQ(std::ssize(attack.robots),
                 std::min(std::ssize(test::chosen_of(oracle, choice)), std::ptrdiff_t{attacks}));
       for (const CandidateId id : left) {
-        EXPECT_TRUE(id == kNoCandidate || oracle.alone(id) <= least_taken);
+        EXPECT_TRUE(id == kNoCandidate || oracle.individual_value(id) <= least_taken);
       }
       EXPECT_NEAR(attack.value, test::plain_value(problem, chosen_left), 1e-9);
       EXPECT_EQ(attack.oracle_calls, std::ssize(attack.robots));
@@ -161,12 +162,12 @@ TEST(AttackOnBestAlone, AttacksTheBait) {
     std::vector<double> best_alone;
     for (int robot = 0; robot < oracle.robot_count(); ++robot) {
       const auto candidates = oracle.by_value(robot);
-      best_alone.push_back(candidates.empty() ? 0.0 : oracle.alone(candidates.front()));
+      best_alone.push_back(candidates.empty() ? 0.0 : oracle.individual_value(candidates.front()));
     }
     std::ranges::sort(best_alone, std::ranges::greater{});
     std::vector<double> taken;
     for (const int robot : attack_on_best_alone(oracle, plan.choice, 2).robots) {
-      taken.push_back(oracle.alone(plan.choice[static_cast<std::size_t>(robot)]));
+      taken.push_back(oracle.individual_value(plan.choice[static_cast<std::size_t>(robot)]));
     }
     std::ranges::sort(taken, std::ranges::greater{});
     for (std::size_t k = 0; k < taken.size(); ++k) {
@@ -191,8 +192,8 @@ TEST(AttackOnBestTogether, AttacksMostValuableRobotForOneAttack) {
       if (!attack.robots.empty()) {
         const auto taken = static_cast<std::size_t>(attack.robots[0]);
         EXPECT_NEAR(test::plain_value(problem, {&oracle.candidate(choice[taken])}), most, 1e-9);
-        EXPECT_EQ(oracle.alone(choice[taken]),
-                  oracle.alone(choice[static_cast<std::size_t>(
+        EXPECT_EQ(oracle.individual_value(choice[taken]),
+                  oracle.individual_value(choice[static_cast<std::size_t>(
                       attack_on_best_alone(oracle, choice, 1).robots[0])]));
       }
     }
@@ -295,15 +296,15 @@ TEST(ResilientRound, BaitPlansAloneAndOthersTogether) {
   const std::vector<double> values = {1.0, 3.0, 2.0, 3.0};
   const ResilientRound round(values, 2);
   EXPECT_EQ(round.bait(), (std::vector<int>{1, 3}));
-  EXPECT_EQ(round.rest(), (std::vector<int>{0, 2}));
+  EXPECT_EQ(round.non_bait(), (std::vector<int>{0, 2}));
   for (const int robot : {0, 1, 2, 3}) {
     EXPECT_EQ(round.is_bait(robot), robot % 2 == 1);
-    EXPECT_EQ(round.unseeing_for(robot),
+    EXPECT_EQ(round.robots_without_sensing_for(robot),
               robot % 2 == 1 ? (std::vector<int>{0, 1, 2, 3}) : round.bait());
   }
   const ResilientRound calm(values, 0);
-  EXPECT_EQ(calm.rest(), (std::vector<int>{0, 1, 2, 3}));
-  EXPECT_TRUE(calm.unseeing_for(1).empty());
+  EXPECT_EQ(calm.non_bait(), (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_TRUE(calm.robots_without_sensing_for(1).empty());
 }
 
 TEST(BaitRobots, HaveHighestValueThenLowerIndex) {

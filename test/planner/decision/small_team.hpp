@@ -54,7 +54,7 @@ inline planner::TeamProblem made_team(int targets, const std::vector<std::vector
       const double m = std::expm1(made.nats);
       planner::Candidate candidate;
       candidate.energy_cost = made.cost;
-      candidate.looks = {{static_cast<std::uint16_t>(made.target), 1, {{m, 0.0, m}}}};
+      candidate.measurements = {{static_cast<std::uint16_t>(made.target), 1, {{m, 0.0, m}}}};
       problem.candidates.back().push_back(candidate);
     }
   }

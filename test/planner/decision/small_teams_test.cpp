@@ -265,7 +265,7 @@ TEST(PlanResiliently, BaitRobotsUseTheirBestWithTwoMessagesEach) {
     EXPECT_EQ(all.messages, 8);
     EXPECT_THROW(plan_resiliently(oracle, -1, solver), UsageError);
   }
-  const std::vector<double> alone = best_alone(oracle);
+  const std::vector<double> alone = best_individual_values(oracle);
   ASSERT_EQ(alone.size(), 4U);
   for (const auto& [robot, nats] : {std::pair(0, 1.0), {1, 3.0}, {2, 2.0}, {3, 1.0}}) {
     EXPECT_NEAR(alone[at(robot)], nats, 1e-12);

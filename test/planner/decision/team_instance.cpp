@@ -6,7 +6,7 @@ namespace vantage::test {
 namespace {
 
 using planner::Candidate;
-using planner::Look;
+using planner::PredictedMeasurement;
 using planner::TeamProblem;
 
 planner::SearchTarget random_target(std::mt19937_64& rng) {
@@ -23,7 +23,8 @@ planner::SearchTarget random_target(std::mt19937_64& rng) {
   return target;
 }
 
-Look random_look(std::mt19937_64& rng, const planner::SearchTarget& target, int m, int step) {
+PredictedMeasurement random_look(std::mt19937_64& rng, const planner::SearchTarget& target, int m,
+                                 int step) {
   const int p = target.model.position_dim;
   const int rank = pick(rng, 1, p);
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(p, p);
@@ -34,7 +35,7 @@ Look random_look(std::mt19937_64& rng, const planner::SearchTarget& target, int 
     }
     M += uniform(rng, 0.1, 20.0) * h * h.transpose();
   }
-  Look look{static_cast<std::uint16_t>(m), static_cast<std::uint16_t>(step), {}};
+  PredictedMeasurement look{static_cast<std::uint16_t>(m), static_cast<std::uint16_t>(step), {}};
   planner::pack(p == 3 ? planner::BlockLayout::kSpatial : planner::BlockLayout::kPlanar, M,
                 look.information.m);
   return look;
@@ -47,7 +48,8 @@ Candidate random_candidate(std::mt19937_64& rng, const TeamProblem& problem, dou
   for (std::size_t m = 0; m < problem.targets.size(); ++m) {
     for (int t = 1; t <= problem.horizon_steps; ++t) {
       if (uniform(rng, 0.0, 1.0) < share_seen) {
-        candidate.looks.push_back(random_look(rng, problem.targets[m], static_cast<int>(m), t));
+        candidate.measurements.push_back(
+            random_look(rng, problem.targets[m], static_cast<int>(m), t));
       }
     }
   }
@@ -95,7 +97,7 @@ double plain_value(const TeamProblem& problem, const std::vector<const Candidate
       unseen = models::predict(unseen, A, W);
       models::PositionMatrix M = models::PositionMatrix::Zero(p, p);
       for (const Candidate* candidate : chosen) {
-        for (const Look& look : candidate->looks) {
+        for (const PredictedMeasurement& look : candidate->measurements) {
           if (look.target == m && look.step == t) {
             M += planner::unpack(
                 p == 3 ? planner::BlockLayout::kSpatial : planner::BlockLayout::kPlanar,

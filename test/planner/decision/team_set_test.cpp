@@ -89,7 +89,7 @@ TEST(TeamSet, CountsOneCallPerComputedValue) {
   const TeamOracle oracle(problem);
   TeamSet team(oracle);
   for (CandidateId id = 0; id < oracle.candidate_count(); ++id) {
-    EXPECT_EQ(team.value_with(id), oracle.alone(id));
+    EXPECT_EQ(team.value_with(id), oracle.individual_value(id));
   }
   team.add(0);
   team.value_without(oracle.robot_of(0));
@@ -135,10 +135,10 @@ TEST(MutualInformation, EqualsClosedFormForStaticTarget) {
       {{models::TargetKind::kStatic, 2, 0.0},
        {models::StateVector::Zero(2), variance_m2 * models::StateMatrix::Identity(2, 2)}});
   Candidate candidate;
-  candidate.looks = {{0, 2, {{information, 0.0, information}}}};
+  candidate.measurements = {{0, 2, {{information, 0.0, information}}}};
   problem.candidates = {{candidate}, {candidate}};
   const TeamOracle oracle(problem);
-  EXPECT_NEAR(oracle.alone(0), std::log(1.0 + variance_m2 * information), 1e-12);
+  EXPECT_NEAR(oracle.individual_value(0), std::log(1.0 + variance_m2 * information), 1e-12);
   TeamSet team(oracle);
   team.add(0);
   team.add(1);
@@ -150,9 +150,9 @@ TEST(TeamOracle, RefusesUnsortedOrOutOfRangeMeasurements) {
   const auto target = problem.targets.front();
   problem.targets.assign(2, target);
   problem.horizon_steps = 3;
-  const auto takes = [&](std::vector<Look> looks) {
-    problem.candidates = {{},
-                          {Candidate{{}, {}, {}, 0.0}, Candidate{{}, {}, std::move(looks), 0.0}}};
+  const auto takes = [&](std::vector<PredictedMeasurement> measurements) {
+    problem.candidates = {
+        {}, {Candidate{{}, {}, {}, 0.0}, Candidate{{}, {}, std::move(measurements), 0.0}}};
     try {
       const TeamOracle oracle(problem);
       return true;
@@ -235,8 +235,8 @@ TEST(TeamOracle, RanksCandidatesByStandAloneValue) {
         const double information = candidate.mutual_nats && oracle.is_submodular()
                                        ? *candidate.mutual_nats
                                        : plain_value(problem, {&candidate}) + candidate.energy_cost;
-        EXPECT_NEAR(oracle.alone(id), information + candidate.unshared_nats - candidate.energy_cost,
-                    1e-9);
+        EXPECT_NEAR(oracle.individual_value(id),
+                    information + candidate.unshared_nats - candidate.energy_cost, 1e-9);
         ++id;
       }
       EXPECT_EQ(oracle.end(robot), id);
@@ -246,8 +246,8 @@ TEST(TeamOracle, RanksCandidatesByStandAloneValue) {
       for (std::size_t i = 0; i < ranked.size(); ++i) {
         EXPECT_EQ(oracle.robot_of(ranked[i]), robot);
         if (i > 0) {
-          EXPECT_LT(std::pair(-oracle.alone(ranked[i - 1]), ranked[i - 1]),
-                    std::pair(-oracle.alone(ranked[i]), ranked[i]));
+          EXPECT_LT(std::pair(-oracle.individual_value(ranked[i - 1]), ranked[i - 1]),
+                    std::pair(-oracle.individual_value(ranked[i]), ranked[i]));
         }
       }
     }

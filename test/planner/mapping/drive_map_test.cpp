@@ -99,9 +99,9 @@ TEST(DriveMap, MeasuresDistanceToUnknownCells) {
     }
   }
   const DriveMap map(belief, {});
-  EXPECT_EQ(map.to_frontier_m(kGrid.centre_m(12 * 30 + 20)), 0.0);
-  EXPECT_NEAR(map.to_frontier_m(kGrid.centre_m(12 * 30 + 15)), 5 * 0.25, 1e-12);
-  EXPECT_TRUE(std::isinf(map.to_frontier_m({-9.0, 0.0})));
+  EXPECT_EQ(map.frontier_distance_m(kGrid.centre_m(12 * 30 + 20)), 0.0);
+  EXPECT_NEAR(map.frontier_distance_m(kGrid.centre_m(12 * 30 + 15)), 5 * 0.25, 1e-12);
+  EXPECT_TRUE(std::isinf(map.frontier_distance_m({-9.0, 0.0})));
 }
 
 // A map that is mirrored left to right or top to bottom gives mirrored results.
@@ -126,11 +126,11 @@ TEST(DriveMap, IsMirrorSymmetric) {
       }
       const DriveMap of_turned(turned, {});
       for (int cell = 0; cell < kGrid.size(); ++cell) {
-        const double way_m = map.to_frontier_m(kGrid.centre_m(cell));
-        const double turned_m = of_turned.to_frontier_m(kGrid.centre_m(mirrored(cell)));
-        EXPECT_TRUE(way_m == turned_m || std::abs(way_m - turned_m) < 1e-9)
-            << way_m << " and " << turned_m;
-        on_the_way += way_m > 0.0 && std::isfinite(way_m) ? 1 : 0;
+        const double path_m = map.frontier_distance_m(kGrid.centre_m(cell));
+        const double turned_m = of_turned.frontier_distance_m(kGrid.centre_m(mirrored(cell)));
+        EXPECT_TRUE(path_m == turned_m || std::abs(path_m - turned_m) < 1e-9)
+            << path_m << " and " << turned_m;
+        on_the_way += path_m > 0.0 && std::isfinite(path_m) ? 1 : 0;
       }
     }
   }
@@ -148,13 +148,13 @@ TEST(DriveMap, MeasuresDistanceAroundWallsOrReportsNone) {
       belief.add_log_odds(cell, -9.0);
     }
   }
-  const double detour_m = DriveMap(belief, {}).to_frontier_m(kGrid.centre_m(3 * 30 + 10));
+  const double detour_m = DriveMap(belief, {}).frontier_distance_m(kGrid.centre_m(3 * 30 + 10));
   EXPECT_GT(detour_m, 18 * 0.25);
   EXPECT_LT(detour_m, 40 * 0.25);
   for (int row = 16; row < 24; ++row) {
     belief.add_log_odds(row * 30 + 18, 20.0);
   }
-  EXPECT_TRUE(std::isinf(DriveMap(belief, {}).to_frontier_m(kGrid.centre_m(3 * 30 + 10))));
+  EXPECT_TRUE(std::isinf(DriveMap(belief, {}).frontier_distance_m(kGrid.centre_m(3 * 30 + 10))));
 }
 
 // Returns the gap between the squares of two cells, m. A cell beyond the grid represents the grid's
@@ -205,7 +205,7 @@ TEST(DriveMap, IsFreeIfAndOnlyIfNothingIsNear) {
 // Compares the distances with a relaxation of all paths until no path becomes shorter.
 TEST(DriveMap, MeasuresShortestDistanceToNearestFrontier) {
   test::Random random(4605);
-  constexpr double kNoWay_m = std::numeric_limits<double>::infinity();
+  constexpr double kNoPath_m = std::numeric_limits<double>::infinity();
   int frontiers = 0;
   int on_the_way = 0;
   for (int i = 0; i < 6; ++i) {
@@ -216,7 +216,7 @@ TEST(DriveMap, MeasuresShortestDistanceToNearestFrontier) {
       return column >= 0 && column < kGrid.columns && row >= 0 && row < kGrid.rows;
     };
     const auto is_free = [&](int cell) { return map.is_free(kGrid.centre_m(cell)); };
-    std::vector<double> ways_m(static_cast<std::size_t>(kGrid.size()), kNoWay_m);
+    std::vector<double> paths_m(static_cast<std::size_t>(kGrid.size()), kNoPath_m);
     for (int cell = 0; cell < kGrid.size(); ++cell) {
       for (const Eigen::Vector2i& by : {Eigen::Vector2i(1, 0), Eigen::Vector2i(-1, 0),
                                         Eigen::Vector2i(0, 1), Eigen::Vector2i(0, -1)}) {
@@ -225,11 +225,11 @@ TEST(DriveMap, MeasuresShortestDistanceToNearestFrontier) {
         const int beside = row * kGrid.columns + column;
         if (is_free(cell) && belief.occupancy(cell) > free_up_to && is_within(column, row) &&
             is_free(beside) && belief.occupancy(beside) <= free_up_to) {
-          ways_m[static_cast<std::size_t>(cell)] = 0.0;
+          paths_m[static_cast<std::size_t>(cell)] = 0.0;
         }
       }
     }
-    frontiers += static_cast<int>(std::count(ways_m.begin(), ways_m.end(), 0.0));
+    frontiers += static_cast<int>(std::count(paths_m.begin(), paths_m.end(), 0.0));
     for (bool is_shorter = true; is_shorter;) {
       is_shorter = false;
       for (int cell = 0; cell < kGrid.size(); ++cell) {
@@ -240,21 +240,21 @@ TEST(DriveMap, MeasuresShortestDistanceToNearestFrontier) {
           if (!is_within(column, row) || !is_free(beside)) {
             continue;
           }
-          const double way_m =
-              ways_m[static_cast<std::size_t>(beside)] + 0.25 * std::hypot(by % 3 - 1, by / 3 - 1);
-          if (way_m < ways_m[static_cast<std::size_t>(cell)] - 1e-12) {
-            ways_m[static_cast<std::size_t>(cell)] = way_m;
+          const double path_m =
+              paths_m[static_cast<std::size_t>(beside)] + 0.25 * std::hypot(by % 3 - 1, by / 3 - 1);
+          if (path_m < paths_m[static_cast<std::size_t>(cell)] - 1e-12) {
+            paths_m[static_cast<std::size_t>(cell)] = path_m;
             is_shorter = true;
           }
         }
       }
     }
     for (int cell = 0; cell < kGrid.size(); ++cell) {
-      const double way_m = map.to_frontier_m(kGrid.centre_m(cell));
-      const double expected_m = ways_m[static_cast<std::size_t>(cell)];
-      EXPECT_TRUE(way_m == expected_m || std::abs(way_m - expected_m) < 1e-9)
-          << cell << ": " << way_m << " and " << expected_m;
-      on_the_way += way_m > 0.0 && std::isfinite(way_m) ? 1 : 0;
+      const double path_m = map.frontier_distance_m(kGrid.centre_m(cell));
+      const double expected_m = paths_m[static_cast<std::size_t>(cell)];
+      EXPECT_TRUE(path_m == expected_m || std::abs(path_m - expected_m) < 1e-9)
+          << cell << ": " << path_m << " and " << expected_m;
+      on_the_way += path_m > 0.0 && std::isfinite(path_m) ? 1 : 0;
     }
   }
   EXPECT_GT(frontiers, 20);
@@ -274,15 +274,16 @@ TEST(DriveMap, LetsTooNearRobotLeaveWithinRadiusAndTwoCells) {
     const DriveMap map(belief, {});
     for (const double side : {1.0, -1.0}) {
       const double clear_from_m = side > 0.0 ? 17 * 0.25 : 7 * 0.25;  // m; from the grid's corner
-      const auto may_drive = [&](double before_m, double way_m) {
+      const auto may_drive = [&](double before_m, double path_m) {
         const double along_m = clear_from_m - side * before_m;
         const double across_m = 11.5 * 0.25 + 0.02;
         const double yaw_rad = (is_upright ? 0.5 * kPi : 0.0) + (side > 0.0 ? 0.0 : kPi);
         const Pose2 from{-2.0 + (is_upright ? across_m : along_m),
                          1.0 + (is_upright ? along_m : across_m), wrap_to_pi(yaw_rad)};
         EXPECT_FALSE(map.is_free(from.position_m())) << before_m;
-        EXPECT_EQ(map.is_free(from, {way_m, 0.0}, 1.0), map.is_free(from, {2.0 * way_m, 0.0}, 0.5));
-        return map.is_free(from, {way_m, 0.0}, 1.0);
+        EXPECT_EQ(map.is_free(from, {path_m, 0.0}, 1.0),
+                  map.is_free(from, {2.0 * path_m, 0.0}, 0.5));
+        return map.is_free(from, {path_m, 0.0}, 1.0);
       };
       for (const double before_m : {0.04, 0.3, 0.5, 0.69}) {
         EXPECT_TRUE(may_drive(before_m, before_m + 0.9)) << before_m << ' ' << side << is_upright;

@@ -122,7 +122,7 @@ TEST(MapPlanner, FindsBestSafeRoute) {
     const double farthest_m = 0.2 * (bench.map.grid.columns + bench.map.grid.rows);
     const auto worth = [&](const MapRoute& route) {
       return gain(route) -
-             0.5 * std::min(farthest_m, drive.to_frontier_m(route.poses.back().position_m()));
+             0.5 * std::min(farthest_m, drive.frontier_distance_m(route.poses.back().position_m()));
     };
 
     MotionTable motion(static_cast<int>(problem.controls.size()), problem.horizon_steps, 2);
@@ -283,10 +283,10 @@ TEST(MapPlanner, RequiresObservationCountPerCell) {
   const scenario::Scenario scenario = mapping_scenario();
   const Bench bench(scenario, random);
   MapPlanner planner(scenario);
-  const auto cost = [&](const models::Looks& looks) {
+  const auto cost = [&](const models::CellCounts& looks) {
     return planner.plan(bench.problem, looks, bench.teammates, Deadline::nodes(300)).result.cost;
   };
-  models::Looks looks(bench.map.team_looks.size(), 0);
+  models::CellCounts looks(bench.map.team_looks.size(), 0);
   EXPECT_EQ(cost({}), cost(looks));
   looks.pop_back();
   EXPECT_THROW(cost(looks), UsageError);

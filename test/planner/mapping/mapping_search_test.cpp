@@ -91,7 +91,7 @@ TEST(MappingSearch, FindsTheBestOfAllRoutes) {
     const MapRoute plan = search.plan(bench.starts[1], fixed);
     const auto worth = [&](const MapRoute& route) {
       return search.value(std::vector<const MapRoute*>{&mate, &route}) - search.value(fixed) -
-             0.5 * std::min(16.0, bench.drive.to_frontier_m(route.poses.back().position_m()));
+             0.5 * std::min(16.0, bench.drive.frontier_distance_m(route.poses.back().position_m()));
     };
     double best_nats = -std::numeric_limits<double>::infinity();
     for (const MapRoute& route : all_routes(bench, bench.starts[1])) {
@@ -112,9 +112,9 @@ TEST(MappingSearch, ReturnsTheGreedyRouteAtAnEarlyDeadline) {
   for (int i = 0; i < 20; ++i) {
     Bench bench(random, 3, 0.5);
     MappingSearch search(bench.views, bench.drive, bench.options);
-    const auto worth_nats = [&](const MapRoute& route) {
+    const auto value_nats = [&](const MapRoute& route) {
       return search.value(std::vector<const MapRoute*>{&route}) -
-             0.5 * std::min(16.0, bench.drive.to_frontier_m(route.poses.back().position_m()));
+             0.5 * std::min(16.0, bench.drive.frontier_distance_m(route.poses.back().position_m()));
     };
     MapRoute greedy{bench.starts[0], {}, {}, 0.0, 0};
     for (int step = 0; step < 3; ++step) {
@@ -126,7 +126,7 @@ TEST(MappingSearch, ReturnsTheGreedyRouteAtAnEarlyDeadline) {
           longer.controls.push_back(static_cast<int>(c));
           longer.poses.push_back(
               models::step_unicycle(at, bench.options.controls[c], bench.options.step_s));
-          if (!best || worth_nats(longer) > worth_nats(*best)) {
+          if (!best || value_nats(longer) > value_nats(*best)) {
             best = std::move(longer);
           }
         }
@@ -146,7 +146,7 @@ TEST(MappingSearch, ReturnsTheGreedyRouteAtAnEarlyDeadline) {
     EXPECT_EQ(cut.controls, greedy.controls) << i;
     const double gain_nats = search.value(std::vector<const MapRoute*>{&greedy});
     EXPECT_NEAR(cut.gain_nats, gain_nats, 1e-9) << i;
-    EXPECT_NEAR(cut.worth_nats, worth_nats(greedy), 1e-9) << i;
+    EXPECT_NEAR(cut.value_nats, value_nats(greedy), 1e-9) << i;
   }
   EXPECT_GT(greedy_routes, 10);
 }
@@ -246,9 +246,9 @@ TEST(MappingSearch, FindsTheBestSeparatedRoute) {
       return nearest_m;
     };
     const double before_nats = search.value(fixed);
-    const auto worth_nats = [&](const MapRoute& route) {
+    const auto value_nats = [&](const MapRoute& route) {
       return search.value(std::vector<const MapRoute*>{&mate, &brief, &route}) - before_nats -
-             0.5 * std::min(16.0, bench.drive.to_frontier_m(route.poses.back().position_m()));
+             0.5 * std::min(16.0, bench.drive.frontier_distance_m(route.poses.back().position_m()));
     };
     double best_nats = -std::numeric_limits<double>::infinity();
     bool is_close = false;
@@ -256,7 +256,7 @@ TEST(MappingSearch, FindsTheBestSeparatedRoute) {
       const double apart_m = least_m(route);
       is_close = is_close || std::abs(apart_m - 0.5) < 1e-4;  // m; within the sampling error
       refused += apart_m < 0.5 ? 1 : 0;
-      best_nats = apart_m < 0.5 ? best_nats : std::max(best_nats, worth_nats(route));
+      best_nats = apart_m < 0.5 ? best_nats : std::max(best_nats, value_nats(route));
     }
     if (is_close) {
       continue;
@@ -265,8 +265,8 @@ TEST(MappingSearch, FindsTheBestSeparatedRoute) {
     EXPECT_EQ(plan.controls.empty(), std::isinf(best_nats)) << i;
     if (std::isfinite(best_nats)) {
       ++compared;
-      EXPECT_NEAR(worth_nats(plan), best_nats, 1e-9) << i;
-      EXPECT_NEAR(plan.worth_nats, best_nats, 1e-9) << i;
+      EXPECT_NEAR(value_nats(plan), best_nats, 1e-9) << i;
+      EXPECT_NEAR(plan.value_nats, best_nats, 1e-9) << i;
     }
   }
   EXPECT_GT(compared, 5);
@@ -289,9 +289,9 @@ TEST(MappingSearch, EndsRoutesAtAllowedPoses) {
     MappingSearchOptions options = bench.options;
     options.may_end = may_end;
     MappingSearch search(bench.views, bench.drive, options);
-    const auto worth_nats = [&](const MapRoute& route) {
+    const auto value_nats = [&](const MapRoute& route) {
       return search.value(std::vector<const MapRoute*>{&route}) -
-             0.5 * std::min(16.0, bench.drive.to_frontier_m(route.poses.back().position_m()));
+             0.5 * std::min(16.0, bench.drive.frontier_distance_m(route.poses.back().position_m()));
     };
     double best_nats = -std::numeric_limits<double>::infinity();
     std::size_t steps = 0;
@@ -300,7 +300,7 @@ TEST(MappingSearch, EndsRoutesAtAllowedPoses) {
       for (const MapRoute& route : all_routes(bench, bench.starts[0])) {
         if (may_end(route.poses.back(), route.controls.back(), static_cast<int>(length))) {
           steps = length;
-          best_nats = std::max(best_nats, worth_nats(route));
+          best_nats = std::max(best_nats, value_nats(route));
         }
       }
     }
@@ -315,9 +315,9 @@ TEST(MappingSearch, EndsRoutesAtAllowedPoses) {
     }
     const double gain_nats = search.value(std::vector<const MapRoute*>{&plan});
     EXPECT_NEAR(plan.gain_nats, gain_nats, 1e-9) << i;
-    EXPECT_NEAR(plan.worth_nats, worth_nats(plan), 1e-9) << i;
+    EXPECT_NEAR(plan.value_nats, value_nats(plan), 1e-9) << i;
     if (steps > 0) {
-      EXPECT_NEAR(worth_nats(plan), best_nats, 1e-9) << i;
+      EXPECT_NEAR(value_nats(plan), best_nats, 1e-9) << i;
     }
     EXPECT_FALSE(plan.is_cut);
     // A search that is cut off after the greedy route also ends at an allowed pose.

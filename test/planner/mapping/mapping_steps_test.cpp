@@ -32,11 +32,11 @@ TEST(MappingSearch, CountsEvaluatedSteps) {
   MappingSearch search(views, drive, options);
   for (const std::int64_t budget : {0, 8, 9, 47, 48, 1000}) {
     const MapRoute route = search.plan({5.0, 2.5, 0.0}, {}, Deadline::nodes(budget));
-    EXPECT_EQ(route.tried, std::min<std::int64_t>(budget, 48));
+    EXPECT_EQ(route.work_nodes, std::min<std::int64_t>(budget, 48));
     EXPECT_EQ(route.is_cut, budget < 48) << budget;
     EXPECT_EQ(route.controls.size(), budget < 9 ? 0U : 3U) << budget;
     EXPECT_EQ(route.gain_nats, 0.0);
-    EXPECT_NEAR(route.worth_nats, -0.5 * 0.25 * 60, 1e-12) << budget;
+    EXPECT_NEAR(route.value_nats, -0.5 * 0.25 * 60, 1e-12) << budget;
     if (budget >= 47) {
       EXPECT_EQ(route.nodes, 3 + 9 + 1);
     }

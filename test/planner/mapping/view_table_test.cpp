@@ -348,7 +348,7 @@ TEST(MapCoverage, RemovesScansExactly) {
     const BeamView& view = table.view(random_pose(random));
     const double first_nats = coverage.add(view, table.options());
     coverage.add(table.view(random_pose(random)), table.options());
-    coverage.take_back(mark);
+    coverage.undo_to(mark);
     ASSERT_EQ(coverage.add(view, table.options()), first_nats);
   }
 }

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "planner/problem/fixed_information.hpp"
+#include "planner/problem/information_at.hpp"
 #include "planner/problem/lanes.hpp"
 #include "planner/problem/log_product.hpp"
-#include "planner/problem/look.hpp"
 #include "test/planner/problem/random_problem.hpp"
 #include "test/support/allocation_counter.hpp"
 #include "test/support/near.hpp"
@@ -132,12 +132,13 @@ TEST(Look, SumsVisibleSensorsAndNoneThroughWalls) {
     const models::PositionMatrix sum = of_far + of_near;
     const models::PositionMatrix none = 0.0 * sum;
     for (const auto& sensors : {std::vector{far, near}, std::vector{near, far}}) {
-      EXPECT_TRUE(is_near(look(nullptr, sensors, from, target_m), sum, 1e-12 * sum.norm()));
-      EXPECT_TRUE(is_near(look(&world, sensors, from, target_m), is_hidden ? none : sum,
+      EXPECT_TRUE(
+          is_near(information_at(nullptr, sensors, from, target_m), sum, 1e-12 * sum.norm()));
+      EXPECT_TRUE(is_near(information_at(&world, sensors, from, target_m), is_hidden ? none : sum,
                           1e-12 * sum.norm()))
           << target_m.transpose();
     }
-    EXPECT_TRUE(is_near(look(&world, {}, from, target_m), none, 0.0));
+    EXPECT_TRUE(is_near(information_at(&world, {}, from, target_m), none, 0.0));
   }
 }
 
@@ -176,8 +177,8 @@ TEST(FixedInformation, SumsTeammatesMeasurementsPerStep) {
         for (const FixedTeammate& teammate : teammates) {
           if (!teammate.jammed) {
             const Pose2 there = models::at(teammate.trajectory, when).world_from_body;
-            sum += look(sight_world(problem), {&teammate.sensor, 1},
-                        {there, teammate.trajectory.height_m}, mean.head(p));
+            sum += information_at(sight_world(problem), {&teammate.sensor, 1},
+                                  {there, teammate.trajectory.height_m}, mean.head(p));
           }
         }
         EXPECT_TRUE(is_near(fixed[m][t], sum, 1e-12 * (1.0 + sum.norm()))) << seed << ' ' << m;

@@ -84,7 +84,7 @@ TEST(BlockKernels, PredictLikeTheModels) {
                  : pick(rng, 0, 2) == 0           ? models::TargetKind::kDoubleIntegrator
                  : pick(rng, 0, 1) == 0           ? models::TargetKind::kDampedOscillator
                                                   : test::drag();
-    model.surroundings = test::random_surroundings(rng);
+    model.oscillator = test::random_oscillator(rng);
     model.position_dim = position_dim(c.layout);
     model.q = uniform(rng, 0.0, 1.0);
     const double step_s = uniform(rng, 0.1, 2.0);

@@ -290,7 +290,7 @@ TEST(Plans, KeepSeparationAndEndInASafeHover) {
     const models::Trajectory plan = to_trajectory(problem, result);
     for (std::size_t i = 0; i < problem.teammates.size(); ++i) {
       models::Trajectory teammate = problem.teammates[i];
-      const double kept_m = kept_separation_m(problem, i);
+      const double kept_m = required_separation_m(problem, i);
       above += teammate.height_m != problem.height_m && problem.separation_from_above ? 1 : 0;
       if (problem.separation_from_above) {
         teammate.height_m = problem.height_m;
@@ -344,12 +344,12 @@ TEST(Plans, MoveAwayFromATooNearTeammate) {
     hover.start = {-0.6 * std::cos(to_rad), -0.6 * std::sin(to_rad), 0.0};
     problem.teammates = {hover};
     const double now_m = std::hypot(0.6, 0.5);
-    EXPECT_NEAR(kept_separation_m(problem, 0), now_m - 0.01, 1e-12);
+    EXPECT_NEAR(required_separation_m(problem, 0), now_m - 0.01, 1e-12);
     models::Trajectory own;  // a motion keeps the separation of a plan
     own.start = problem.start;
     own.height_m = problem.height_m;
-    EXPECT_EQ(kept_separation_m(problem, own, hover), kept_separation_m(problem, 0));
-    EXPECT_NEAR(kept_separation_m(problem, hover, own), now_m - 0.01, 1e-12);
+    EXPECT_EQ(required_separation_m(problem, own, hover), required_separation_m(problem, 0));
+    EXPECT_NEAR(required_separation_m(problem, hover, own), now_m - 0.01, 1e-12);
     const SearchResult& result = search.plan(problem, {}, Deadline::nodes(20'000));
     ASSERT_TRUE(result.found) << i;
     EXPECT_EQ(result.moving_steps, problem.horizon_steps) << i;
@@ -358,7 +358,7 @@ TEST(Plans, MoveAwayFromATooNearTeammate) {
     hover.start.x_m *= 2.0;
     hover.start.y_m *= 2.0;
     problem.teammates = {hover};
-    EXPECT_EQ(kept_separation_m(problem, 0), problem.separation_m);  // far away: as required
+    EXPECT_EQ(required_separation_m(problem, 0), problem.separation_m);  // far away: as required
   }
 }
 

@@ -131,13 +131,14 @@ std::vector<Fault> faults_of_one_number() {
                         p.sensors.emplace_back().variance_floor = wrong;
                         p.sensors.back().variance_grows_with_range = true;
                       }});
-    using models::Surroundings;
-    for (const auto number : {&Surroundings::position_sigma_m, &Surroundings::velocity_sigma_mps,
-                              &Surroundings::damping_per_s}) {
+    using models::DampedOscillator;
+    for (const auto number :
+         {&DampedOscillator::position_sigma_m, &DampedOscillator::velocity_sigma_mps,
+          &DampedOscillator::damping_per_s}) {
       for (const int axis : {0, 1}) {
         faults.push_back({"an oscillator's number", [number, axis, wrong](SearchProblem& p) {
                             p.targets[1].model.kind = models::TargetKind::kDampedOscillator;
-                            (p.targets[1].model.surroundings.*number)(axis) = wrong;
+                            (p.targets[1].model.oscillator.*number)(axis) = wrong;
                           }});
       }
     }
@@ -153,7 +154,7 @@ std::vector<Fault> faults_of_one_number() {
   for (const int axis : {0, 1}) {
     faults.push_back({"an oscillator's centre", [axis](SearchProblem& p) {
                         p.targets[1].model.kind = models::TargetKind::kDampedOscillator;
-                        p.targets[1].model.surroundings.center_m(axis) = -kInfinity;
+                        p.targets[1].model.oscillator.center_m(axis) = -kInfinity;
                       }});
   }
   return faults;
@@ -224,7 +225,7 @@ TEST(RequireValid, AcceptsLimits) {
       {"an oscillator",
        [](SearchProblem& p) {
          p.targets[1].model.kind = models::TargetKind::kDampedOscillator;
-         p.targets[1].model.surroundings.center_m = {-2.0, -3.0};
+         p.targets[1].model.oscillator.center_m = {-2.0, -3.0};
        }},
       {"a target in space, and what is told of it",
        [](SearchProblem& p) {
@@ -288,9 +289,9 @@ TEST(SearchProblem, HasTheStatedDefaults) {
   walled.height_m = 2.0;
   models::Trajectory teammate;
   teammate.height_m = 3.0;
-  EXPECT_EQ(kept_height_m(walled, teammate), 3.0);
+  EXPECT_EQ(separation_height_m(walled, teammate), 3.0);
   walled.separation_from_above = true;
-  EXPECT_EQ(kept_height_m(walled, teammate), 2.0);
+  EXPECT_EQ(separation_height_m(walled, teammate), 2.0);
 }
 
 TEST(SearchResult, ResetClearsAll) {
@@ -460,11 +461,11 @@ TEST(KeptSeparation, IsDistanceAtPlanStart) {
       const double apart_m = std::hypot((then_m - problem.start.position_m()).norm(), up_m);
       const double kept_m = std::min(problem.separation_m, std::max(0.0, apart_m - 0.01));
       const auto index = static_cast<std::size_t>(k);
-      EXPECT_NEAR(kept_separation_m(problem, index), kept_m, 2e-6) << i;
+      EXPECT_NEAR(required_separation_m(problem, index), kept_m, 2e-6) << i;
       models::Trajectory own;
       own.start = problem.start;
       own.height_m = problem.height_m;
-      EXPECT_NEAR(kept_separation_m(problem, own, teammate), kept_m, 2e-6) << i;
+      EXPECT_NEAR(required_separation_m(problem, own, teammate), kept_m, 2e-6) << i;
       (kept_m < problem.separation_m ? nearer : farther) += 1;
     }
   }
@@ -473,7 +474,7 @@ TEST(KeptSeparation, IsDistanceAtPlanStart) {
   SearchProblem one;  // robots at one position: separation 0
   one.separation_m = 1.0;
   one.teammates.resize(1);
-  EXPECT_EQ(kept_separation_m(one, 0), 0.0);
+  EXPECT_EQ(required_separation_m(one, 0), 0.0);
 }
 
 }  // namespace

@@ -139,8 +139,8 @@ Eigen::MatrixXd random_spd(std::mt19937_64& rng, int n, double scale, double dec
   return 0.5 * (S + S.transpose());
 }
 
-models::Surroundings random_surroundings(std::mt19937_64& rng) {
-  models::Surroundings around;
+models::DampedOscillator random_oscillator(std::mt19937_64& rng) {
+  models::DampedOscillator around;
   const double omega = uniform(rng, 0.1, 1.0);
   const bool is_alike = pick(rng, 0, 1) == 0;
   around.damping_per_s.setConstant(uniform(rng, 0.1, 1.5));
@@ -162,7 +162,7 @@ void let_oscillate(std::mt19937_64& rng, planner::SearchProblem& problem) {
   for (planner::SearchTarget& target : problem.targets) {
     if (target.model.kind == models::TargetKind::kDoubleIntegrator) {
       target.model.kind = models::TargetKind::kDampedOscillator;
-      target.model.surroundings = random_surroundings(rng);
+      target.model.oscillator = random_oscillator(rng);
     }
   }
 }

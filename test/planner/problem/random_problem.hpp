@@ -24,8 +24,8 @@ models::Trajectory random_teammate(std::mt19937_64& rng, Time around, int steps,
 
 double uniform(std::mt19937_64& rng, double low, double high);
 int pick(std::mt19937_64& rng, int low, int high);  ///< includes both limits
-/// Returns the surroundings of a damped oscillator. Every second one has the same A on both axes.
-models::Surroundings random_surroundings(std::mt19937_64& rng);
+/// Returns the parameters of a damped oscillator. Every second one has the same A on both axes.
+models::DampedOscillator random_oscillator(std::mt19937_64& rng);
 /// Turns the double integrators of `problem` into damped oscillators.
 void let_oscillate(std::mt19937_64& rng, planner::SearchProblem& problem);
 /// Calls let_oscillate() if `seed` is a multiple of three.

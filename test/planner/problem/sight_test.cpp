@@ -51,7 +51,7 @@ TEST(SightTable, LanesEqualTheModels) {
     const Eigen::Vector3d target_m(uniform(rng, -5.0, 5.0), uniform(rng, -5.0, 5.0), 0.0);
     for (int i = 0; i < views.count; ++i) {
       InformationLanes lanes;
-      const LaneMask seen = sight.look_at(target_m, views, i / kLanes, lanes);
+      const LaneMask seen = sight.compute_lanes(target_m, views, i / kLanes, lanes);
       const int lane = i % kLanes;
       const models::PositionMatrix M =
           from_models(owned.problem, poses[static_cast<std::size_t>(i)], target_m.head<2>());
@@ -88,7 +88,7 @@ TEST(SightTable, SingleQueriesEqualTheModels) {
           !models::line_of_sight(*owned.problem.world, at.position_m(), target_m.head<2>());
       PackedInformation packed;
       const bool seen =
-          sight.look(target_m, spatial, at, views.cos_yaw[i], views.sin_yaw[i], packed);
+          sight.add_information(target_m, spatial, at, views.cos_yaw[i], views.sin_yaw[i], packed);
       ASSERT_EQ(seen, !M.isZero(0.0) && !hidden) << "seed " << seed;
       if (!seen) {
         continue;
@@ -143,13 +143,13 @@ TEST(SightTable, LanesAreBitIdentical) {
     Views views = random_views(rng, poses);
     const Eigen::Vector3d target_m(uniform(rng, -5.0, 5.0), uniform(rng, -5.0, 5.0), 0.0);
     InformationLanes first;
-    const LaneMask seen = sight.look_at(target_m, views, 0, first);
+    const LaneMask seen = sight.compute_lanes(target_m, views, 0, first);
     std::swap(views.x_m[0], views.x_m[3]);
     std::swap(views.y_m[0], views.y_m[3]);
     std::swap(views.cos_yaw[0], views.cos_yaw[3]);
     std::swap(views.sin_yaw[0], views.sin_yaw[3]);
     InformationLanes swapped;
-    const LaneMask seen_swapped = sight.look_at(target_m, views, 0, swapped);
+    const LaneMask seen_swapped = sight.compute_lanes(target_m, views, 0, swapped);
     EXPECT_EQ(seen[0], seen_swapped[3]);
     EXPECT_EQ(first.m00[0], swapped.m00[3]);
     EXPECT_EQ(first.m01[0], swapped.m01[3]);

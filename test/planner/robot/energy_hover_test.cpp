@@ -103,7 +103,7 @@ TEST_P(EnergyAtRest, StopsTurningOnceItFacesFreeSpace) {
   }
   EXPECT_GE(robot.counts().turns_away, 1);
   EXPECT_LE(robot.counts().turns_away, 4);
-  EXPECT_EQ(robot.counts().rests, 8 - robot.counts().turns_away);
+  EXPECT_EQ(robot.counts().rest_rounds, 8 - robot.counts().turns_away);
   EXPECT_TRUE(robot.plan().trajectory.segments.empty());
 }
 

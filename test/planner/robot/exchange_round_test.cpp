@@ -57,7 +57,8 @@ class Round {
         is_going_on = true;
         for (std::size_t to = 0; to < planners_.size(); ++to) {
           const bool is_heard = std::uniform_real_distribution(0.0, 1.0)(rng) >= lost;
-          if (to != robot && is_heard && exchanges_[to]->hear(*proposal) == Heard::kTaken) {
+          if (to != robot && is_heard &&
+              exchanges_[to]->receive(*proposal) == ReceiveOutcome::kTaken) {
             solutions_[to] = proposal;
           }
         }
@@ -194,7 +195,7 @@ TEST(RobotPlanner, ProposalIsReproducibleFromInputs) {
           fresh.begin_exchange(first_inputs(scenario, robot, seed), Deadline::nodes(sent.nodes));
       ASSERT_TRUE(exchange);
       if (round.bases_[i]) {
-        ASSERT_EQ(exchange->hear(*round.bases_[i]), Heard::kTaken);
+        ASSERT_EQ(exchange->receive(*round.bases_[i]), ReceiveOutcome::kTaken);
       }
       const auto proposal = exchange->improve(Deadline::never());
       ASSERT_TRUE(proposal);
@@ -221,15 +222,15 @@ TEST(RobotPlanner, RefusesInvalidProposals) {
   models::TeamProposal endless = sent;
   endless.choices[0].trajectory.segments.back().duration_s = 1e12;
   endless.history.back() = fingerprint(names, endless.choices);
-  EXPECT_EQ(exchange->hear(endless), Heard::kRefused);
+  EXPECT_EQ(exchange->receive(endless), ReceiveOutcome::kRefused);
   models::TeamProposal forged = sent;
   forged.history.back() ^= 1;
-  EXPECT_EQ(exchange->hear(forged), Heard::kRefused);
-  EXPECT_EQ(exchange->hear(sent), Heard::kTaken);
-  EXPECT_EQ(exchange->hear(sent), Heard::kNotBetter) << "than itself";
+  EXPECT_EQ(exchange->receive(forged), ReceiveOutcome::kRefused);
+  EXPECT_EQ(exchange->receive(sent), ReceiveOutcome::kTaken);
+  EXPECT_EQ(exchange->receive(sent), ReceiveOutcome::kNotBetter) << "than itself";
   models::TeamProposal late = sent;
   --late.round;
-  EXPECT_EQ(exchange->hear(late), Heard::kOtherRound);
+  EXPECT_EQ(exchange->receive(late), ReceiveOutcome::kOtherRound);
 }
 
 // Each team algorithm uses one kind of message only.
@@ -239,7 +240,7 @@ TEST(RobotPlanner, ProposesOnlyForItsTeamAlgorithm) {
   const Deadline deadline = Deadline::nodes(scenario.planner.node_budget);
   EXPECT_TRUE(RobotPlanner(scenario, "Q1").begin_exchange(inputs, deadline));
   EXPECT_FALSE(RobotPlanner(scenario, "Q1").propose(inputs, deadline));
-  EXPECT_FALSE(RobotPlanner(scenario, "Q1").next_place(inputs)) << "slots are not shared";
+  EXPECT_FALSE(RobotPlanner(scenario, "Q1").next_slot_index(inputs)) << "slots are not shared";
   scenario.planner.team_algorithm = scenario::TeamAlgorithm::kCoordinateDescent;
   EXPECT_FALSE(RobotPlanner(scenario, "Q1").begin_exchange(inputs, deadline));
   EXPECT_FALSE(RobotPlanner(scenario, "Q1").propose(inputs, deadline)) << "it weighs candidates";
@@ -320,7 +321,8 @@ TEST(RobotPlanner, SearchesForAThirdOfItsTimeBeforeAnExchange) {
   bool was_in_time = false;
   for (int i = 0; i < 20 && !was_in_time; ++i) {
     const std::int64_t begin_ns = monotonic_ns();
-    const auto plan = planner.plan(inputs, Deadline::at(begin_ns + kTime_ns).unless(note));
+    const auto plan =
+        planner.plan(inputs, Deadline::at(begin_ns + kTime_ns).with_cancellation(note));
     ASSERT_TRUE(plan);
     EXPECT_GT(asked_ns, begin_ns);
     was_in_time = asked_ns < begin_ns + kTime_ns / 2;
@@ -356,7 +358,7 @@ TEST(RobotPlanner, HoversWithoutCurrentSolution) {
       ASSERT_TRUE(plan);
       // The robot has no motion in this case: it hovers, or turns in front of a box that is too
       // near.
-      EXPECT_EQ(planner.counts().rests + planner.counts().turns_away, 1);
+      EXPECT_EQ(planner.counts().rest_rounds + planner.counts().turns_away, 1);
       const double way_m = (models::at(plan->trajectory, Time::max()).world_from_body.position_m() -
                             plan->trajectory.start.position_m())
                                .norm();

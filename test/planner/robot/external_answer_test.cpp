@@ -186,7 +186,7 @@ TEST(ExternalPlanner, CountsInvalidAnswersOfItsRound) {
   scenario.planner.algorithm = "external";
   RobotPlanner planner(scenario, "Q2");
   PlanInputs inputs = test::first_inputs(scenario, 1, 3);
-  const auto question = planner.question(inputs);
+  const auto question = planner.external_request(inputs);
   ASSERT_TRUE(question);
   EXPECT_EQ(question->robot, "Q2");
   EXPECT_EQ(question->source, models::PlanSource::kShifted);

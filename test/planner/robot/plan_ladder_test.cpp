@@ -43,7 +43,7 @@ class Ladder : public ::testing::Test {
   void expect_counts(std::int64_t checks_failed, std::int64_t rests, std::int64_t turns_away,
                      std::int64_t shifted, std::int64_t braking) const {
     EXPECT_EQ(counts_.checks_failed, checks_failed);
-    EXPECT_EQ(counts_.rests, rests);
+    EXPECT_EQ(counts_.rest_rounds, rests);
     EXPECT_EQ(counts_.turns_away, turns_away);
     EXPECT_EQ(counts_.fallbacks_shifted, shifted);
     EXPECT_EQ(counts_.fallbacks_braking, braking);
@@ -165,7 +165,7 @@ TEST_F(Ladder, UsesItsProposalIfSearchedAndSafe) {
 TEST_F(Ladder, HoversOrFallsBack) {
   {
     PlanLadder ladder = begin(5.0);
-    const auto rest = ladder.rest();
+    const auto rest = ladder.hovering();
     ASSERT_TRUE(rest);
     EXPECT_EQ(rest->source, models::PlanSource::kSearched);
     EXPECT_NEAR(end_of(*rest).x_m, 5.25, 1e-12);
@@ -182,14 +182,14 @@ TEST_F(Ladder, HoversOrFallsBack) {
   }
   {
     PlanLadder ladder = begin(0.7);
-    EXPECT_TRUE(ladder.rest());
+    EXPECT_TRUE(ladder.hovering());
     const models::RobotPlan braking = ladder.fall_back();
     EXPECT_EQ(braking.source, models::PlanSource::kBraking);
     EXPECT_NEAR(end_of(braking).x_m, 9.55, 1e-12);
     expect_counts(0, 1, 0, 0, 1);
   }
   PlanLadder ladder = begin(0.4);
-  EXPECT_FALSE(ladder.rest());
+  EXPECT_FALSE(ladder.hovering());
   EXPECT_EQ(ladder.fall_back().source, models::PlanSource::kBraking);
   expect_counts(0, 1, 0, 0, 1);
 }
@@ -226,18 +226,18 @@ TEST(TooNear, ReturnsTheNearestTeammate) {
   const auto place = [&](double ahead_m, double up_m) {
     return hover_at({1.0 + ahead_m, 2.0, 0.0}, 1.0 + up_m, kStart);
   };
-  EXPECT_EQ(too_near(problem), std::nullopt);
+  EXPECT_EQ(nearest_violating_teammate(problem), std::nullopt);
   problem.teammates = {place(1.02, 0.0), place(-5.0, 0.0), place(0.0, 1.02)};
-  EXPECT_EQ(too_near(problem), std::nullopt);
+  EXPECT_EQ(nearest_violating_teammate(problem), std::nullopt);
   problem.separation_from_above = true;
-  EXPECT_EQ(too_near(problem), 2U);
+  EXPECT_EQ(nearest_violating_teammate(problem), 2U);
   problem.separation_from_above = false;
   problem.teammates = {place(0.8, 0.0), place(0.5, 0.0), place(0.3, 0.6), place(3.0, 0.0)};
-  EXPECT_EQ(too_near(problem), 1U);
+  EXPECT_EQ(nearest_violating_teammate(problem), 1U);
   problem.teammates[1] = place(3.0, 0.0);
-  EXPECT_EQ(too_near(problem), 2U);
+  EXPECT_EQ(nearest_violating_teammate(problem), 2U);
   problem.teammates[2] = place(0.6, 0.6);
-  EXPECT_EQ(too_near(problem), 0U);
+  EXPECT_EQ(nearest_violating_teammate(problem), 0U);
 }
 
 // Each teammate must have at least the required separation minus the given rounding. If the

@@ -82,7 +82,7 @@ TEST(RobotPlanner, KeepsProposalsOfBaitAndPlansForTheRest) {
       ASSERT_TRUE(plan);
       if (name == best) {
         ++baits;
-        EXPECT_EQ(planners[i].counts().baits, 1);
+        EXPECT_EQ(planners[i].counts().bait_rounds, 1);
         if (i == 0 || plan->nodes == 0) {  // no robot has planned after its proposal
           EXPECT_EQ(plan->cost, proposals[name].plan.cost);
           EXPECT_EQ(plan->nodes, 0);
@@ -92,7 +92,7 @@ TEST(RobotPlanner, KeepsProposalsOfBaitAndPlansForTheRest) {
               << "searches alone again";
         }
       } else {
-        EXPECT_EQ(planners[i].counts().baits, 0);
+        EXPECT_EQ(planners[i].counts().bait_rounds, 0);
         std::vector<FixedTeammate> others;
         for (const scenario::RobotSpec& robot : scenario.robots) {
           if (robot.name == name) {
@@ -130,7 +130,7 @@ TEST(RobotPlanner, IgnoresProposalsOfOtherRoundsOrWithoutAttack) {
     ASSERT_TRUE(plan);
     EXPECT_EQ(plan->cost, plain->cost);
     EXPECT_EQ(plan->nodes, plain->nodes);
-    EXPECT_EQ(planner.counts().baits, 0);
+    EXPECT_EQ(planner.counts().bait_rounds, 0);
   }
 }
 

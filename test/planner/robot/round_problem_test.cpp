@@ -199,9 +199,9 @@ TEST(ProblemOfRound, HasTheRelevantTeammates) {
         inputs.mocap->bodies[2].world_from_body = lift(place, 0.1);
         inputs.team_plans["Q2"].trajectory = hover_at({50.0, 0.0, 0.0}, 1.5, {});
         inputs.attack = models::AttackNotice{{}, {"Q3", "Q9"}};
-        const auto round_of = [&](const std::vector<int>& unseeing) {
+        const auto round_of = [&](const std::vector<int>& robots_without_sensing) {
           Workspace workspace(scenario);
-          return problem_of_round(workspace, 0, inputs, committed, unseeing);
+          return problem_of_round(workspace, 0, inputs, committed, robots_without_sensing);
         };
         const RoundProblem round = round_of({0});
         const bool is_near = neighbourhood_m == 0.0 || at_m < 2.0;
@@ -379,7 +379,7 @@ TEST_F(PlansByMixtures, UsesOnlyMixtureOfItsBelief) {
 }
 
 TEST_F(PlansByMixtures, KeepTheTargetLimit) {
-  EXPECT_EQ(parts_max(scenario_), 35U);
+  EXPECT_EQ(components_max(scenario_), 35U);
   for (int id = 0; id < 5; ++id) {
     add(id, std::vector<double>(8, 0.125));
   }
@@ -387,10 +387,10 @@ TEST_F(PlansByMixtures, KeepTheTargetLimit) {
   inputs_.mixture->targets[0].components.assign(10, {0.1, gaussian(0, 1.0)});
   EXPECT_EQ(places_m().size(), 10U + 3 * 8U + 1U) << "the last is what its belief says";
   scenario_.estimator.samples = false;
-  EXPECT_EQ(parts_max(scenario_), 0U);
+  EXPECT_EQ(components_max(scenario_), 0U);
   EXPECT_EQ(places_m().size(), 5U);
   scenario_.robots[1].detection.detects_ids = false;
-  EXPECT_EQ(parts_max(scenario_), 35U);
+  EXPECT_EQ(components_max(scenario_), 35U);
 }
 
 }  // namespace

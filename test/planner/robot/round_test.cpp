@@ -83,17 +83,17 @@ TEST(RoundSchedule, PlacesSlotsBeforeTheEndOfTheRound) {
     EXPECT_EQ(plain.round_length(), from_seconds(1.5));
     EXPECT_FALSE(plain.is_shared());
     EXPECT_EQ(plain.slots(), 3);
-    EXPECT_EQ(plain.first_place(), i);
+    EXPECT_EQ(plain.first_slot_index(), i);
     const auto slot = plain.slot(9);
     EXPECT_EQ(slot.round, 9);
-    EXPECT_EQ(slot.place, i);
+    EXPECT_EQ(slot.slot_index, i);
     EXPECT_FALSE(slot.is_proposal);
     EXPECT_EQ(to_utime(slot.begin), 14'300'000 + 200'000 * i);
     EXPECT_EQ(to_utime(slot.end), 14'500'000 + 200'000 * i);
     EXPECT_EQ(to_utime(slot.activation), 15'000'000);
-    for (int place = 0; place < 3; ++place) {
-      EXPECT_EQ(to_utime(plain.slot(9, place).begin), 14'300'000 + 200'000 * place);
-      EXPECT_EQ(plain.slot(9, place).place, place);
+    for (int slot_index = 0; slot_index < 3; ++slot_index) {
+      EXPECT_EQ(to_utime(plain.slot(9, slot_index).begin), 14'300'000 + 200'000 * slot_index);
+      EXPECT_EQ(plain.slot(9, slot_index).slot_index, slot_index);
     }
     spec.attacks_max = 1;
     const RoundSchedule wary(spec, i, 3);
@@ -141,12 +141,12 @@ TEST(RoundSchedule, FindsTheNextSlotAndProposalSlot) {
       EXPECT_EQ(next.begin, first->begin);
       EXPECT_EQ(next.round, first->round);
       EXPECT_EQ(next.is_proposal, first->is_proposal);
-      const int place = i % 3;
-      const auto after = schedule.slot_after(around - 3, now, place);
+      const int slot_index = i % 3;
+      const auto after = schedule.slot_after(around - 3, now, slot_index);
       EXPECT_GT(after.begin, now);
-      EXPECT_LE(schedule.slot(after.round - 1, place).begin, now);
-      EXPECT_EQ(after.place, place);
-      EXPECT_EQ(schedule.slot_after(around + 5, now, place).round, around + 6);
+      EXPECT_LE(schedule.slot(after.round - 1, slot_index).begin, now);
+      EXPECT_EQ(after.slot_index, slot_index);
+      EXPECT_EQ(schedule.slot_after(around + 5, now, slot_index).round, around + 6);
     }
     const auto slot = schedule.slot(1'700'000'000);
     EXPECT_EQ(schedule.next_slot(slot.begin - Duration{1}).begin, slot.begin);
@@ -167,26 +167,26 @@ TEST(RoundSchedule, FindsTheSlotOfAPlan) {
       for (const int robots : {1, 2, 7, 48}) {
         const RoundSchedule schedule(spec, 0, robots);
         const bool are_apart = budget_s > 1e-3;
-        for (int place = 0; place < robots; ++place) {
+        for (int slot_index = 0; slot_index < robots; ++slot_index) {
           models::RobotPlan plan;
           plan.round = 77;
-          plan.slot_start = schedule.slot(77, place).begin;
-          const auto found = schedule.place_of(plan);
+          plan.slot_start = schedule.slot(77, slot_index).begin;
+          const auto found = schedule.slot_index_of(plan);
           if (are_apart) {
-            EXPECT_EQ(found, place) << budget_s << ' ' << robots;
+            EXPECT_EQ(found, slot_index) << budget_s << ' ' << robots;
           }
           for (const int us : {-1, 1}) {
-            plan.slot_start = schedule.slot(77, place).begin + Duration{us};
-            EXPECT_FALSE(are_apart && schedule.place_of(plan)) << budget_s << ' ' << robots;
+            plan.slot_start = schedule.slot(77, slot_index).begin + Duration{us};
+            EXPECT_FALSE(are_apart && schedule.slot_index_of(plan)) << budget_s << ' ' << robots;
           }
-          plan.slot_start = schedule.slot(77, place).begin;
+          plan.slot_start = schedule.slot(77, slot_index).begin;
           ++plan.round;
-          EXPECT_EQ(schedule.place_of(plan), std::nullopt) << "a round before";
+          EXPECT_EQ(schedule.slot_index_of(plan), std::nullopt) << "a round before";
         }
         models::RobotPlan plan;
         plan.round = 77;
         plan.slot_start = schedule.slot(77, robots - 1).end;
-        EXPECT_EQ(schedule.place_of(plan), std::nullopt) << "after the last";
+        EXPECT_EQ(schedule.slot_index_of(plan), std::nullopt) << "after the last";
       }
     }
   }

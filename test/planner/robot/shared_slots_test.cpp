@@ -74,7 +74,7 @@ TEST_F(SharedSlotsTest, BelongToLowestRobotWithAReceivedPlan) {
                              std::to_string(each.place) + " of " +
                              ::testing::PrintToString(each.places);
     EXPECT_EQ(slots.has_slot(inputs), each.has_slot) << what;
-    EXPECT_EQ(slots.next_place(inputs), each.next) << what;
+    EXPECT_EQ(slots.next_slot_index(inputs), each.next) << what;
   }
 }
 
@@ -87,7 +87,7 @@ TEST_F(SharedSlotsTest, IgnorePlansOutsideTheSlots) {
   const models::RobotPlan right = inputs.team_plans.at("Q1");
   inputs.team_plans.at("Q1").slot_start += Duration{1};
   EXPECT_TRUE(slots.has_slot(inputs));
-  EXPECT_EQ(slots.next_place(inputs), 0);
+  EXPECT_EQ(slots.next_slot_index(inputs), 0);
   inputs.team_plans.clear();
   inputs.team_plans["Q9"] = right;
   EXPECT_TRUE(slots.has_slot(inputs));
@@ -105,8 +105,8 @@ TEST_F(SharedSlotsTest, AreYieldedByRobotWithoutSlot) {
     const auto claim = planner.plan(inputs, Deadline::nodes(500));
     ASSERT_TRUE(claim);
     EXPECT_EQ(claim->source, models::PlanSource::kShifted);
-    EXPECT_EQ(planner.counts().yields, yields);
-    EXPECT_EQ(planner.next_place(inputs), 0);
+    EXPECT_EQ(planner.counts().yielded_rounds, yields);
+    EXPECT_EQ(planner.next_slot_index(inputs), 0);
     if (yields == 2) {
       inputs.own_plan = claim;
     }
@@ -115,9 +115,9 @@ TEST_F(SharedSlotsTest, AreYieldedByRobotWithoutSlot) {
   const auto plan = planner.plan(inputs, Deadline::nodes(500));
   ASSERT_TRUE(plan);
   EXPECT_EQ(plan->source, models::PlanSource::kSearched);
-  EXPECT_EQ(planner.counts().yields, 2);
+  EXPECT_EQ(planner.counts().yielded_rounds, 2);
   scenario_.planner.slots = 3;  // one per robot
-  EXPECT_EQ(RobotPlanner(scenario_, "Q3").next_place(inputs), std::nullopt);
+  EXPECT_EQ(RobotPlanner(scenario_, "Q3").next_slot_index(inputs), std::nullopt);
 }
 
 TEST(MaySearch, IsTrueForTheLowestRobotIndexOfASlot) {

@@ -153,16 +153,16 @@ TEST(SharedRound, HasConfiguredNumberOfSlots) {
     const RoundSchedule schedule(spec, robots - 1, robots);
     ASSERT_TRUE(schedule.is_shared());
     ASSERT_EQ(schedule.slots(), 48);
-    EXPECT_EQ(schedule.first_place(), (robots - 1) % 48);
+    EXPECT_EQ(schedule.first_slot_index(), (robots - 1) % 48);
     for (int place = 0; place < 48; ++place) {
       const auto slot = schedule.slot(1'700'000'000, place);
       EXPECT_GE(slot.end - slot.begin, Duration{10'000}) << "0.5 s in 48";
       models::RobotPlan plan;
       plan.round = slot.round;
       plan.slot_start = slot.begin;
-      EXPECT_EQ(schedule.place_of(plan), place);
+      EXPECT_EQ(schedule.slot_index_of(plan), place);
       plan.slot_start += Duration{1};
-      EXPECT_EQ(schedule.place_of(plan), std::nullopt);
+      EXPECT_EQ(schedule.slot_index_of(plan), std::nullopt);
     }
   }
   const RoundSchedule row(spec, 47, 48);

@@ -31,7 +31,7 @@ TEST(RestOf, HasThePosesOfTheTrajectoryAfterTheCut) {
     const models::Trajectory whole = winding_trajectory(rng);
     const double cut_s = std::uniform_real_distribution<double>(0.0, 6.0)(rng);
     const Time cut = whole.start_time + from_seconds(cut_s);
-    const models::Trajectory rest = rest_of(whole, cut);
+    const models::Trajectory rest = remainder_of(whole, cut);
     for (double s = 0.0; s < 7.0; s += 0.083) {
       const auto a = models::at(whole, cut + from_seconds(s));
       const auto b = models::at(rest, cut + from_seconds(s));
@@ -54,17 +54,17 @@ TEST(RestOf, KeepsLaterSegmentsAndRemainingBraking) {
   models::Trajectory whole;
   whole.start_time = from_utime(1'700'000'000'000'000);
   whole.segments = {{{2.0, 0.0}, 0.5, 0.0}, {{1.0, 1.0}, 0.5, 0.0}, {{1.0, 0.0}, 0.5, 2.0}};
-  EXPECT_EQ(rest_of(whole, whole.start_time).segments.size(), 3U);
-  const models::Trajectory two = rest_of(whole, whole.start_time + from_seconds(0.5));
+  EXPECT_EQ(remainder_of(whole, whole.start_time).segments.size(), 3U);
+  const models::Trajectory two = remainder_of(whole, whole.start_time + from_seconds(0.5));
   ASSERT_EQ(two.segments.size(), 2U);
   EXPECT_EQ(two.segments[0].control, whole.segments[1].control);
   EXPECT_EQ(two.segments[0].duration_s, 0.5);
-  const models::Trajectory braking = rest_of(whole, whole.start_time + from_seconds(1.2));
+  const models::Trajectory braking = remainder_of(whole, whole.start_time + from_seconds(1.2));
   ASSERT_EQ(braking.segments.size(), 1U);
   EXPECT_NEAR(braking.segments[0].control.speed_mps, 0.6, 1e-12);
   EXPECT_NEAR(braking.segments[0].duration_s, 0.3, 1e-12);
   EXPECT_EQ(braking.segments[0].brake_mps2, 2.0);
-  EXPECT_TRUE(rest_of(whole, whole.start_time + from_seconds(1.5)).segments.empty());
+  EXPECT_TRUE(remainder_of(whole, whole.start_time + from_seconds(1.5)).segments.empty());
 }
 
 // The stop begins at the current pose and speed and is straight. For a hovering vehicle it has no

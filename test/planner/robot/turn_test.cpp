@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "planner/robot/trajectory_tools.hpp"
-#include "planner/robot/way_out.hpp"
+#include "planner/robot/turn_to_free_heading.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -30,9 +30,9 @@ class TurnToAWayOut : public ::testing::Test {
   }
 
   /// Returns the direction of the turn: left (1), right (−1) or none (0).
-  int side_of(const Pose2& start, bool is_boxed_in = false, double yaw_rate_max_radps = 3.0) {
+  int side_of(const Pose2& start, bool is_blocked = false, double yaw_rate_max_radps = 3.0) {
     problem_.start = start;
-    const auto turning = turn_to_a_way_out(problem_, is_boxed_in, yaw_rate_max_radps);
+    const auto turning = turn_to_free_heading(problem_, is_blocked, yaw_rate_max_radps);
     if (!turning) {
       return 0;
     }

@@ -111,16 +111,16 @@ TEST(Workspace, AllocatesNothingForTheLongestAcceptedPlans) {
 
 TEST(PartsMax, IsSevenPerTargetUpToItsLimit) {
   scenario::Scenario scenario = test::lab_scenario();
-  EXPECT_EQ(parts_max(scenario), 0U);
+  EXPECT_EQ(components_max(scenario), 0U);
   for (const auto& [targets, parts] :
        {std::pair{0, 0}, std::pair{1, 7}, std::pair{36, 252}, std::pair{37, 256}}) {
     scenario.targets.resize(static_cast<std::size_t>(targets));
     scenario.estimator.samples = true;
-    EXPECT_EQ(parts_max(scenario), static_cast<std::size_t>(parts));
+    EXPECT_EQ(components_max(scenario), static_cast<std::size_t>(parts));
     scenario.estimator.samples = false;
     for (scenario::RobotSpec& robot : scenario.robots) {
       robot.detection.detects_ids = false;
-      EXPECT_EQ(parts_max(scenario), static_cast<std::size_t>(parts)) << robot.name;
+      EXPECT_EQ(components_max(scenario), static_cast<std::size_t>(parts)) << robot.name;
       robot.detection.detects_ids = true;
     }
   }

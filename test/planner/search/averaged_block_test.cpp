@@ -57,14 +57,14 @@ models::TargetModel random_model(std::mt19937_64& rng, bool moves) {
   model.q = uniform(rng, 0.0, 0.5);
   if (moves && pick(rng, 0, 1) == 0) {
     model.kind = models::TargetKind::kDampedOscillator;
-    model.surroundings = test::random_surroundings(rng);
+    model.oscillator = test::random_oscillator(rng);
     // Both axes have the same A, but W differs by a factor.
-    model.surroundings.damping_per_s.setConstant(model.surroundings.damping_per_s(0));
-    model.surroundings.position_sigma_m(1) =
-        (pick(rng, 0, 1) == 0 ? 2.0 : 0.5) * model.surroundings.position_sigma_m(0);
-    model.surroundings.velocity_sigma_mps(1) = model.surroundings.position_sigma_m(1) /
-                                               model.surroundings.position_sigma_m(0) *
-                                               model.surroundings.velocity_sigma_mps(0);
+    model.oscillator.damping_per_s.setConstant(model.oscillator.damping_per_s(0));
+    model.oscillator.position_sigma_m(1) =
+        (pick(rng, 0, 1) == 0 ? 2.0 : 0.5) * model.oscillator.position_sigma_m(0);
+    model.oscillator.velocity_sigma_mps(1) = model.oscillator.position_sigma_m(1) /
+                                             model.oscillator.position_sigma_m(0) *
+                                             model.oscillator.velocity_sigma_mps(0);
   } else {
     model.kind = moves ? models::TargetKind::kDoubleIntegrator : models::TargetKind::kRandomWalk;
   }
@@ -88,13 +88,13 @@ TEST(AveragedBlock, IsTheMeanOverAllPlanarSymmetries) {
     const models::TargetModel model = random_model(rng, moves);
     const double step_s = uniform(rng, 0.1, 1.5);
     const StepMotion motion = step_motion(model, step_s);
-    ASSERT_TRUE(motion.is_alike());
+    ASSERT_TRUE(motion.is_isotropic());
     // The averaged block uses the axis with the smaller noise.
     models::TargetModel least = model;
     const Eigen::Index calm =
-        model.surroundings.position_sigma_m(0) <= model.surroundings.position_sigma_m(1) ? 0 : 1;
-    least.surroundings.position_sigma_m.setConstant(model.surroundings.position_sigma_m(calm));
-    least.surroundings.velocity_sigma_mps.setConstant(model.surroundings.velocity_sigma_mps(calm));
+        model.oscillator.position_sigma_m(0) <= model.oscillator.position_sigma_m(1) ? 0 : 1;
+    least.oscillator.position_sigma_m.setConstant(model.oscillator.position_sigma_m(calm));
+    least.oscillator.velocity_sigma_mps.setConstant(model.oscillator.velocity_sigma_mps(calm));
 
     const models::StateMatrix prior = random_spd(rng, moves ? 4 : 2, uniform(rng, 0.1, 3.0), 1.5);
     double packed[kMaxPacked];

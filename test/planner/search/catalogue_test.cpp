@@ -26,8 +26,8 @@ std::set<std::string, std::less<>> names() {
 }
 
 TEST(Catalogue, ContainsTheSearchesOfScenarios) {
-  const std::set<std::string, std::less<>> words(scenario::kSearchWords.begin(),
-                                                 scenario::kSearchWords.end());
+  const std::set<std::string, std::less<>> words(scenario::kSearchNames.begin(),
+                                                 scenario::kSearchNames.end());
   EXPECT_EQ(words, names());
 }
 
@@ -215,7 +215,7 @@ TEST(Catalogue, DescribesEachAlgorithm) {
   for (const Algorithm& algorithm : all_algorithms()) {
     const bool is_beam = algorithm.name == "beam";
     EXPECT_EQ(algorithm.kept_share, is_beam ? 0.25 : 1.0) << algorithm.name;
-    EXPECT_EQ(algorithm.remembers, algorithm.name == "lawn_mower") << algorithm.name;
+    EXPECT_EQ(algorithm.is_stateful, algorithm.name == "lawn_mower") << algorithm.name;
     EXPECT_EQ(algorithm.makes_candidates, algorithm.name == "arvi" || algorithm.name == "rvi")
         << algorithm.name;
     const auto search = algorithm.make({1'000, 10'000, 8, 8, 4}, {});

@@ -81,17 +81,17 @@ TEST(GeodesicTable, IsShortestPathAroundBoxes) {
     }
     GeodesicTable table(64);
     table.reset(&world, points);
-    GeodesicTable::Outlook outlook;
-    table.look_around(from_m, outlook);
+    GeodesicTable::VisibleCorners visible;
+    table.find_visible_corners(from_m, visible);
     for (int i = 0; i < table.point_count(); ++i) {
-      const double way_m = table.way_m(outlook, i);
+      const double path_m = table.path_m(visible, i);
       const double lattice_m = ways[static_cast<std::size_t>(i)];
       if (!std::isfinite(lattice_m)) {
         continue;
       }
-      EXPECT_LE(way_m, lattice_m + 1e-9);
-      EXPECT_GE(way_m, lattice_m / 1.04 - 4.0 * kCell_m);
-      bent += way_m > (points[static_cast<std::size_t>(i)] - from_m).norm() + 0.1 ? 1 : 0;
+      EXPECT_LE(path_m, lattice_m + 1e-9);
+      EXPECT_GE(path_m, lattice_m / 1.04 - 4.0 * kCell_m);
+      bent += path_m > (points[static_cast<std::size_t>(i)] - from_m).norm() + 0.1 ? 1 : 0;
     }
   }
   EXPECT_GT(bent, 50);
@@ -115,16 +115,17 @@ TEST(GeodesicTable, IsAMetricForOverlappingBoxes) {
   table.reset(&world, points);
   for (int i = 0; i < 40; ++i) {
     for (int j = 0; j < 40; ++j) {
-      EXPECT_NEAR(table.between_m(i, j), table.between_m(j, i), 1e-9);
+      EXPECT_NEAR(table.path_between_m(i, j), table.path_between_m(j, i), 1e-9);
       for (int k = 0; k < 40; ++k) {
-        EXPECT_LE(table.between_m(i, j), table.between_m(i, k) + table.between_m(k, j) + 1e-9);
+        EXPECT_LE(table.path_between_m(i, j),
+                  table.path_between_m(i, k) + table.path_between_m(k, j) + 1e-9);
       }
     }
   }
   // The path leads around the top of the wall: no path leads below it.
   table.reset(&world, {{0.5, 0.5}, {2.0, 1.0}});
   const double around_m = std::hypot(0.5, 2.5) + 2.0 + 1.0 + std::hypot(1.0, 1.0);
-  EXPECT_NEAR(table.between_m(0, 1), around_m, 1e-6);
+  EXPECT_NEAR(table.path_between_m(0, 1), around_m, 1e-6);
 }
 
 // Returns the position, mirrored if `is_mirrored` and then rotated by `quarters` quarter turns.
@@ -158,28 +159,28 @@ TEST(GeodesicTable, HasNoPathBetweenBoxAndTouchedWall) {
     GeodesicTable table(8);
     table.reset(&world, points);
     const double around_m = std::hypot(0.5, 2.5) + 0.5 + std::hypot(0.5, 2.0);
-    EXPECT_NEAR(table.between_m(0, 1), around_m, 1e-6);
-    EXPECT_NEAR(table.between_m(1, 0), around_m, 1e-6);
-    EXPECT_NEAR(table.between_m(2, 3), std::hypot(2.5, 0.5), 1e-9);
-    EXPECT_NEAR(table.between_m(0, 2), 4.5, 1e-9);
-    EXPECT_NEAR(table.between_m(2, 1), std::hypot(1.0, 2.0) + std::hypot(0.5, 2.0), 1e-6);
+    EXPECT_NEAR(table.path_between_m(0, 1), around_m, 1e-6);
+    EXPECT_NEAR(table.path_between_m(1, 0), around_m, 1e-6);
+    EXPECT_NEAR(table.path_between_m(2, 3), std::hypot(2.5, 0.5), 1e-9);
+    EXPECT_NEAR(table.path_between_m(0, 2), 4.5, 1e-9);
+    EXPECT_NEAR(table.path_between_m(2, 1), std::hypot(1.0, 2.0) + std::hypot(0.5, 2.0), 1e-6);
     // Distances are also available from positions other than the points.
-    GeodesicTable::Outlook outlook;
-    table.look_around(turned(Eigen::Vector2d(0.9, 0.1)), outlook);
-    EXPECT_NEAR(table.way_m(outlook, 1), std::hypot(0.1, 2.9) + 0.5 + std::hypot(0.5, 2.0), 1e-6);
+    GeodesicTable::VisibleCorners visible;
+    table.find_visible_corners(turned(Eigen::Vector2d(0.9, 0.1)), visible);
+    EXPECT_NEAR(table.path_m(visible, 1), std::hypot(0.1, 2.9) + 0.5 + std::hypot(0.5, 2.0), 1e-6);
 
     std::vector<Eigen::Vector2d> with_one_outside = points;
     with_one_outside.push_back(turned(Eigen::Vector2d(2.0, -0.5)));
     table.reset(&world, with_one_outside);
     const double below_m = std::hypot(0.5, 0.5) + 0.5 + std::hypot(0.5, 1.0);
-    EXPECT_NEAR(table.between_m(0, 1), below_m, 1e-6);
-    EXPECT_NEAR(table.between_m(0, 4), std::hypot(0.5, 0.5) + std::hypot(1.0, 0.5), 1e-6);
+    EXPECT_NEAR(table.path_between_m(0, 1), below_m, 1e-6);
+    EXPECT_NEAR(table.path_between_m(0, 4), std::hypot(0.5, 0.5) + std::hypot(1.0, 0.5), 1e-6);
     // Resets the table with the same world, then without a world.
     table.reset(&world, points);
     EXPECT_EQ(table.point_count(), 4);
-    EXPECT_NEAR(table.between_m(0, 1), around_m, 1e-6);
+    EXPECT_NEAR(table.path_between_m(0, 1), around_m, 1e-6);
     table.reset(nullptr, points);
-    EXPECT_NEAR(table.between_m(0, 1), std::hypot(1.5, 0.5), 1e-9);
+    EXPECT_NEAR(table.path_between_m(0, 1), std::hypot(1.5, 0.5), 1e-9);
     EXPECT_FALSE(table.is_blocked(turned(Eigen::Vector2d(1.2, 1.0))));
     EXPECT_FALSE(table.is_blocked(turned(Eigen::Vector2d(-9.0, 1.0))));
   }
@@ -233,7 +234,7 @@ TEST(GeodesicTable, KeepsTheLargestBoxes) {
     for (int size = 0; size < 9; ++size) {
       const double half_m = 0.5 + 0.1 * size;
       const double around_m = 2.0 * std::hypot(half_m, 2.0 - half_m) + 2.0 * half_m;
-      EXPECT_NEAR(table.between_m(2 * size, 2 * size + 1), size == 0 ? 4.0 : around_m, 1e-5)
+      EXPECT_NEAR(table.path_between_m(2 * size, 2 * size + 1), size == 0 ? 4.0 : around_m, 1e-5)
           << size << " of those from " << first;
     }
   }

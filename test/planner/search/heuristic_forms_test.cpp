@@ -52,7 +52,7 @@ SearchProblem all_round_problem(std::mt19937_64& rng) {
       {TargetKind::kDampedOscillator, 2}, {TargetKind::kDoubleIntegrator, 2, 0.0}};
   for (models::TargetModel model : kinds) {
     if (model.kind == TargetKind::kDampedOscillator) {
-      model.surroundings = test::random_surroundings(rng);
+      model.oscillator = test::random_oscillator(rng);
     }
     const int n = model.dim();
     SearchTarget target{model, {models::StateVector::Zero(n), random_spd(rng, n, 2.0, 1.0)}};
@@ -349,7 +349,7 @@ TEST_F(InformationHeuristicTest, EqualsClosedFormForRanges) {
     EXPECT_NEAR(heuristic_.cost_to_go(still.start, 0, {}), expected, 1e-9 * std::abs(expected));
 
     models::TargetModel swings{TargetKind::kDampedOscillator, 2};
-    swings.surroundings.damping_per_s.setConstant(0.4);
+    swings.oscillator.damping_per_s.setConstant(0.4);
     for (const models::TargetModel& model :
          {models::TargetModel{TargetKind::kDoubleIntegrator, 2, 0.1}, swings}) {
       const SearchProblem moving = round_about(model, range, cost);
@@ -462,10 +462,10 @@ TEST_F(InformationHeuristicTest, EqualsClosedFormForStaticAndFixedTargets) {
     for (int m = 0; m < 8; ++m) {
       const models::TargetModel& model = problem.targets[index(m)].model;
       const bool looked_at = has_fixed && m != 2;
-      EXPECT_EQ(heuristic_.stays(m), m < 5) << m;
+      EXPECT_EQ(heuristic_.has_static_position(m), m < 5) << m;
       EXPECT_EQ(heuristic_.has_fixed(m), looked_at) << m;
       const bool spreads = model.kind != TargetKind::kStatic && model.q > 0.0;
-      EXPECT_EQ(heuristic_.only_own_looks(m), m < 5 && !spreads && !looked_at) << m;
+      EXPECT_EQ(heuristic_.has_only_own_information(m), m < 5 && !spreads && !looked_at) << m;
       const bool is_alike = model.kind != TargetKind::kDampedOscillator ||
                             (model.transition(0.5)(0, 0) == model.transition(0.5)(1, 1) &&
                              model.transition(0.5)(0, 2) == model.transition(0.5)(1, 3));

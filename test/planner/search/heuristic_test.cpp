@@ -178,7 +178,7 @@ TEST(InformationHeuristic, CountsFixedInformationAtAnyStep) {
         heuristic.reset(problem, beliefs);
         for (int m = 0; m < 3; ++m) {
           EXPECT_EQ(heuristic.has_fixed(m), m == told && much > 0.0) << told << " at " << step;
-          EXPECT_EQ(heuristic.only_own_looks(m), m != told || much == 0.0)
+          EXPECT_EQ(heuristic.has_only_own_information(m), m != told || much == 0.0)
               << told << " at " << step;
         }
       }

@@ -29,22 +29,22 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Sets one option at a time and expects values within its limits to be accepted and others
 /// refused.
 template <class Search, class Options>
-class Told {
+class OptionLimits {
  public:
   template <class Number>
   void expect(Number Options::*field, const std::vector<double>& taken,
               const std::vector<double>& refused) {
     for (const double value : taken) {
-      EXPECT_NO_THROW(tell(field, value)) << value;
+      EXPECT_NO_THROW(plan_with(field, value)) << value;
     }
     for (const double value : refused) {
-      EXPECT_THROW(tell(field, value), UsageError) << value;
+      EXPECT_THROW(plan_with(field, value), UsageError) << value;
     }
   }
 
  private:
   template <class Number>
-  void tell(Number Options::*field, double value) {
+  void plan_with(Number Options::*field, double value) {
     Options options;
     options.*field = static_cast<Number>(value);
     search_.plan(owned_.problem, options, Deadline::nodes(10));
@@ -56,31 +56,31 @@ class Told {
 constexpr double kLittle = 1e-9;
 
 TEST(Reduced, AcceptsOptionsWithinTheirLimits) {
-  Told<ReducedValueIteration, ReducedOptions> told;
-  told.expect(&ReducedOptions::halvings, {0, 1, 100}, {-1, 101});
-  told.expect(&ReducedOptions::epsilon, {0.0, kInfinity}, {-kLittle, kNaN});
-  told.expect(&ReducedOptions::delta_m, {0.0, kInfinity}, {-kLittle, kNaN});
-  told.expect(&ReducedOptions::yaw_weight_m_per_rad, {0.0, 5.0}, {-kLittle, kNaN});
+  OptionLimits<ReducedValueIteration, ReducedOptions> limits;
+  limits.expect(&ReducedOptions::halvings, {0, 1, 100}, {-1, 101});
+  limits.expect(&ReducedOptions::epsilon, {0.0, kInfinity}, {-kLittle, kNaN});
+  limits.expect(&ReducedOptions::delta_m, {0.0, kInfinity}, {-kLittle, kNaN});
+  limits.expect(&ReducedOptions::yaw_weight_m_per_rad, {0.0, 5.0}, {-kLittle, kNaN});
 }
 
 TEST(BestFirst, AcceptsOptionsWithinTheirLimits) {
-  Told<BestFirstSearch, BestFirstOptions> told;
-  told.expect(&BestFirstOptions::weight, {1.0, 1e6}, {1.0 - kLittle, kInfinity, kNaN});
-  told.expect(&BestFirstOptions::epsilon, {0.0, 1e9}, {-kLittle, kNaN});
-  told.expect(&BestFirstOptions::delta_m, {0.0, 1e9}, {-kLittle, kNaN});
-  told.expect(&BestFirstOptions::yaw_weight_m_per_rad, {0.0, 5.0}, {-kLittle, kNaN});
-  told.expect(&BestFirstOptions::dive_every, {0, 1}, {-1});
+  OptionLimits<BestFirstSearch, BestFirstOptions> limits;
+  limits.expect(&BestFirstOptions::weight, {1.0, 1e6}, {1.0 - kLittle, kInfinity, kNaN});
+  limits.expect(&BestFirstOptions::epsilon, {0.0, 1e9}, {-kLittle, kNaN});
+  limits.expect(&BestFirstOptions::delta_m, {0.0, 1e9}, {-kLittle, kNaN});
+  limits.expect(&BestFirstOptions::yaw_weight_m_per_rad, {0.0, 5.0}, {-kLittle, kNaN});
+  limits.expect(&BestFirstOptions::dive_every, {0, 1}, {-1});
 }
 
 TEST(RefiningBeam, AcceptsOptionsWithinTheirLimits) {
-  Told<RefiningBeam, BeamOptions> told;
-  told.expect(&BeamOptions::first_width, {1, 1'000}, {0});
-  told.expect(&BeamOptions::growth, {1.0 + kLittle, 1e6}, {1.0, kNaN});
-  told.expect(&BeamOptions::cell_m, {kLittle, 1e6}, {0.0, -1.0, kNaN});
-  told.expect(&BeamOptions::cell_rad, {kLittle, 1e6}, {0.0, -1.0, kNaN});
-  told.expect(&BeamOptions::alternation, {kLittle, 2.0}, {0.0, -1.0, kNaN});
-  told.expect(&BeamOptions::breadth, {0.0, 1.0}, {-kLittle, 1.0 + kLittle, kNaN});
-  told.expect(&BeamOptions::shrink, {kLittle, 1.0}, {0.0, 1.0 + kLittle, kNaN});
+  OptionLimits<RefiningBeam, BeamOptions> limits;
+  limits.expect(&BeamOptions::first_width, {1, 1'000}, {0});
+  limits.expect(&BeamOptions::growth, {1.0 + kLittle, 1e6}, {1.0, kNaN});
+  limits.expect(&BeamOptions::cell_m, {kLittle, 1e6}, {0.0, -1.0, kNaN});
+  limits.expect(&BeamOptions::cell_rad, {kLittle, 1e6}, {0.0, -1.0, kNaN});
+  limits.expect(&BeamOptions::alternation, {kLittle, 2.0}, {0.0, -1.0, kNaN});
+  limits.expect(&BeamOptions::breadth, {0.0, 1.0}, {-kLittle, 1.0 + kLittle, kNaN});
+  limits.expect(&BeamOptions::shrink, {kLittle, 1.0}, {0.0, 1.0 + kLittle, kNaN});
 }
 
 // The exact capacity is accepted; a capacity that is smaller by one is refused.

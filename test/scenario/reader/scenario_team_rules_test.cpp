@@ -35,10 +35,10 @@ TEST(ScenarioRules, GridsAndDrawsFollowWorldOffset) {
     EXPECT_EQ(answer_to(world(x_m, y_m, "estimator: {grid_resolution_m: 0.03125}\n")),
               "f:6: estimator.grid_resolution_m: must divide world.bounds into at most 4000000 "
               "cells; 0.03125 gives 5120000");
-    const models::Surroundings drawn =
+    const models::DampedOscillator drawn =
         parse_scenario(
             world(x_m, y_m, "estimator: {target_model: {kind: damped_oscillator, q: 0.1}}\n"), "f")
-            .estimator.target_model.surroundings;
+            .estimator.target_model.oscillator;
     EXPECT_EQ(drawn.center_m, Eigen::Vector2d(x_m + 50.0, y_m + 25.0));
     // The variance of a uniform draw of length l is l²/12.
     EXPECT_NEAR(drawn.position_sigma_m.x() * drawn.position_sigma_m.x(), 1e4 / 12.0, 1e-9);

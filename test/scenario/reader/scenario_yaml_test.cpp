@@ -65,7 +65,7 @@ TEST(LoadScenario, ReadsTheHardwareExperimentOfTheLab) {
   EXPECT_EQ(lab.target_truth.motion, scenario::TargetMotion::kRandomWaypoint);
   EXPECT_EQ(lab.target_truth.speed_max_mps, 1.4);
   EXPECT_EQ(lab.estimator.target_model.kind, models::TargetKind::kDampedOscillator);
-  EXPECT_EQ(lab.estimator.target_model.surroundings.damping_per_s, Eigen::Vector2d(0.24, 0.41));
+  EXPECT_EQ(lab.estimator.target_model.oscillator.damping_per_s, Eigen::Vector2d(0.24, 0.41));
   EXPECT_FALSE(lab.estimator.targets_stay_inside);
   EXPECT_EQ(lab.planner.algorithm, "arvi");
   EXPECT_EQ(lab.planner.horizon_steps, 12);
@@ -115,12 +115,12 @@ TEST(ParseScenario, ReadsADampedOscillator) {
       ", center_m: [1, 2], position_sigma_m: [3, 4], velocity_sigma_mps: [0.5, 0.6], "
       "damping_per_s: [0.7, 0.8]");
   EXPECT_EQ(stated.kind, models::TargetKind::kDampedOscillator);
-  EXPECT_EQ(stated.surroundings.center_m, Eigen::Vector2d(1.0, 2.0));
-  EXPECT_EQ(stated.surroundings.position_sigma_m, Eigen::Vector2d(3.0, 4.0));
-  EXPECT_EQ(stated.surroundings.velocity_sigma_mps, Eigen::Vector2d(0.5, 0.6));
-  EXPECT_EQ(stated.surroundings.damping_per_s, Eigen::Vector2d(0.7, 0.8));
+  EXPECT_EQ(stated.oscillator.center_m, Eigen::Vector2d(1.0, 2.0));
+  EXPECT_EQ(stated.oscillator.position_sigma_m, Eigen::Vector2d(3.0, 4.0));
+  EXPECT_EQ(stated.oscillator.velocity_sigma_mps, Eigen::Vector2d(0.5, 0.6));
+  EXPECT_EQ(stated.oscillator.damping_per_s, Eigen::Vector2d(0.7, 0.8));
   const models::Rectangle bounds = parse_scenario(smallest_with(""), "bounds").world.bounds;
-  const models::Surroundings uniform = model("").surroundings;
+  const models::DampedOscillator uniform = model("").oscillator;
   EXPECT_EQ(uniform.center_m, 0.5 * (bounds.min_m + bounds.max_m));
   EXPECT_EQ(uniform.position_sigma_m, (bounds.max_m - bounds.min_m) / std::sqrt(12.0));
 }

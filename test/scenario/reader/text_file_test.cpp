@@ -117,7 +117,7 @@ TEST(TreeBuilder, AddsEachNodeToTheOpenParent) {
   const Node& inner = tree.add(Node::Kind::kList, 3);
   tree.add(Node::Kind::kText, 4, "in");
   tree.close();
-  tree.add_again(word);
+  tree.add_alias(word);
   tree.close();
   EXPECT_EQ(tree.root().get(), &list);
   ASSERT_EQ(list.items.size(), 3U);

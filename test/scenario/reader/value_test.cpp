@@ -45,7 +45,7 @@ TEST(Range, IncludesAndDescribesItsEnds) {
       {{-1.0, 4.0, true, true}, false, false, "above -1 and below 4"},
   };
   for (const auto& each : all) {
-    EXPECT_EQ(each.range.words(), each.words);
+    EXPECT_EQ(each.range.description(), each.words);
     EXPECT_EQ(each.range.contains(-1.0), each.has_min) << each.words;
     EXPECT_EQ(each.range.contains(4.0), each.has_max) << each.words;
     for (const double inside : {-0.999, 0.0, 3.999}) {
@@ -60,11 +60,11 @@ TEST(Range, IncludesAndDescribesItsEnds) {
     EXPECT_TRUE(half.contains(-0.499) && half.contains(1.999)) << each.words;
     EXPECT_FALSE(half.contains(-0.501) || half.contains(2.001)) << each.words;
   }
-  EXPECT_EQ(any_number().words(), "a number");
-  EXPECT_EQ(at_least(3.0).words(), "at least 3");
-  EXPECT_EQ(above(3.0).words(), "above 3");
-  EXPECT_EQ((Range{-kNoLimit, 5.0}).words(), "at most 5");
-  EXPECT_EQ((Range{-kNoLimit, 5.0, false, true}).words(), "below 5");
+  EXPECT_EQ(any_number().description(), "a number");
+  EXPECT_EQ(at_least(3.0).description(), "at least 3");
+  EXPECT_EQ(above(3.0).description(), "above 3");
+  EXPECT_EQ((Range{-kNoLimit, 5.0}).description(), "at most 5");
+  EXPECT_EQ((Range{-kNoLimit, 5.0, false, true}).description(), "below 5");
   EXPECT_TRUE(any_number().contains(1e300) && any_number().contains(-1e300));
   EXPECT_TRUE(at_least(3.0).contains(3.0) && at_least(3.0).contains(1e300));
   EXPECT_FALSE(at_least(3.0).contains(2.9) || above(3.0).contains(3.0));
@@ -162,7 +162,7 @@ TEST(Value, ReturnsItemsInOrderWithTheirPath) {
 TEST(Value, ReadsEnumerators) {
   enum class Colour { kRed, kGreen, kBlue };
   const auto colour = [](const std::string& text) {
-    return yaml(text).word<Colour>(
+    return yaml(text).choice<Colour>(
         {{"red", Colour::kRed}, {"green", Colour::kGreen}, {"blue", Colour::kBlue}});
   };
   EXPECT_EQ(colour("red"), Colour::kRed);

@@ -88,9 +88,10 @@ class Player {
     if (is_on_path_ && station_.time_s() >= next_moment_s_) {
       next_moment_s_ = std::max(next_moment_s_ + kPathPeriodS, station_.time_s());
       const ScriptedStation::Body body = station_.body();
-      recording_.path.push_back({station_.time_s(), turn_axes(body.world_from_body.translation_m),
-                                 turn_axes(body.velocity_world_mps),
-                                 turn_yaw(flatten(body.world_from_body).yaw_rad)});
+      recording_.path.push_back({station_.time_s(),
+                                 convert_axes(body.world_from_body.translation_m),
+                                 convert_axes(body.velocity_world_mps),
+                                 convert_yaw(flatten(body.world_from_body).yaw_rad)});
     }
   }
   void run(double seconds) {
@@ -243,18 +244,18 @@ class Player {
       height_m_ = -kHeightM;
       hold(3.0);
     }
-    return turn_axes(station_.body().world_from_body.translation_m).z() <
+    return convert_axes(station_.body().world_from_body.translation_m).z() <
            -0.5 * static_cast<double>(kHeightM);
   }
 
-  void go_back(double way_m) {
+  void go_back(double distance_m) {
     mark("back");
     follow(
-        [way_m](double t_s) {
+        [distance_m](double t_s) {
           const double share = std::min(1.0, t_s / 5.0);
           const double smooth = share * share * (3.0 - 2.0 * share);
           const double rate = share < 1.0 ? 6.0 * share * (1.0 - share) / 5.0 : 0.0;
-          return Line{way_m * (1.0 - smooth), -way_m * rate, 0.0};
+          return Line{distance_m * (1.0 - smooth), -distance_m * rate, 0.0};
         },
         8.0);
   }

@@ -83,9 +83,9 @@ struct EmulatorBench {
               0);
     frames.clear();
     run(0.1);
-    const auto heard = all<Message>();
-    EXPECT_EQ(heard.size(), 20u);
-    return heard.empty() ? Message{} : heard.back();
+    const auto received = all<Message>();
+    EXPECT_EQ(received.size(), 20u);
+    return received.empty() ? Message{} : received.back();
   }
   mavlink::Odometry pose(const Eigen::Vector3d& position_m) const {
     mavlink::Odometry out;
@@ -99,7 +99,7 @@ struct EmulatorBench {
     return out;
   }
   [[nodiscard]] Eigen::Vector3d place_m() const {
-    return turn_axes(emulator.world_from_body().translation_m);
+    return convert_axes(emulator.world_from_body().translation_m);
   }
   /// Sends poses at 50 Hz for `seconds`, together with the set-point `target` if it is given.
   void send_poses(double seconds, const mavlink::SetPositionTargetLocalNed* target = nullptr) {

@@ -128,7 +128,7 @@ TEST(EmulatorMessages, ReportsPoseInAutopilotAxes) {
   EXPECT_NEAR(motion.x, place_m.x(), 0.02);
   EXPECT_NEAR(motion.y, place_m.y(), 0.02);
   EXPECT_NEAR(motion.z, place_m.z(), 0.02);
-  const Eigen::Vector3d velocity_mps = turn_axes(bench.emulator.velocity_world_mps());
+  const Eigen::Vector3d velocity_mps = convert_axes(bench.emulator.velocity_world_mps());
   EXPECT_NEAR(motion.vx, velocity_mps.x(), 1e-5);
   EXPECT_NEAR(motion.vy, velocity_mps.y(), 1e-5);
   EXPECT_NEAR(motion.vz, velocity_mps.z(), 1e-5);
@@ -139,7 +139,7 @@ TEST(EmulatorMessages, ReportsPoseInAutopilotAxes) {
                                 Eigen::AngleAxisd(attitude.pitch, Eigen::Vector3d::UnitY()) *
                                 Eigen::AngleAxisd(attitude.roll, Eigen::Vector3d::UnitX()))
                                    .toRotationMatrix();
-  const Quaternion truth = turn_axes(bench.emulator.world_from_body().rotation);
+  const Quaternion truth = convert_axes(bench.emulator.world_from_body().rotation);
   EXPECT_LT((told - truth.toRotationMatrix()).norm(), 1e-5);
   EXPECT_GT(std::abs(attitude.roll), 0.02);
   EXPECT_LT(attitude.pitch, -0.02) << "nose down, it flies forwards";

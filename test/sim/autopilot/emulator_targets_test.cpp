@@ -227,15 +227,15 @@ TEST(EmulatorMessages, SplitsLongTexts) {
     EXPECT_EQ(bench.command(mavlink::command::kArmDisarm, 1.0F), 1);
     const auto pieces = bench.all<mavlink::Statustext>();
     ASSERT_EQ(pieces.size(), (letters + 49) / 50);
-    std::string said;
+    std::string text;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       EXPECT_EQ(pieces[k].severity, 2);
       EXPECT_EQ(pieces[k].chunk_seq, k);
       EXPECT_EQ(pieces[k].id, pieces[0].id);
-      said += std::string(pieces[k].text.begin(),
+      text += std::string(pieces[k].text.begin(),
                           std::find(pieces[k].text.begin(), pieces[k].text.end(), '\0'));
     }
-    EXPECT_EQ(said, why);
+    EXPECT_EQ(text, why);
     EXPECT_EQ(pieces[0].id != 0, letters > 50) << letters;
     EXPECT_TRUE(letters <= 50 || pieces[0].id != last_id);
     last_id = pieces[0].id;
@@ -275,7 +275,7 @@ TEST(EmulatorMessages, DropsOlderHalfOfUnfetchedOutput) {
   };
   ask(9'999);
   emulator.take_output();
-  const auto heard = [&](std::uint16_t questions) {
+  const auto received = [&](std::uint16_t questions) {
     for (std::uint16_t k = 0; k < questions; ++k) {
       ask(static_cast<std::uint16_t>(10'000 + k));
     }
@@ -296,10 +296,10 @@ TEST(EmulatorMessages, DropsOlderHalfOfUnfetchedOutput) {
     }
     return out;
   };
-  EXPECT_EQ(heard(1'024), from_to(0, 1'024));
-  EXPECT_EQ(heard(1'025), from_to(512, 1'025));
-  EXPECT_EQ(heard(1'536), from_to(512, 1'536));
-  EXPECT_EQ(heard(1'537), from_to(1'024, 1'537));
+  EXPECT_EQ(received(1'024), from_to(0, 1'024));
+  EXPECT_EQ(received(1'025), from_to(512, 1'025));
+  EXPECT_EQ(received(1'536), from_to(512, 1'536));
+  EXPECT_EQ(received(1'537), from_to(1'024, 1'537));
 }
 
 }  // namespace

@@ -51,9 +51,9 @@ tools::ProcessSpec process_for(models::AutopilotDialect dialect, const std::stri
   robot.firmware->binary = binary;
   robot.firmware->instance = 0;
   scenario.robots.push_back(robot);
-  tools::ProcessPlaces places;
-  places.firmware_folder = folder;
-  for (const tools::ProcessSpec& process : tools::process_plan(scenario, places)) {
+  tools::ProcessSettings settings;
+  settings.firmware_folder = folder;
+  for (const tools::ProcessSpec& process : tools::process_plan(scenario, settings)) {
     if (process.name == "firmware FIRMWARE") {
       return process;
     }
@@ -79,13 +79,13 @@ FirmwareStation::FirmwareStation(models::AutopilotDialect spoken, const std::str
   for (const std::string& word : process.arguments) {
     command_line_ += (command_line_.empty() ? "" : " ") + word;
   }
-  ChildPlace place;
-  place.folder = process.folder;
-  place.end_signal = SIGKILL;
-  place.output = ::open((process.folder + "/output.txt").c_str(),
-                        O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  Result<Child> child = Child::start(process.arguments, place);
-  ::close(place.output);
+  ChildOptions options;
+  options.folder = process.folder;
+  options.end_signal = SIGKILL;
+  options.output = ::open((process.folder + "/output.txt").c_str(),
+                          O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  Result<Child> child = Child::start(process.arguments, options);
+  ::close(options.output);
   if (!child.ok()) {
     throw StartupError(child.error().message);
   }

@@ -145,7 +145,7 @@ TEST(FlightController, LandsAtItsSpeedAndStopsItsMotorsAfterDetection) {
     EXPECT_TRUE(pilot.controller.is_armed());
     pilot.run_while([&] { return pilot.controller.is_armed(); });
     EXPECT_NEAR(to_seconds(pilot.now - down), pilot.profile.landed_delay_s + 0.5, 0.011);
-    EXPECT_EQ(pilot.said.back(), pilot.profile.landed_text);
+    EXPECT_EQ(pilot.texts.back(), pilot.profile.landed_text);
     EXPECT_EQ(pilot.controller.landed_state(), 1);
     // After the landing the vehicle can take off again.
     pilot.target.reset();
@@ -172,7 +172,7 @@ TEST(FlightController, KeepsMotorsRunningWithoutADisarmDelay) {
   EXPECT_EQ(idle.controller.arm(idle.now + Duration{1'000'000}), 0) << "it is armed already";
   idle.run_while([&] { return idle.controller.is_armed(); });
   EXPECT_NEAR(to_seconds(idle.now - armed), 3.005, 1e-9);
-  EXPECT_EQ(idle.said.back(), idle.profile.idle_text);
+  EXPECT_EQ(idle.texts.back(), idle.profile.idle_text);
 }
 
 // The battery needs a charge of 10 % to arm and of 3 % to continue flying.
@@ -185,7 +185,7 @@ TEST(FlightController, DoesNotArmOrFlyWithAnEmptyBattery) {
     EXPECT_EQ(pilot.controller.arm(pilot.now), pilot.profile.refusal);
     pilot.step();
     const bool is_px4 = dialect == AutopilotDialect::kPx4;
-    EXPECT_EQ(pilot.said.back(), is_px4 ? "Arming denied: low battery" : "Arm: Battery 1 low");
+    EXPECT_EQ(pilot.texts.back(), is_px4 ? "Arming denied: low battery" : "Arm: Battery 1 low");
     pilot.controller.airframe().set_battery_share(0.101);
     pilot.take_off(1.5);
     pilot.controller.airframe().set_battery_share(0.031);
@@ -194,10 +194,10 @@ TEST(FlightController, DoesNotArmOrFlyWithAnEmptyBattery) {
     pilot.controller.airframe().set_battery_share(0.029);
     pilot.step();
     EXPECT_EQ(pilot.controller.mode(), pilot.profile.land_mode);
-    EXPECT_EQ(pilot.said.back(), "Failsafe activated: battery empty");
-    const std::size_t said = pilot.said.size();
+    EXPECT_EQ(pilot.texts.back(), "Failsafe activated: battery empty");
+    const std::size_t count = pilot.texts.size();
     pilot.run(pilot.profile.failsafe_pause_s);
-    EXPECT_EQ(pilot.said.size(), said) << "once";
+    EXPECT_EQ(pilot.texts.size(), count) << "once";
     EXPECT_NEAR(pilot.place_m().z(), -1.5, 0.12) << "it waits before it comes down";
     pilot.run(1.0);
     EXPECT_GT(pilot.place_m().z(), -1.3);
@@ -210,11 +210,11 @@ TEST(FlightController, ArmsOnlyWithoutFaults) {
   pilot.controller.set_fault("Preflight Fail: compass");
   EXPECT_EQ(pilot.controller.arm(pilot.now), 1);
   pilot.step();
-  EXPECT_EQ(pilot.said, std::vector<std::string>{"Preflight Fail: compass"});
+  EXPECT_EQ(pilot.texts, std::vector<std::string>{"Preflight Fail: compass"});
   pilot.controller.set_fault("");
   EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
   pilot.step();
-  EXPECT_EQ(pilot.said.back(), pilot.profile.arming_text);
+  EXPECT_EQ(pilot.texts.back(), pilot.profile.arming_text);
 }
 
 // Compares all reasons, in order. The set of reasons depends on the time since power-up.
@@ -225,10 +225,10 @@ TEST(FlightController, ArdupilotReportsAllArmingReasons) {
   Pilot pilot(AutopilotDialect::kArdupilot);
   pilot.gives_poses = false;
   const auto reasons = [&] {
-    pilot.said.clear();
+    pilot.texts.clear();
     EXPECT_EQ(pilot.controller.arm(pilot.now), 4);
     pilot.step();
-    return pilot.said;
+    return pilot.texts;
   };
   using Words = std::vector<std::string>;
   pilot.run(11.99);
@@ -330,7 +330,7 @@ TEST(FlightController, ReportsEstimatorFlags) {
   EXPECT_EQ(pilot.controller.estimator_flags(last + Duration{600'001}), 0x00F);
   pilot.run(4.0);
   EXPECT_EQ(pilot.controller.mode(), pilot.profile.follow_mode) << "its owner wants no landing";
-  EXPECT_TRUE(pilot.said.empty() || pilot.said.back() == pilot.profile.arming_text);
+  EXPECT_TRUE(pilot.texts.empty() || pilot.texts.back() == pilot.profile.arming_text);
 }
 
 // The loss of the station on the ground stops the motors. A station that is received again can be
@@ -353,11 +353,11 @@ TEST(FlightController, FailsOnlyOnLossOfItsOwnStation) {
     EXPECT_TRUE(pilot.controller.is_armed());
     pilot.run(0.005);
     EXPECT_FALSE(pilot.controller.is_armed());
-    EXPECT_EQ(pilot.said.back(), "GCS Failsafe: Disarming");
-    const std::size_t said = pilot.said.size();
+    EXPECT_EQ(pilot.texts.back(), "GCS Failsafe: Disarming");
+    const std::size_t count = pilot.texts.size();
     EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
     pilot.run(1.0);
-    EXPECT_EQ(pilot.said.size(), said + 1) << "once each";
+    EXPECT_EQ(pilot.texts.size(), count + 1) << "once each";
     EXPECT_TRUE(pilot.controller.is_armed());
   }
 }

@@ -38,9 +38,9 @@ TEST(FlightController, LandsAtThePositionReachedAfterTheStoppingTime) {
       const Eigen::Vector3d from_mps = pilot.controller.airframe().velocity_mps();
       EXPECT_EQ(pilot.controller.set_mode(pilot.profile.land_mode, pilot.now), 0);
       pilot.run_while([&] { return !pilot.controller.airframe().is_on_ground(); });
-      const Eigen::Vector3d way_m = pilot.place_m() - from_m;
-      EXPECT_LT((way_m - pilot.profile.landing_ahead_s * from_mps).head<2>().norm(), 0.03)
-          << way_m.transpose();
+      const Eigen::Vector3d offset_m = pilot.place_m() - from_m;
+      EXPECT_LT((offset_m - pilot.profile.landing_ahead_s * from_mps).head<2>().norm(), 0.03)
+          << offset_m.transpose();
     }
   }
 }

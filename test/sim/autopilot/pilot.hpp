@@ -51,7 +51,7 @@ struct Pilot {
     now += Duration{5'000};
     controller.step(now, kPilotDtS);
     for (const sim::StatusText& text : controller.take_texts()) {
-      said.push_back(text.text);
+      texts.push_back(text.text);
     }
   }
   void run(double seconds) {
@@ -96,7 +96,7 @@ struct Pilot {
   std::int64_t ticks = 0;
   bool gives_poses = true;
   std::optional<sim::FlightTarget> target;
-  std::vector<std::string> said;
+  std::vector<std::string> texts;
 };
 
 }  // namespace vantage::test

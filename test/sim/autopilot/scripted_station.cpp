@@ -100,10 +100,11 @@ void ScriptedStation::set_parameter(const std::string& name, double value) {
 
 void ScriptedStation::send_pose() {
   const Body from = seen();
-  const Eigen::Vector3d position_m = turn_axes(from.world_from_body.translation_m) + pose_offset_m;
-  const Eigen::Quaterniond local_from_body = turn_axes(from.world_from_body.rotation);
+  const Eigen::Vector3d position_m =
+      convert_axes(from.world_from_body.translation_m) + pose_offset_m;
+  const Eigen::Quaterniond local_from_body = convert_axes(from.world_from_body.rotation);
   const Eigen::Vector3d velocity_mps =
-      local_from_body.conjugate() * turn_axes(from.velocity_world_mps);
+      local_from_body.conjugate() * convert_axes(from.velocity_world_mps);
   wire::mavlink::Odometry odometry;
   odometry.time_usec = static_cast<std::uint64_t>(to_utime(from.time));
   odometry.x = f32(position_m.x());

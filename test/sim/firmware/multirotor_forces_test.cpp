@@ -308,14 +308,14 @@ TEST(SensorBoard, ReportsMotionInAutopilotAxes) {
   SensorBoard board(SensorNoise{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 1);
   const FirmwareSensors sensed = board.sample(body, Duration{123'456});
   EXPECT_EQ(sensed.since_start, Duration{123'456});
-  EXPECT_EQ(sensed.position_local_m, turn_axes(body.world_from_body().translation_m));
-  EXPECT_EQ(sensed.velocity_local_mps, turn_axes(body.velocity_world_mps()));
-  EXPECT_EQ(sensed.gyro_body_radps, turn_axes(body.rate_body_radps()));
-  EXPECT_EQ(sensed.specific_force_body_mps2, turn_axes(body.specific_force_body_mps2()));
+  EXPECT_EQ(sensed.position_local_m, convert_axes(body.world_from_body().translation_m));
+  EXPECT_EQ(sensed.velocity_local_mps, convert_axes(body.velocity_world_mps()));
+  EXPECT_EQ(sensed.gyro_body_radps, convert_axes(body.rate_body_radps()));
+  EXPECT_EQ(sensed.specific_force_body_mps2, convert_axes(body.specific_force_body_mps2()));
   EXPECT_GT(body.rate_body_radps().cwiseAbs().minCoeff(), 1e-3);
   const Eigen::Vector3d ahead_world = body.world_from_body().rotation * Eigen::Vector3d::UnitX();
   const Eigen::Vector3d ahead_local = sensed.local_from_body * Eigen::Vector3d::UnitX();
-  EXPECT_LT((ahead_local - turn_axes(ahead_world)).norm(), 1e-12);
+  EXPECT_LT((ahead_local - convert_axes(ahead_world)).norm(), 1e-12);
   // In any attitude, the magnetic field in the local frame is that of the site.
   EXPECT_LT((sensed.local_from_body * sensed.magnetic_field_body_gauss -
              Eigen::Vector3d(0.205, -0.042, 0.470))

@@ -140,21 +140,21 @@ TEST(Px4Link, SendsSensorsInFirmwareUnits) {
   EXPECT_FALSE(link->send(sensors_at(Duration{4'000})));  // no firmware is connected
   FakeFirmware firmware(FakeFirmware::connected_to(port));
   ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
-  const wire::mavlink::HilSensor heard = firmware.read_reply();
-  EXPECT_EQ(heard.time_usec, 8'000U);
-  EXPECT_FLOAT_EQ(heard.xgyro, 0.1F);
-  EXPECT_FLOAT_EQ(heard.ygyro, -0.2F);
-  EXPECT_FLOAT_EQ(heard.zgyro, 0.3F);
-  EXPECT_FLOAT_EQ(heard.xacc, 0.5F);
-  EXPECT_FLOAT_EQ(heard.yacc, -0.25F);
-  EXPECT_FLOAT_EQ(heard.zacc, -9.5F);
-  EXPECT_FLOAT_EQ(heard.xmag, 0.25F);
-  EXPECT_FLOAT_EQ(heard.ymag, 0.125F);
-  EXPECT_FLOAT_EQ(heard.zmag, 0.5F);
-  EXPECT_FLOAT_EQ(heard.abs_pressure, 1000.5F);
-  EXPECT_FLOAT_EQ(heard.pressure_alt, 107.0F);
-  EXPECT_FLOAT_EQ(heard.temperature, 21.5F);
-  EXPECT_EQ(heard.id, 0);
+  const wire::mavlink::HilSensor received = firmware.read_reply();
+  EXPECT_EQ(received.time_usec, 8'000U);
+  EXPECT_FLOAT_EQ(received.xgyro, 0.1F);
+  EXPECT_FLOAT_EQ(received.ygyro, -0.2F);
+  EXPECT_FLOAT_EQ(received.zgyro, 0.3F);
+  EXPECT_FLOAT_EQ(received.xacc, 0.5F);
+  EXPECT_FLOAT_EQ(received.yacc, -0.25F);
+  EXPECT_FLOAT_EQ(received.zacc, -9.5F);
+  EXPECT_FLOAT_EQ(received.xmag, 0.25F);
+  EXPECT_FLOAT_EQ(received.ymag, 0.125F);
+  EXPECT_FLOAT_EQ(received.zmag, 0.5F);
+  EXPECT_FLOAT_EQ(received.abs_pressure, 1000.5F);
+  EXPECT_FLOAT_EQ(received.pressure_alt, 107.0F);
+  EXPECT_FLOAT_EQ(received.temperature, 21.5F);
+  EXPECT_EQ(received.id, 0);
 }
 
 // PX4 uses a sensor only if its bits are set, and refuses a compass that repeats a value at too
@@ -251,36 +251,36 @@ TEST(Px4Link, UsesTheNewestMessageAndReleasesItsPort) {
 TEST(Px4Link, NeverBlocksOnAStalledFirmware) {
   const auto [link, port] = listen_somewhere();
   FakeFirmware firmware(FakeFirmware::connected_to(port));
-  std::vector<std::uint64_t> told_usec;
+  std::vector<std::uint64_t> sent_usec;
   constexpr int kSamples = 100'000;  // more than the kernel buffers
   for (int i = 1; i <= kSamples; ++i) {
     const FirmwareSensors sensors = sensors_at(i * link->period());
     if (link->send(sensors)) {
-      told_usec.push_back(static_cast<std::uint64_t>(sensors.since_start.count()));
+      sent_usec.push_back(static_cast<std::uint64_t>(sensors.since_start.count()));
     }
   }
-  const auto told = static_cast<int>(told_usec.size());
+  const auto told = static_cast<int>(sent_usec.size());
   EXPECT_LT(told, kSamples);
   EXPECT_GE(link->counts().unsent, kSamples - told);
   // The firmware receives complete frames in order; only the last one may be incomplete.
   std::uint64_t last_usec = 0;
-  std::vector<std::uint64_t> heard_usec;
+  std::vector<std::uint64_t> received_usec;
   for (int i = 0; i < told - 1; ++i) {
-    const wire::mavlink::HilSensor heard = firmware.read_reply();
-    ASSERT_GT(heard.time_usec, last_usec);
-    last_usec = heard.time_usec;
-    heard_usec.push_back(last_usec);
+    const wire::mavlink::HilSensor received = firmware.read_reply();
+    ASSERT_GT(received.time_usec, last_usec);
+    last_usec = received.time_usec;
+    received_usec.push_back(last_usec);
   }
   const Duration later = (kSamples + 1) * link->period();
   ASSERT_TRUE(link->send(sensors_at(later)));
-  told_usec.push_back(static_cast<std::uint64_t>(later.count()));
+  sent_usec.push_back(static_cast<std::uint64_t>(later.count()));
   while (last_usec < static_cast<std::uint64_t>(later.count())) {
-    const wire::mavlink::HilSensor heard = firmware.read_reply();
-    ASSERT_GT(heard.time_usec, last_usec);
-    last_usec = heard.time_usec;
-    heard_usec.push_back(last_usec);
+    const wire::mavlink::HilSensor received = firmware.read_reply();
+    ASSERT_GT(received.time_usec, last_usec);
+    last_usec = received.time_usec;
+    received_usec.push_back(last_usec);
   }
-  EXPECT_EQ(heard_usec, told_usec) << "what it said it could not say is not said later";
+  EXPECT_EQ(received_usec, sent_usec) << "what it said it could not say is not said later";
 }
 
 TEST(Px4Link, ReportsUnavailablePort) {

@@ -79,8 +79,9 @@ TEST(Course, StopsStraightAndKeepsItsHeading) {
       const Time time = kStart + kSecond + from_seconds(after_s);
       const double t = std::min(after_s, 0.6);
       const CoursePoint point = course.at(time);
-      const Eigen::Vector2d way_m = point.world_from_body.position_m() - Eigen::Vector2d(4.0, -1.0);
-      EXPECT_LT((way_m - (1.2 * t - t * t) * ahead).norm(), 1e-9) << direction_rad;
+      const Eigen::Vector2d offset_m =
+          point.world_from_body.position_m() - Eigen::Vector2d(4.0, -1.0);
+      EXPECT_LT((offset_m - (1.2 * t - t * t) * ahead).norm(), 1e-9) << direction_rad;
       EXPECT_LT((point.velocity_world_mps - (1.2 - 2.0 * t) * ahead).norm(), 1e-9);
       EXPECT_EQ(point.world_from_body.yaw_rad, 0.3);
       EXPECT_EQ(point.yaw_rate_radps, 0.0);

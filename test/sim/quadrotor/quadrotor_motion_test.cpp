@@ -334,8 +334,8 @@ TEST(QuadrotorMotion, LandsAtItsStopAndRests) {
   EXPECT_NEAR(flight.vehicle.velocity_world_mps().z(), -0.5, 1e-2);
   flight.run(4.0);
   ASSERT_EQ(flight.vehicle.state(), FlightState::kIdle);
-  const double way_m = from_mps.squaredNorm() / (2.0 * 2.0);
-  const Complex stop = from + way_m * Complex(from_mps.x(), from_mps.y()) / from_mps.norm();
+  const double distance_m = from_mps.squaredNorm() / (2.0 * 2.0);
+  const Complex stop = from + distance_m * Complex(from_mps.x(), from_mps.y()) / from_mps.norm();
   EXPECT_LT(std::abs(flight.place() - stop), 1e-3);
   EXPECT_NEAR(flight.vehicle.yaw_rad(), heading_rad, 1e-3);
   EXPECT_EQ(flight.vehicle.position_world_m().z(), 0.0);

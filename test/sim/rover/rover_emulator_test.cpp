@@ -125,11 +125,12 @@ TEST(RoverEmulator, SlipAndDriftAreUnmeasured) {
       EXPECT_NEAR(bench->rover.state().speed_mps, 0.5, 1e-6);
     }
     const Eigen::Vector2d from_m(1.0, -2.0);
-    const Eigen::Vector2d way_m = straight.rover.state().world_from_body.position_m() - from_m;
-    EXPECT_NEAR(way_m.norm(), 0.5 * 0.5 * 0.5 + 0.5 * 0.5, 1e-6);
-    EXPECT_NEAR(std::atan2(way_m.y(), way_m.x()), yaw_rad, 1e-9);
-    EXPECT_LT((slipping.rover.state().world_from_body.position_m() - from_m - 0.8 * way_m).norm(),
-              1e-9);
+    const Eigen::Vector2d offset_m = straight.rover.state().world_from_body.position_m() - from_m;
+    EXPECT_NEAR(offset_m.norm(), 0.5 * 0.5 * 0.5 + 0.5 * 0.5, 1e-6);
+    EXPECT_NEAR(std::atan2(offset_m.y(), offset_m.x()), yaw_rad, 1e-9);
+    EXPECT_LT(
+        (slipping.rover.state().world_from_body.position_m() - from_m - 0.8 * offset_m).norm(),
+        1e-9);
     const double turned_rad = drifting.rover.state().world_from_body.yaw_rad - yaw_rad;
     EXPECT_NEAR(wrap_to_pi(turned_rad), 0.25, 1e-9) << "to the left";
     EXPECT_EQ(drifting.rover.state().yaw_rate_radps, 0.0);
@@ -180,7 +181,7 @@ TEST(RoverEmulator, ReportsWhyItDoesNotDrive) {
   wire::Command release = bench.drive(0.5F);
   release.flags = wire::kReleaseStop;
   bench.transmit(release);
-  EXPECT_EQ(bench.read_telemetry().flags, 0U) << "heard, and not asked to drive";
+  EXPECT_EQ(bench.read_telemetry().flags, 0U) << "received, and not asked to drive";
   bench.drive_for(0.5, 0.5F);
   EXPECT_NEAR(bench.rover.state().speed_mps, 0.5, 1e-6);
   bench.rover.fail_motor();
@@ -272,14 +273,14 @@ TEST(RoverEndpoint, ExchangesCommandsAndTelemetry) {
   VehicleSocket driver("udp://127.0.0.1:" + port);
   driver.write(wire::encode(wire::Command{7, 11, 1, 0, 0.5F, 0.0F, wire::kDrive}));
   endpoint.run_to(kStart + Duration{100'000});
-  std::vector<wire::Telemetry> heard;
+  std::vector<wire::Telemetry> received;
   driver.read_each([&](auto bytes, Time) {
-    heard.emplace_back();
-    EXPECT_EQ(wire::decode(bytes, heard.back()), wire::Verdict::kAccepted);
+    received.emplace_back();
+    EXPECT_EQ(wire::decode(bytes, received.back()), wire::Verdict::kAccepted);
   });
-  ASSERT_EQ(heard.size(), 1u);
-  EXPECT_EQ(heard[0].session, 11U);
-  EXPECT_EQ(heard[0].speed_mps, 0.0F) << "it was heard at the end of the time";
+  ASSERT_EQ(received.size(), 1u);
+  EXPECT_EQ(received[0].session, 11U);
+  EXPECT_EQ(received[0].speed_mps, 0.0F) << "it was received at the end of the time";
   endpoint.run_to(kStart + Duration{200'000});
   EXPECT_NEAR(endpoint.emulator().state().speed_mps, 0.1, 1e-9);
   EXPECT_EQ(endpoint.send_errors(), 0);

@@ -201,11 +201,11 @@ TEST(DataStreamPeer, ContentsCountMatchesBlocks) {
                   : std::vector<std::uint32_t>{wire::kStreamInfo, wire::kSubjectInfo,
                                                wire::kSubjectHealth, wire::kApplicationInfo,
                                                wire::kObjectQuality};
-    std::vector<std::uint32_t> said = contents.unchanged;
-    std::sort(said.begin(), said.end());
+    std::vector<std::uint32_t> sent_unchanged = contents.unchanged;
+    std::sort(sent_unchanged.begin(), sent_unchanged.end());
     std::vector<std::uint32_t> expected = unchanged;
     std::sort(expected.begin(), expected.end());
-    EXPECT_EQ(said, expected);
+    EXPECT_EQ(sent_unchanged, expected);
   }
 }
 

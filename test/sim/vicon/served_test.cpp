@@ -127,12 +127,12 @@ int run(std::vector<std::string> words) {
 }
 
 /// Returns the headers of the poses in the bytes of a VRPN server.
-std::vector<wire::VrpnHeader> poses_in(const Bytes& heard) {
+std::vector<wire::VrpnHeader> poses_in(const Bytes& received) {
   std::vector<wire::VrpnHeader> out;
-  if (heard.size() < wire::kVrpnCookieBytes) {
+  if (received.size() < wire::kVrpnCookieBytes) {
     return out;
   }
-  wire::Bytes left = wire::Bytes(heard).subspan(wire::kVrpnCookieBytes);
+  wire::Bytes left = wire::Bytes(received).subspan(wire::kVrpnCookieBytes);
   while (!left.empty()) {
     wire::VrpnHeader header;
     const wire::Framed framed = wire::next_vrpn_message(left, header);
@@ -165,14 +165,14 @@ TEST(RunEmulator, CaptureTimesIncludeLatency) {
                     "--rate", "200", "--latency-s", "1", "--duration-s", "0.06"});
       is_over = true;
     });
-    Bytes heard;
+    Bytes received;
     while (!is_over) {
       const Socket client(SOCK_STREAM);
       if (client.connect_to(std::stoi(port))) {
         Bytes cookie;
         wire::append_vrpn_cookie(cookie);
         send(client.fd, cookie.data(), cookie.size(), MSG_NOSIGNAL);
-        client.hear(heard, 0);
+        client.hear(received, 0);
         break;
       }
       std::this_thread::yield();
@@ -181,7 +181,7 @@ TEST(RunEmulator, CaptureTimesIncludeLatency) {
     end = clock.now();
     EXPECT_EQ(result, 0);
     EXPECT_GE(monotonic_ns() - begin_ns, 60'000'000);
-    poses = poses_in(heard);
+    poses = poses_in(received);
   }
   ASSERT_FALSE(poses.empty());
   EXPECT_EQ(poses.size() % 2, 0u) << "of two bodies each";
@@ -198,17 +198,17 @@ TEST(RunEmulator, CaptureTimesIncludeLatency) {
 TEST(RunEmulator, SendsTheConfiguredAxisAndBytes) {
   for (const std::string& up : {std::string("z"), std::string("y")}) {
     for (const std::size_t bytes : {256U, 1'024U}) {
-      const Socket ear(SOCK_DGRAM);
+      const Socket receiver(SOCK_DGRAM);
       sockaddr_in address = address_of(INADDR_LOOPBACK, 0);
       socklen_t size = sizeof address;
-      ASSERT_EQ(bind(ear.fd, as_sockaddr(address), size), 0);
-      ASSERT_EQ(getsockname(ear.fd, reinterpret_cast<sockaddr*>(&address), &size), 0);
+      ASSERT_EQ(bind(receiver.fd, as_sockaddr(address), size), 0);
+      ASSERT_EQ(getsockname(receiver.fd, reinterpret_cast<sockaddr*>(&address), &size), 0);
       EXPECT_EQ(run({"--protocol", "object_stream", "--port",
                      std::to_string(ntohs(address.sin_port)), "--bodies", "1", "--rate", "500",
                      "--duration-s", "0.001", "--up", up, "--block-bytes", std::to_string(bytes)}),
                 0);
       Bytes datagram;
-      ear.hear(datagram, MSG_DONTWAIT);
+      receiver.hear(datagram, MSG_DONTWAIT);
       EXPECT_EQ(datagram.size(), bytes);
       wire::ObjectBlock block;
       ASSERT_TRUE(wire::decode_object_block(datagram, block));

@@ -213,11 +213,11 @@ TEST(RunEmulator, KeepsItsOptionLimits) {
 
 /// Returns the names of the bodies in each frame that the program sends as an object stream.
 std::vector<std::vector<std::string>> frames_of(const std::vector<std::string>& words) {
-  const int ear = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const int receiver = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = address_of(INADDR_LOOPBACK, 0);
   socklen_t size = sizeof address;
-  EXPECT_EQ(bind(ear, as_sockaddr(address), size), 0);
-  EXPECT_EQ(getsockname(ear, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  EXPECT_EQ(bind(receiver, as_sockaddr(address), size), 0);
+  EXPECT_EQ(getsockname(receiver, reinterpret_cast<sockaddr*>(&address), &size), 0);
   std::vector<std::string> all{"--protocol", "object_stream", "--port",
                                std::to_string(ntohs(address.sin_port))};
   all.insert(all.end(), words.begin(), words.end());
@@ -225,7 +225,7 @@ std::vector<std::vector<std::string>> frames_of(const std::vector<std::string>& 
   std::vector<std::vector<std::string>> out;
   std::vector<std::uint8_t> buffer(2048);
   ssize_t got = 0;
-  while ((got = recv(ear, buffer.data(), buffer.size(), MSG_DONTWAIT)) > 0) {
+  while ((got = recv(receiver, buffer.data(), buffer.size(), MSG_DONTWAIT)) > 0) {
     wire::vicon::ObjectBlock block;
     EXPECT_TRUE(wire::vicon::decode_object_block(
         wire::vicon::Bytes(buffer).first(static_cast<std::size_t>(got)), block));
@@ -234,7 +234,7 @@ std::vector<std::vector<std::string>> frames_of(const std::vector<std::string>& 
       out[block.frame_number].emplace_back(object.name());
     }
   }
-  close(ear);
+  close(receiver);
   return out;
 }
 
@@ -256,9 +256,9 @@ TEST(RunEmulator, ReportsFrameCount) {
         std::vector<std::string>{"--flight", path, "--rate", "500"}}) {
     testing::internal::CaptureStderr();
     const std::size_t sent = frames_of(words).size();
-    const std::string said = testing::internal::GetCapturedStderr();
-    EXPECT_NE(said.find(": " + std::to_string(sent) + " frames, 0 skipped"), std::string::npos)
-        << sent << " of: " << said;
+    const std::string output = testing::internal::GetCapturedStderr();
+    EXPECT_NE(output.find(": " + std::to_string(sent) + " frames, 0 skipped"), std::string::npos)
+        << sent << " of: " << output;
   }
 }
 

@@ -104,15 +104,15 @@ TEST(CheckPreflight, RefusesANonMulticastAddressWithItsLine) {
 
 TEST(RoomForPlanners, IsThatOfTheHostWithMostPlanners) {
   scenario::Scenario scenario = lab();
-  EXPECT_TRUE(room_for_planners(scenario, 400'000'000).is_enough);
-  const MemoryRoom little = room_for_planners(scenario, 300'000'000);
+  EXPECT_TRUE(check_planner_memory(scenario, 400'000'000).is_enough);
+  const MemoryCheck little = check_planner_memory(scenario, 300'000'000);
   EXPECT_FALSE(little.is_enough);
   EXPECT_EQ(little.summary,
             "line " + std::to_string(scenario::line_of_key(scenario.source_text, "robots")) +
                 ": memory: 3 planners on one host need up to 0.4 GB; 0.3 GB are free on this host");
   scenario.hosts = {{"LAB", {"Q1"}}, {"AIR", {"Q2", "Q3"}}};
-  EXPECT_TRUE(room_for_planners(scenario, 300'000'000).is_enough) << "two on one host";
-  EXPECT_TRUE(room_for_planners(scenario, std::nullopt).is_enough) << "nobody can say";
+  EXPECT_TRUE(check_planner_memory(scenario, 300'000'000).is_enough) << "two on one host";
+  EXPECT_TRUE(check_planner_memory(scenario, std::nullopt).is_enough) << "nobody can say";
   EXPECT_GT(free_memory_bytes().value_or(0), 1'000'000U);
 }
 

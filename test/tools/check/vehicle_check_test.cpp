@@ -52,7 +52,7 @@ struct Bench {
       }
     }
   }
-  std::string said() const {
+  std::string description() const {
     std::string out;
     for (const std::string& line : describe(check, now)) {
       out += line + "\n";
@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Dialects, CheckVehicles,
 TEST_P(CheckVehicles, AcceptsACorrectlyConfiguredVehicle) {
   ASSERT_TRUE(bench.run(20.0));
   EXPECT_TRUE(bench.check.is_ready(bench.now));
-  EXPECT_NE(bench.said().find("parameters have the required values"), std::string::npos);
+  EXPECT_NE(bench.description().find("parameters have the required values"), std::string::npos);
 }
 
 TEST_P(CheckVehicles, ReportsEachDifferenceAndItsConsequence) {
@@ -88,8 +88,8 @@ TEST_P(CheckVehicles, ReportsEachDifferenceAndItsConsequence) {
   ASSERT_TRUE(bench.run(20.0));
   EXPECT_FALSE(bench.check.is_ready(bench.now));
   ASSERT_EQ(bench.check.differences().size(), 1U);
-  EXPECT_NE(bench.said().find(loss_name()), std::string::npos);
-  EXPECT_NE(bench.said().find("it flies on for this time after the driver dies"),
+  EXPECT_NE(bench.description().find(loss_name()), std::string::npos);
+  EXPECT_NE(bench.description().find("it flies on for this time after the driver dies"),
             std::string::npos);
   EXPECT_EQ(bench.vehicle.parameter(loss_name()), 3.0) << "nothing is written unasked";
 }
@@ -102,7 +102,7 @@ TEST_P(CheckVehicles, WritesDifferencesAndReadsThemBack) {
   ASSERT_FALSE(bench.check.is_ready(bench.now));
   bench.check.load();
   ASSERT_TRUE(bench.run(20.0));
-  EXPECT_TRUE(bench.check.is_ready(bench.now)) << bench.said();
+  EXPECT_TRUE(bench.check.is_ready(bench.now)) << bench.description();
   for (const wire::ParameterRule& rule : wire::parameter_rules(GetParam())) {
     EXPECT_TRUE(rule.accepts(bench.vehicle.parameter(rule.name).value_or(-1.0))) << rule.name;
   }
@@ -137,14 +137,14 @@ TEST_P(CheckVehicles, ReportsThatNoVehicleIsReceived) {
   bench.is_wire_cut = true;
   ASSERT_TRUE(bench.run(20.0));
   EXPECT_FALSE(bench.check.is_ready(bench.now));
-  EXPECT_NE(bench.said().find("no message received from an autopilot at udp://:1"),
+  EXPECT_NE(bench.description().find("no message received from an autopilot at udp://:1"),
             std::string::npos);
 }
 
 TEST(CheckVehiclesOfAnotherKind, ReportsTheWrongKind) {
   Bench bench(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot);
   ASSERT_TRUE(bench.run(20.0));
-  EXPECT_NE(bench.said().find("the autopilot is not ArduPilot"), std::string::npos);
+  EXPECT_NE(bench.description().find("the autopilot is not ArduPilot"), std::string::npos);
 }
 
 }  // namespace

@@ -60,19 +60,19 @@ class OrderQueueTest : public ::testing::Test {
       net_.own.handle(std::chrono::microseconds(0));
       (void)sender_.tick(now);
       for (std::string& words : orders.tick(now)) {
-        said.push_back(std::move(words));
+        lines.push_back(std::move(words));
       }
       vehicles_.handle(std::chrono::microseconds(0));
     }
   }
   void add(OperatorAction action, const std::string& robot = "") {
     for (std::string& words : orders.add({action, robot}, now)) {
-      said.push_back(std::move(words));
+      lines.push_back(std::move(words));
     }
     vehicles_.handle(std::chrono::microseconds(0));
   }
-  bool has_said(const std::string& words) const {
-    return std::any_of(said.begin(), said.end(), [&](const std::string& line) {
+  bool has_line(const std::string& words) const {
+    return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
       return line.find(words) != std::string::npos;
     });
   }
@@ -82,7 +82,7 @@ class OrderQueueTest : public ::testing::Test {
   bool hears_station = false;  ///< another station is in charge
   Words heard;
   std::vector<Time> stamps;
-  Words said;
+  Words lines;
 
  private:
   test::BusPair net_{11, 13};
@@ -175,8 +175,8 @@ TEST_F(OrderQueueTest, RefusesUnknownRobotButStopsAllOnEmergencyStop) {
   EXPECT_FALSE(orders.was_refused());
   pass(2.0);
   EXPECT_EQ(heard, (Words{"estop Q9", "hold Q8", "estop"}));
-  EXPECT_TRUE(has_said("no message received from robot 'Q8'"));
-  EXPECT_TRUE(has_said("unknown robot 'Q7'"));
+  EXPECT_TRUE(has_line("no message received from robot 'Q8'"));
+  EXPECT_TRUE(has_line("unknown robot 'Q7'"));
   EXPECT_TRUE(orders.was_refused());
   heard.clear();
   add(OperatorAction::kEmergencyStop, "Q6");
@@ -202,8 +202,8 @@ TEST_F(OrderQueueTest, RefusesOrderWhileAnotherStationIsInCharge) {
   add(OperatorAction::kHold, "Q1");
   add(OperatorAction::kArm, "Q1");
   EXPECT_EQ(heard, Words{});
-  EXPECT_FALSE(has_said("was sent anyway"));
-  EXPECT_TRUE(has_said("not sent: refused"));
+  EXPECT_FALSE(has_line("was sent anyway"));
+  EXPECT_TRUE(has_line("not sent: refused"));
   EXPECT_TRUE(orders.was_refused());
   add(OperatorAction::kEmergencyStop, "Q9");
   EXPECT_EQ(heard, Words{"estop"});

@@ -143,7 +143,7 @@ TEST(ParseJson, DistinguishesTextAndNumbers) {
     };
     add("number", [](const Value& value) { return value.number(any_number()); });
     add("text", [](const Value& value) { return value.text_or_empty(); });
-    add("word", [](const Value& value) { return value.word<int>({{"1", 1}, {"true", 2}}); });
+    add("word", [](const Value& value) { return value.choice<int>({{"1", 1}, {"true", 2}}); });
     add("flag", [](const Value& value) { return value.flag(); });
     return kinds;
   };

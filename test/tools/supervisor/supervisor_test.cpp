@@ -37,12 +37,12 @@ TEST(Child, ReportsHowItEnded) {
 }
 
 TEST(Ask, ReturnsOutputAndExitStatus) {
-  const Result<ChildAnswer> answer = ask({"sh", "-c", "echo one; echo two >&2; exit 3"});
+  const Result<CommandOutput> answer = run_command({"sh", "-c", "echo one; echo two >&2; exit 3"});
   ASSERT_TRUE(answer.ok());
   EXPECT_EQ(answer.value().text, "one\ntwo\n");
   EXPECT_EQ(answer.value().exit.code, 3);
-  EXPECT_EQ(ask({"seq", "100000"}).value().text.size(), 588895U);  // more than a pipe holds
-  EXPECT_FALSE(ask({"/nonexistent/program"}).ok());
+  EXPECT_EQ(run_command({"seq", "100000"}).value().text.size(), 588895U);  // more than a pipe holds
+  EXPECT_FALSE(run_command({"/nonexistent/program"}).ok());
 }
 
 TEST(Child, IsTerminatedByASignal) {
@@ -65,12 +65,12 @@ TEST(Child, IsKilledWithItsOwner) {
 TEST(Child, EndsWithItsDescendants) {
   std::array<int, 2> pipe_fds{};
   ASSERT_EQ(::pipe2(pipe_fds.data(), O_CLOEXEC), 0);
-  ChildPlace place;
-  place.output = pipe_fds[1];
+  ChildOptions options;
+  options.output = pipe_fds[1];
   std::array<char, 16> text{};
   {
     const std::string starts = "(echo begun; exec sleep 1000) & wait";
-    const Child child = std::move(Child::start({"sh", "-c", starts}, place)).value();
+    const Child child = std::move(Child::start({"sh", "-c", starts}, options)).value();
     ::close(pipe_fds[1]);
     ASSERT_EQ(::read(pipe_fds[0], text.data(), text.size()), 6);
   }
@@ -82,11 +82,11 @@ TEST(Child, EndsWithItsDescendants) {
 
 TEST(Child, InheritsTheEnvironmentWithChanges) {
   const std::string home = std::getenv("HOME") == nullptr ? "" : std::getenv("HOME");
-  ChildPlace place;
-  place.environment = {"HOME=/elsewhere", "VANTAGE_NEW=a=b"};
+  ChildOptions options;
+  options.environment = {"HOME=/elsewhere", "VANTAGE_NEW=a=b"};
   const std::string asked =
       "[ \"$HOME\" = /elsewhere ] && [ \"$VANTAGE_NEW\" = a=b ] && [ -n \"$PATH\" ]";
-  Child child = std::move(Child::start({"sh", "-c", asked}, place)).value();
+  Child child = std::move(Child::start({"sh", "-c", asked}, options)).value();
   EXPECT_TRUE(child.wait(kLong)->is_success());
   EXPECT_EQ(home, std::getenv("HOME") == nullptr ? "" : std::getenv("HOME")) << "ours stays";
   EXPECT_EQ(std::getenv("VANTAGE_NEW"), nullptr);

@@ -61,7 +61,7 @@ struct Trial {
   std::vector<Vehicle> vehicles;
   FlightProgram program;
   Time now = kStart;
-  std::vector<FlightProgram::Order> said;
+  std::vector<FlightProgram::Order> orders;
 
   explicit Trial(const std::vector<std::string>& names) : program(names) {
     for (const std::string& name : names) {
@@ -75,7 +75,7 @@ struct Trial {
         program.on_status(vehicle.status(now));
       }
       for (const FlightProgram::Order& order : program.due(now)) {
-        said.push_back(order);
+        orders.push_back(order);
         for (Vehicle& vehicle : vehicles) {
           if (vehicle.name == order.robot) {
             vehicle.obey(order.action, now);
@@ -85,7 +85,7 @@ struct Trial {
     }
   }
   [[nodiscard]] std::int64_t count(OperatorAction action, const std::string& robot) const {
-    return std::count_if(said.begin(), said.end(), [&](const FlightProgram::Order& order) {
+    return std::count_if(orders.begin(), orders.end(), [&](const FlightProgram::Order& order) {
       return order.action == action && order.robot == robot;
     });
   }
@@ -105,9 +105,9 @@ TEST(FlightProgram, TakesOffAndLandsEveryVehicle) {
   EXPECT_FALSE(trial.program.is_down());
   trial.run(10.0);
   EXPECT_TRUE(trial.program.is_down());
-  const std::size_t said = trial.said.size();
+  const std::size_t orders_before = trial.orders.size();
   trial.run(5.0);
-  EXPECT_EQ(trial.said.size(), said) << "it goes on talking to vehicles that are down";
+  EXPECT_EQ(trial.orders.size(), orders_before) << "it goes on talking to vehicles that are down";
 }
 
 TEST(FlightProgram, RepeatsFollowAfterVehicleHolds) {
@@ -149,9 +149,9 @@ TEST(FlightProgram, DoesNotRestartALandedOrKilledVehicle) {
     Trial trial({"Q1"});
     trial.run(20.0);
     trial.vehicles[0].state = state;
-    trial.said.clear();
+    trial.orders.clear();
     trial.run(30.0);
-    EXPECT_TRUE(trial.said.empty());
+    EXPECT_TRUE(trial.orders.empty());
     trial.program.land_all();
     trial.run(2.0);
     EXPECT_TRUE(trial.program.is_down());

@@ -36,10 +36,10 @@ TEST(ProcessPlan, GivesDriversTheGrantedPriority) {
   scenario.robots[1].device = scenario::DeviceSource::kWire;
   scenario.robots[1].rover.emplace();
   for (const int priority : {0, 50}) {
-    ProcessPlaces places{"/opt/bin", "s.yaml", "udpm://x", ""};
-    places.driver_priority = priority;
+    ProcessSettings settings{"/opt/bin", "s.yaml", "udpm://x", ""};
+    settings.driver_priority = priority;
     int given = 0;
-    for (const ProcessSpec& process : process_plan(scenario, places)) {
+    for (const ProcessSpec& process : process_plan(scenario, settings)) {
       const auto word =
           std::find(process.arguments.begin(), process.arguments.end(), std::string("--fifo"));
       const bool is_driver = process.name == "vicon" || process.name.starts_with("quadrotor ") ||

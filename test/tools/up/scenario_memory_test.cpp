@@ -27,11 +27,11 @@ TEST(ScenarioMemory, IsReadableRepeatedlyAndByChildren) {
   EXPECT_EQ(read(memory.path()), yaml);
   EXPECT_EQ(read(memory.path()), yaml);
   const auto size_in_child = [&](const std::vector<int>& keep_open) {
-    ChildPlace place;
-    place.keep_open = keep_open;
+    ChildOptions options;
+    options.keep_open = keep_open;
     Child child =
-        std::move(
-            Child::start({"sh", "-c", "[ \"$(wc -c < " + memory.path() + ")\" = 200000 ]"}, place))
+        std::move(Child::start({"sh", "-c", "[ \"$(wc -c < " + memory.path() + ")\" = 200000 ]"},
+                               options))
             .value();
     return child.wait(std::chrono::seconds(30))->is_success();
   };

@@ -24,7 +24,7 @@ class AnnouncerTest : public ::testing::Test {
         bus::kScenario, [this](const models::ScenarioNotice& notice) { heard_.push_back(notice); });
   }
   /// Returns the notices published since the last call.
-  std::vector<models::ScenarioNotice> heard() {
+  std::vector<models::ScenarioNotice> received() {
     while (listens_.handle(microseconds(0)) > 0) {
     }
     return std::exchange(heard_, {});
@@ -41,21 +41,21 @@ class AnnouncerTest : public ::testing::Test {
 
 TEST_F(AnnouncerTest, PublishesTheScenarioAtOnceAndEveryFiveSeconds) {
   Announcer announcer(speaks_, scenario_, "some process");
-  EXPECT_TRUE(heard().empty());
-  std::vector<Time> said;
+  EXPECT_TRUE(received().empty());
+  std::vector<Time> published_at;
   for (int half_s = 0; half_s <= 31; ++half_s) {
     const Time now = kStart + half_s * microseconds(500'000);
     announcer.tick(now);
-    for (const models::ScenarioNotice& notice : heard()) {
-      said.push_back(notice.stamp.time);
+    for (const models::ScenarioNotice& notice : received()) {
+      published_at.push_back(notice.stamp.time);
       EXPECT_EQ(notice.yaml, scenario_.source_text);
       EXPECT_EQ(notice.process, "some process");
       EXPECT_EQ(notice.version, version());
     }
     EXPECT_GT(announcer.next_tick(), now);
   }
-  EXPECT_EQ(said, (std::vector<Time>{kStart, kStart + seconds(5), kStart + seconds(10),
-                                     kStart + seconds(15)}));
+  EXPECT_EQ(published_at, (std::vector<Time>{kStart, kStart + seconds(5), kStart + seconds(10),
+                                             kStart + seconds(15)}));
   EXPECT_FALSE(version().empty());
 }
 
@@ -63,14 +63,14 @@ TEST_F(AnnouncerTest, WaitsFiveSecondsAfterItsLastMessage) {
   Announcer announcer(speaks_, scenario_, "p");
   announcer.tick(kStart);
   announcer.tick(kStart + microseconds(4'999'999));
-  EXPECT_EQ(heard().size(), 1U);
+  EXPECT_EQ(received().size(), 1U);
   announcer.publish(kStart + seconds(2));
-  EXPECT_EQ(heard().size(), 1U) << "asked to, it says it at any time";
+  EXPECT_EQ(received().size(), 1U) << "asked to, it says it at any time";
   EXPECT_EQ(announcer.next_tick(), kStart + seconds(7));
   announcer.tick(kStart + microseconds(6'999'999));
-  EXPECT_TRUE(heard().empty());
+  EXPECT_TRUE(received().empty());
   announcer.tick(kStart + seconds(7));
-  EXPECT_EQ(heard().size(), 1U);
+  EXPECT_EQ(received().size(), 1U);
 }
 
 }  // namespace

@@ -257,17 +257,18 @@ TEST_F(ReplayLog, ReproducesRoundsUnderAttack) {
 TEST_F(ReplayLog, ReproducesPlansAndProposalsOfLocalSearch) {
   const Flown flown = fly("lab-energy", 14.0, 1000, 2);
   ASSERT_EQ(flown.scenario.planner.team_algorithm, scenario::TeamAlgorithm::kLocalSearch);
-  std::map<std::string, int> said;
+  std::map<std::string, int> logged_counts;
   const logs::IndexedLog log(flown.log_path);
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
-    said[std::string(event->channel)]++;
+    logged_counts[std::string(event->channel)]++;
   }
   for (const std::string robot : {"Q1", "Q2", "Q3"}) {
     const ReplayReport outputs = replay(flown.log_path, "planner:" + robot);
     EXPECT_TRUE(outputs.outputs.is_exact()) << robot;
-    EXPECT_GE(said["TEAM_PROPOSAL_" + robot], 4) << robot;
-    EXPECT_EQ(outputs.outputs.replayed(), said["PLAN_" + robot] + said["TEAM_PROPOSAL_" + robot]);
+    EXPECT_GE(logged_counts["TEAM_PROPOSAL_" + robot], 4) << robot;
+    EXPECT_EQ(outputs.outputs.replayed(),
+              logged_counts["PLAN_" + robot] + logged_counts["TEAM_PROPOSAL_" + robot]);
     EXPECT_EQ(outputs.not_replayed(), 0) << robot;
   }
 }

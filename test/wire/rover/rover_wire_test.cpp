@@ -107,16 +107,16 @@ TEST(RoverWire, ReportsTheFirstFault) {
 TEST(RoverWire, RefusesInvalidNumbers) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  Command heard;
+  Command received;
   Telemetry told;
   EXPECT_EQ(decode(kWorkedCommand, told), Verdict::kKind) << "the other way round";
   for (const float bad : {kNan, kInfinity, -kInfinity}) {
     Command command = worked_command();
     command.speed_mps = bad;
-    EXPECT_EQ(decode(encode(command), heard), Verdict::kValue) << bad;
+    EXPECT_EQ(decode(encode(command), received), Verdict::kValue) << bad;
     command = worked_command();
     command.yaw_rate_radps = bad;
-    EXPECT_EQ(decode(encode(command), heard), Verdict::kValue) << bad;
+    EXPECT_EQ(decode(encode(command), received), Verdict::kValue) << bad;
     Telemetry telemetry = worked_telemetry();
     telemetry.speed_mps = bad;
     EXPECT_EQ(decode(encode(telemetry), told), Verdict::kValue) << bad;
@@ -127,7 +127,7 @@ TEST(RoverWire, RefusesInvalidNumbers) {
     telemetry.battery_share = bad;
     EXPECT_EQ(decode(encode(telemetry), told), Verdict::kValue) << bad;
   }
-  EXPECT_EQ(heard, Command{}) << "written only when accepted";
+  EXPECT_EQ(received, Command{}) << "written only when accepted";
   EXPECT_EQ(told, Telemetry{});
   for (const float share : {-0.001F, 0.0F, 0.5F, 1.0F, 1.001F}) {
     Telemetry telemetry = worked_telemetry();

@@ -337,8 +337,8 @@ class Chart {
       mark_of(each, this.colour(name));
       return each;
     };
-    const is_said = names.length < 2 && (!this.spec.fields || this.title.textContent.split(" ")[0] === names[0]);
-    this.names_box.replaceChildren(...(is_said ? [] : names.map(label)));
+    const is_in_title = names.length < 2 && (!this.spec.fields || this.title.textContent.split(" ")[0] === names[0]);
+    this.names_box.replaceChildren(...(is_in_title ? [] : names.map(label)));
     if (this.names_box.scrollWidth > this.caption.clientWidth - 34) {
       const words = document.createElement("i");
       words.textContent = `${names.length} series`;

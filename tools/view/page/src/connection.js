@@ -8,10 +8,10 @@ const kRetry_ms = 1500;
     parsed. */
 const kPictures = new Set(["foxglove.SceneUpdate", "foxglove.FrameTransforms", "foxglove.Grid"]);
 
-/** Topic of the bodies' poses, from which the trails are made. One record per kWayPeriod_s (in the time of the records) is
+/** Topic of the bodies' poses, from which the trails are made. One record per kTrailPeriod_s (in the time of the records) is
     parsed even if pictures are drawn less often. */
 const kBodies = "/transforms";
-const kWayPeriod_s = 0.2;
+const kTrailPeriod_s = 0.2;
 const kPassedMax = 1000;
 
 /** Converts microseconds since the epoch into seconds. All times are converted here, so that equal times are equal numbers. */
@@ -94,13 +94,13 @@ export class Connection {
     }
   }
 
-  /** Keeps a record that a newer one replaces, if kWayPeriod_s has passed since the last record that was kept.
+  /** Keeps a record that a newer one replaces, if kTrailPeriod_s has passed since the last record that was kept.
       @param view the replaced record, or undefined */
   keep_bodies(view) {
     if (!view || this.passed.length >= kPassedMax) return;
     const time = seconds_at(view, 5);
     const since = time - this.passed_at;
-    if (since >= 0 && since < kWayPeriod_s) return;
+    if (since >= 0 && since < kTrailPeriod_s) return;
     this.passed_at = time;
     this.passed.push(view);
   }

@@ -113,7 +113,7 @@ class Floor {
   }
 }
 
-function things_of(topic, { frame, entity, grid }) {
+function drawables_of(topic, { frame, entity, grid }) {
   if (grid) return [new Floor(frame, grid)];
   const line = (shape) => new Line(frame, lines_of(shape), shape);
   const surface = (shape) => new Surface(frame, edges_of(corners_of(shape)), shape);
@@ -133,14 +133,14 @@ const from_far = (a, b) => a.level - b.level || a.rank - b.rank || b.distance - 
 export class FlatPicture {
   constructor() {
     this.is_kept = true; // areas that are not drawn keep their last picture
-    this.things = new Map(); // painted items by topic
+    this.drawables = new Map(); // painted items by topic
   }
 
   resize() {}
 
   /** Replaces all items of a topic. */
   set(topic, items) {
-    this.things.set(topic, items.flatMap((item) => things_of(topic, item)));
+    this.drawables.set(topic, items.flatMap((item) => drawables_of(topic, item)));
   }
 
   begin() {}
@@ -150,17 +150,17 @@ export class FlatPicture {
     const floors = [];
     const blocks = [];
     const others = [];
-    for (const things of this.things.values()) {
-      for (const thing of things) {
-        if (!thing.frame.is_placed) continue;
-        if (thing instanceof Floor) {
-          floors.push(thing);
+    for (const drawables of this.drawables.values()) {
+      for (const drawable of drawables) {
+        if (!drawable.frame.is_placed) continue;
+        if (drawable instanceof Floor) {
+          floors.push(drawable);
           continue;
         }
-        thing.at = (thing.at ?? new THREE.Vector3()).copy(thing.centre).applyMatrix4(thing.frame.matrix);
-        thing.distance = view.distance_to(thing.at);
-        thing.level = -Math.round(Math.abs(thing.at.z - view.eye.z) / kLevel_m);
-        (thing instanceof Block && thing.height_m > kLow_m ? blocks : others).push(thing);
+        drawable.at = (drawable.at ?? new THREE.Vector3()).copy(drawable.centre).applyMatrix4(drawable.frame.matrix);
+        drawable.distance = view.distance_to(drawable.at);
+        drawable.level = -Math.round(Math.abs(drawable.at.z - view.eye.z) / kLevel_m);
+        (drawable instanceof Block && drawable.height_m > kLow_m ? blocks : others).push(drawable);
       }
     }
     view.is_crowded = others.length > kCrowd;
@@ -168,11 +168,11 @@ export class FlatPicture {
     blocks.sort((a, b) => view.eye.distanceToSquared(b.at) - view.eye.distanceToSquared(a.at));
     blocks.forEach((block) => block.look(view));
     const turns = [...blocks.map((block) => ({ block, before: [] })), { before: [] }];
-    for (const thing of others) {
-      turns.find(({ block }) => !block || block.is_before(thing.at)).before.push(thing);
+    for (const drawable of others) {
+      turns.find(({ block }) => !block || block.is_before(drawable.at)).before.push(drawable);
     }
-    const paint = (thing) =>
-      thing.paint(pen, thing.glyph_m ? view.through_glyph(thing.frame, thing.glyph_m) : view.through(thing.frame), view);
+    const paint = (drawable) =>
+      drawable.paint(pen, drawable.glyph_m ? view.through_glyph(drawable.frame, drawable.glyph_m) : view.through(drawable.frame), view);
     for (const { block, before } of turns) {
       before.sort(from_far).forEach(paint);
       if (block) paint(block);

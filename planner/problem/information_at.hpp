@@ -10,8 +10,9 @@ namespace vantage::planner {
 /// Returns the information that all `sensors` together give about a target at `target_m`, measured
 /// from `from`. Obstacles block the line of sight. The result is position_dim square, and zero if
 /// no sensor sees the target. `world` may be null.
-models::PositionMatrix look(const models::World* world,
-                            std::span<const models::SensorModel> sensors,
-                            const models::Viewpoint& from, const models::PositionVector& target_m);
+models::PositionMatrix information_at(const models::World* world,
+                                      std::span<const models::SensorModel> sensors,
+                                      const models::Viewpoint& from,
+                                      const models::PositionVector& target_m);
 
 }  // namespace vantage::planner

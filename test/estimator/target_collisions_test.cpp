@@ -1,4 +1,4 @@
-#include "estimator/meetings.hpp"
+#include "estimator/target_collisions.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -51,8 +51,8 @@ struct Met {
 Met after(const Samples& one, const Samples& other, double dt_s, std::uint64_t key = 1) {
   Samples a = one;
   Samples b = other;
-  const bool one_has = a.walk_into(other, kDistance_m, dt_s, key);
-  const bool other_has = b.walk_into(one, kDistance_m, dt_s, ~key);
+  const bool one_has = a.collide_with(other, kDistance_m, dt_s, key);
+  const bool other_has = b.collide_with(one, kDistance_m, dt_s, ~key);
   a.predict(kNoiseless, dt_s, 0);
   b.predict(kNoiseless, dt_s, 0);
   return {one_has, other_has, a.moments(), b.moments()};
@@ -129,7 +129,7 @@ TEST(Samples, WalkIntoChangesNothingWithoutAMeeting) {
   Samples one = samples_of(around({0.0, 0.0, -1.0, 0.0}, 0.1, 0.05));
   const Samples other = samples_of(around({2.0, 0.0, 1.0, 0.0}, 0.1, 0.05));
   const Gaussian before = one.moments();
-  EXPECT_FALSE(one.walk_into(other, kDistance_m, 10.0, 1));
+  EXPECT_FALSE(one.collide_with(other, kDistance_m, 10.0, 1));
   EXPECT_EQ(one.moments().mean, before.mean);
   EXPECT_EQ(one.moments().covariance, before.covariance);
 }
@@ -145,8 +145,8 @@ TEST(Meet, IsIndependentOfTheStepLength) {
     for (std::uint64_t key = 0; key < kKeys; ++key) {
       Samples samples = samples_of(walks);
       for (int part = 0; part < parts; ++part) {
-        samples.walk_into(samples_of(stands), kDistance_m, 0.5 / parts,
-                          1000 * key + static_cast<std::uint64_t>(part));
+        samples.collide_with(samples_of(stands), kDistance_m, 0.5 / parts,
+                             1000 * key + static_cast<std::uint64_t>(part));
         samples.predict(kNoiseless, 0.5 / parts, 0);
       }
       sum += 0.5 - samples.moments().mean(2);
@@ -297,7 +297,7 @@ TEST(DistributedFilter, IsConsistentAfterUnobservedMeetings) {
   EXPECT_GT(without.mean(), 20.0);
 }
 
-TEST(MeetingsOfAFilter, ApplyToATeammatesBeliefOfTheLastStep) {
+TEST(TargetCollisionsOfAFilter, ApplyToATeammatesBeliefOfTheLastStep) {
   // A belief that is sent before the meeting and predicted without it would be too certain and
   // would dominate the fusion.
   DistributedFilter alone = knows_two(0.2);
@@ -317,7 +317,7 @@ TEST(MeetingsOfAFilter, ApplyToATeammatesBeliefOfTheLastStep) {
   }
 }
 
-TEST(MeetingsOfAFilter, AreIndependentOfTheArrivalOrder) {
+TEST(TargetCollisionsOfAFilter, AreIndependentOfTheArrivalOrder) {
   const auto look = [](int step) {
     models::RobotMeasurement set;
     set.stamp.time = instant(step);
@@ -369,7 +369,7 @@ TEST(DistributedFilter, PredictsAsUsualWithoutMeetings) {
   EXPECT_TRUE(is_near(known(filter, 0).covariance, alone.covariance, 1e-9));
 }
 
-TEST(MeetingsOfAFilter, AllocateNothing) {
+TEST(TargetCollisionsOfAFilter, AllocateNothing) {
   if (!vantage::test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";
   }
@@ -384,7 +384,7 @@ TEST(MeetingsOfAFilter, AllocateNothing) {
 
 // Both targets are reflected, for any ids and table positions. A target far from both gets no
 // samples.
-TEST(Meetings, ReverseBothTargetsForAnyIds) {
+TEST(TargetCollisions, ReverseBothTargetsForAnyIds) {
   const State from_left(0.0, 0.0, 1.0, 0.0);
   const State from_right(2.0, 0.0, -1.0, 0.0);
   const State far(0.0, 9.0, 0.0, -1.0);
@@ -396,8 +396,8 @@ TEST(Meetings, ReverseBothTargetsForAnyIds) {
     for (std::size_t i = 0; i < 3; ++i) {
       tracks.put({ids[i], {true, *models::to_information(exactly(all[i])), instant(0)}});
     }
-    Meetings meetings(3, kDistance_m);
-    meetings.let_meet(tracks, kTime_s, 9);
+    TargetCollisions collisions(3, kDistance_m);
+    collisions.apply(tracks, kTime_s, 9);
     const auto then = [&](std::size_t i) {
       Samples samples = tracks.find(ids[i])->samples;
       samples.predict(kNoiseless, kTime_s, 0);
@@ -411,8 +411,8 @@ TEST(Meetings, ReverseBothTargetsForAnyIds) {
   }
 }
 
-// Meetings are computed exactly up to the distance at which two targets can meet within the time.
-TEST(Meetings, IncludeTargetsThatCanJustReachEachOther) {
+// Collisions are computed exactly up to the distance at which two targets can meet within the time.
+TEST(TargetCollisions, IncludeTargetsThatCanJustReachEachOther) {
   constexpr double kTime_s = 1.5;
   for (int quarter = 0; quarter < 4; ++quarter) {
     for (const double share :
@@ -425,8 +425,8 @@ TEST(Meetings, IncludeTargetsThatCanJustReachEachOther) {
           const Gaussian other = exactly(t({apart_m, 0.0, -6.0 * (1.0 - share), 0.0}));
           tracks.put({is_first ? 3 : 5, {true, *models::to_information(one), instant(0)}});
           tracks.put({is_first ? 5 : 3, {true, *models::to_information(other), instant(0)}});
-          Meetings meetings(2, kDistance_m);
-          meetings.let_meet(tracks, kTime_s, 9);
+          TargetCollisions collisions(2, kDistance_m);
+          collisions.apply(tracks, kTime_s, 9);
           return !tracks.find(3)->samples.empty() || !tracks.find(5)->samples.empty();
         };
         EXPECT_TRUE(meet(9.0 + kDistance_m - 0.01));

@@ -12,21 +12,21 @@ enum class InFlight { kUnknown, kNo, kYes };
 
 /// Process end of the pipe by which a process shows its supervisor that it is alive. It writes at
 /// most one byte per loop and per kPeriod. The byte also contains the flight state. Never blocks.
-class LifeSign {
+class LivenessSender {
  public:
   static constexpr Duration kPeriod = std::chrono::milliseconds(100);
   /// Environment variable that contains the number of the descriptor to write to.
-  static constexpr const char* kHandedOn = "VANTAGE_LIFE_FD";
+  static constexpr const char* kDescriptorVariable = "VANTAGE_LIFE_FD";
 
   /// Uses the descriptor named in the environment; without one nothing is written.
-  LifeSign();
+  LivenessSender();
   /// Uses `descriptor` and closes it in the destructor.
-  explicit LifeSign(int descriptor) : descriptor_(descriptor) {}
-  ~LifeSign();
-  LifeSign(const LifeSign&) = delete;
-  LifeSign& operator=(const LifeSign&) = delete;
-  LifeSign(LifeSign&&) = delete;
-  LifeSign& operator=(LifeSign&&) = delete;
+  explicit LivenessSender(int descriptor) : descriptor_(descriptor) {}
+  ~LivenessSender();
+  LivenessSender(const LivenessSender&) = delete;
+  LivenessSender& operator=(const LivenessSender&) = delete;
+  LivenessSender(LivenessSender&&) = delete;
+  LivenessSender& operator=(LivenessSender&&) = delete;
 
   /// Must be called in each loop. Writes when kPeriod has passed since the last byte, or when
   /// `in_flight` has changed.
@@ -35,18 +35,18 @@ class LifeSign {
  private:
   int descriptor_;
   std::optional<Time> last_;
-  InFlight said_ = InFlight::kUnknown;
+  InFlight sent_ = InFlight::kUnknown;
 };
 
-/// Supervisor end of the pipe of a LifeSign, one for each start of a process.
-class LifeLine {
+/// Supervisor end of the pipe of a LivenessSender, one for each start of a process.
+class LivenessReceiver {
  public:
-  LifeLine() = default;
-  ~LifeLine();
-  LifeLine(const LifeLine&) = delete;
-  LifeLine& operator=(const LifeLine&) = delete;
-  LifeLine(LifeLine&& other) noexcept;
-  LifeLine& operator=(LifeLine&& other) noexcept;
+  LivenessReceiver() = default;
+  ~LivenessReceiver();
+  LivenessReceiver(const LivenessReceiver&) = delete;
+  LivenessReceiver& operator=(const LivenessReceiver&) = delete;
+  LivenessReceiver(LivenessReceiver&& other) noexcept;
+  LivenessReceiver& operator=(LivenessReceiver&& other) noexcept;
 
   /// Opens a new pipe. Both ends are non-blocking and closed by exec. Returns false if the system
   /// refuses it.
@@ -57,11 +57,11 @@ class LifeLine {
   void close_child_end();
 
   /// Content of the bytes received since the last call of take().
-  struct Signs {
+  struct Report {
     bool any = false;
     InFlight in_flight = InFlight::kUnknown;  ///< newest known flight state; kUnknown if none
   };
-  [[nodiscard]] Signs take();
+  [[nodiscard]] Report take();
 
  private:
   void close_all();

@@ -1,4 +1,4 @@
-#include "models/mapping/looks.hpp"
+#include "models/mapping/cell_counts.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace {
 
 const GridGeometry kGrid{{0.0, 0.0}, 0.5, 4, 3};
 
-TEST(Looks, SumIndependentlyOfTheOrderUnlikeClampedLogOdds) {
+TEST(CellCounts, SumIndependentlyOfTheOrderUnlikeClampedLogOdds) {
   test::Random random(5101);
   struct Look {
     int cell = 0;
@@ -25,34 +25,34 @@ TEST(Looks, SumIndependentlyOfTheOrderUnlikeClampedLogOdds) {
   for (int i = 0; i < 400; ++i) {
     looks.push_back({random.integer(0, kGrid.size() - 1), random.coin()});
   }
-  Looks in_order(12, 0);
+  CellCounts in_order(12, 0);
   for (const Look& look : looks) {
-    add_look(in_order, look.cell, look.met);
+    count_scan(in_order, look.cell, look.met);
   }
-  std::vector<Looks> parts(4, Looks(12, 0));
+  std::vector<CellCounts> parts(4, CellCounts(12, 0));
   std::reverse(looks.begin(), looks.end());
   for (std::size_t i = 0; i < looks.size(); ++i) {
-    add_look(parts[i % 4], looks[i].cell, looks[i].met);
+    count_scan(parts[i % 4], looks[i].cell, looks[i].met);
   }
   EXPECT_EQ(sum_of({{parts[2], parts[0], parts[3], parts[1]}}), in_order);
-  EXPECT_THROW(sum_of({{parts[0], Looks(11, 0)}}), UsageError);
+  EXPECT_THROW(sum_of({{parts[0], CellCounts(11, 0)}}), UsageError);
 }
 
-TEST(Looks, SaturateAtTheLimits) {
+TEST(CellCounts, SaturateAtTheLimits) {
   using Limits = std::numeric_limits<std::int16_t>;
-  Looks looks{Limits::max(), Limits::min()};
-  add_look(looks, 0, true);
-  add_look(looks, 1, false);
-  EXPECT_EQ(looks, (Looks{Limits::max(), Limits::min()}));
-  const Looks same{1, -1};
-  const Looks other{-5, 5};
+  CellCounts looks{Limits::max(), Limits::min()};
+  count_scan(looks, 0, true);
+  count_scan(looks, 1, false);
+  EXPECT_EQ(looks, (CellCounts{Limits::max(), Limits::min()}));
+  const CellCounts same{1, -1};
+  const CellCounts other{-5, 5};
   EXPECT_EQ(sum_of({{looks, same}}), looks);
-  EXPECT_EQ(sum_of({{looks, same, other}}), (Looks{Limits::max() - 4, Limits::min() + 4}));
+  EXPECT_EQ(sum_of({{looks, same, other}}), (CellCounts{Limits::max() - 4, Limits::min() + 4}));
 }
 
-TEST(Looks, EqualRepeatedUpdates) {
+TEST(CellCounts, EqualRepeatedUpdates) {
   const MappingSpec spec;
-  const Looks looks{0, 1, -1, 2, -2, 30, -30, 0, 0, 0, 0, 0};
+  const CellCounts looks{0, 1, -1, 2, -2, 30, -30, 0, 0, 0, 0, 0};
   const OccupancyBelief belief = belief_of(kGrid, looks, spec);
   const double clamp = log_odds_of(0.99);
   for (int cell = 0; cell < kGrid.size(); ++cell) {
@@ -61,7 +61,7 @@ TEST(Looks, EqualRepeatedUpdates) {
   }
   EXPECT_TRUE(belief.is_settled(3));
   EXPECT_FALSE(belief.is_settled(2));
-  EXPECT_THROW(static_cast<void>(belief_of(kGrid, Looks(11, 0), spec)), UsageError);
+  EXPECT_THROW(static_cast<void>(belief_of(kGrid, CellCounts(11, 0), spec)), UsageError);
 }
 
 TEST(MappingSpec, HasTheStatedDefaults) {

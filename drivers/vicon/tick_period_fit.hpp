@@ -19,7 +19,7 @@ struct FrameMark {
 /// touches two of them: the edge of their lower convex hull across the middle. Late frames at
 /// either end do not change the slope. The memory is fixed. When it is full, every second mark is
 /// dropped, and the stride between stored frames doubles.
-class PaceFit {
+class TickPeriodFit {
  public:
   void restart() { *this = {}; }
   /// Adds a mark; ticks must increase.

@@ -1,4 +1,4 @@
-#include "trial/observe/neighbours.hpp"
+#include "trial/observe/network_conflicts.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -29,17 +29,18 @@ std::string vehicle_in(const std::string& channel) {
 
 }  // namespace
 
-HeardChannels hear_channels(bus::Transport& transport, Duration duration,
-                            const std::function<bool()>& stop,
-                            bus::auth::Authenticator* authenticator, const bus::Clock& clock) {
-  const auto heard = std::make_shared<HeardChannels>();
+ActiveChannels find_active_channels(bus::Transport& transport, Duration duration,
+                                    const std::function<bool()>& stop,
+                                    bus::auth::Authenticator* authenticator,
+                                    const bus::Clock& clock) {
+  const auto active = std::make_shared<ActiveChannels>();
   transport.subscribe("*", [=, &clock](std::string_view channel, const bus::Payload& bytes) {
     const bool is_accepted =
         authenticator == nullptr ||
         authenticator
             ->judge(channel, bytes, clock.now(), bus::claim_of(channel, bytes, ""), bytes.source)
             .may_pass;
-    std::set<std::string>& names = is_accepted ? heard->accepted : heard->unverified;
+    std::set<std::string>& names = is_accepted ? active->accepted : active->unverified;
     if (names.size() < kChannelsMax) {
       names.insert(std::string(channel));
     }
@@ -47,17 +48,18 @@ HeardChannels hear_channels(bus::Transport& transport, Duration duration,
   const std::int64_t end_ns = monotonic_ns() + duration.count() * 1'000;
   while (!stop() && monotonic_ns() < end_ns && transport.handle(kStep) != bus::kSourceEnded) {
   }
-  return *heard;
+  return *active;
 }
 
-std::set<std::string> hear_channels(bus::Transport& transport, Duration duration,
-                                    const std::function<bool()>& stop) {
+std::set<std::string> find_active_channels(bus::Transport& transport, Duration duration,
+                                           const std::function<bool()>& stop) {
   const bus::SteadyClock clock;
-  return hear_channels(transport, duration, stop, nullptr, clock).accepted;
+  return find_active_channels(transport, duration, stop, nullptr, clock).accepted;
 }
 
-std::vector<std::string> rivals_of_up(const scenario::Scenario& scenario, const std::string& host,
-                                      const std::set<std::string>& channels) {
+std::vector<std::string> conflicts_with_up(const scenario::Scenario& scenario,
+                                           const std::string& host,
+                                           const std::set<std::string>& channels) {
   const auto runs = [&](const std::string& part) {
     return host.empty() || scenario.runs_on(host, part);
   };
@@ -84,7 +86,7 @@ std::vector<std::string> rivals_of_up(const scenario::Scenario& scenario, const 
   return out;
 }
 
-std::vector<std::string> rivals_of_play(const std::set<std::string>& channels) {
+std::vector<std::string> conflicts_with_play(const std::set<std::string>& channels) {
   std::vector<std::string> out;
   for (const std::string& channel : channels) {
     if (!vehicle_in(channel).empty()) {

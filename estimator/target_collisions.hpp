@@ -14,10 +14,10 @@ namespace vantage::estimator {
 /// not Gaussian (docs/decisions/0024).
 ///
 /// The members are scratch only. Nothing is allocated for up to TrackTable::kReserved targets.
-class Meetings {
+class TargetCollisions {
  public:
   /// Reserves storage for `target_count` targets. Their centres are at least `distance_m` apart.
-  Meetings(int target_count, double distance_m);
+  TargetCollisions(int target_count, double distance_m);
 
   /// Applies the collisions of the next dt_s. If a sample of a track collides with another track's
   /// sample, the track is represented by samples afterwards. The samples are moved such that a
@@ -25,21 +25,21 @@ class Meetings {
   /// changed. `key` selects which sample is paired with which; the same key and targets give the
   /// same pairs.
   /// Precondition: a model with a velocity.
-  void let_meet(TrackTable& tracks, double dt_s, std::uint64_t key);
+  void apply(TrackTable& tracks, double dt_s, std::uint64_t key);
 
  private:
   /// A target, with a disc that the target leaves within dt_s only with negligible probability.
-  struct Party {
+  struct Disc {
     int target_id = 0;
     Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
     double radius_m = 0.0;
-    bool has_met = false;
+    bool has_collided = false;
     Samples samples = {};  ///< only if another target is near; empty for a singular belief
   };
-  [[nodiscard]] bool may_meet(const Party& one, const Party& other) const;
+  [[nodiscard]] bool may_collide(const Disc& one, const Disc& other) const;
 
   double distance_m_;
-  std::vector<Party> parties_;
+  std::vector<Disc> discs_;
 };
 
 }  // namespace vantage::estimator

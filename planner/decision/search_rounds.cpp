@@ -1,4 +1,4 @@
-#include "planner/decision/rounds_of_search.hpp"
+#include "planner/decision/search_rounds.hpp"
 
 #include "core/index.hpp"
 #include "planner/decision/team_set.hpp"
@@ -11,7 +11,7 @@ Choice best_single(const TeamOracle& oracle, std::span<const char> excluded) {
   CandidateId best = kNoCandidate;
   for (CandidateId id = 0; id < oracle.candidate_count(); ++id) {
     if (excluded[index(id)] == 0 &&
-        (best == kNoCandidate || oracle.alone(id) > oracle.alone(best))) {
+        (best == kNoCandidate || oracle.individual_value(id) > oracle.individual_value(best))) {
       best = id;
     }
   }

@@ -1,4 +1,4 @@
-#include "drivers/vicon/pace_fit.hpp"
+#include "drivers/vicon/tick_period_fit.hpp"
 
 namespace vantage::drivers::vicon {
 namespace {
@@ -9,7 +9,7 @@ double slope_s(const FrameMark& from, const FrameMark& to) {
 
 }  // namespace
 
-void PaceFit::add(const FrameMark& mark) {
+void TickPeriodFit::add(const FrameMark& mark) {
   if (size_ > 0 && ++skipped_ < stride_) {
     return;
   }
@@ -24,11 +24,11 @@ void PaceFit::add(const FrameMark& mark) {
   marks_[size_++] = mark;
 }
 
-double PaceFit::span_s() const {
+double TickPeriodFit::span_s() const {
   return size_ == 0 ? 0.0 : marks_[size_ - 1].arrival_s - marks_[0].arrival_s;
 }
 
-std::optional<double> PaceFit::tick_s() const {
+std::optional<double> TickPeriodFit::tick_s() const {
   if (size_ < kMarksMin) {
     return std::nullopt;
   }

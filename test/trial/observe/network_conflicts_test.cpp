@@ -1,4 +1,4 @@
-#include "trial/observe/neighbours.hpp"
+#include "trial/observe/network_conflicts.hpp"
 
 #include <algorithm>
 
@@ -22,72 +22,74 @@ scenario::Scenario lab_of_two_hosts() {
   return scenario;
 }
 
-TEST(RivalsOfUp, AreSupervisorsSimulatorsAndVehiclesOfAnotherTrial) {
+TEST(ConflictsWithUp, AreSupervisorsSimulatorsAndVehiclesOfAnotherTrial) {
   const scenario::Scenario scenario = lab();
-  EXPECT_TRUE(rivals_of_up(scenario, "", {}).empty());
-  EXPECT_TRUE(rivals_of_up(scenario, "", Channels{"COMMAND", "VICON", "HEALTH_VIEW"}).empty());
-  EXPECT_EQ(rivals_of_up(scenario, "", Channels{"HOST_LOCAL"}).size(), 1U);
-  EXPECT_EQ(rivals_of_up(scenario, "", Channels{"TRUTH"}).size(), 1U);
-  EXPECT_EQ(rivals_of_up(scenario, "", Channels{"VEHICLE_Q1", "VEHICLE_X"}).size(), 2U);
+  EXPECT_TRUE(conflicts_with_up(scenario, "", {}).empty());
+  EXPECT_TRUE(conflicts_with_up(scenario, "", Channels{"COMMAND", "VICON", "HEALTH_VIEW"}).empty());
+  EXPECT_EQ(conflicts_with_up(scenario, "", Channels{"HOST_LOCAL"}).size(), 1U);
+  EXPECT_EQ(conflicts_with_up(scenario, "", Channels{"TRUTH"}).size(), 1U);
+  EXPECT_EQ(conflicts_with_up(scenario, "", Channels{"VEHICLE_Q1", "VEHICLE_X"}).size(), 2U);
 }
 
-TEST(RivalsOfUp, AreNotTheOtherHostsOfTheTrial) {
+TEST(ConflictsWithUp, AreNotTheOtherHostsOfTheTrial) {
   const scenario::Scenario scenario = lab_of_two_hosts();
   const Channels of_lab{"HOST_LAB", "TRUTH", "VICON", "VEHICLE_Q1", "VEHICLE_Q2"};
-  EXPECT_TRUE(rivals_of_up(scenario, "AIR", of_lab).empty());
-  EXPECT_TRUE(rivals_of_up(scenario, "LAB", Channels{"HOST_AIR", "PLAN_Q2"}).empty());
-  EXPECT_EQ(rivals_of_up(scenario, "LAB", of_lab).size(), 2U) << "the same host, its simulator";
-  EXPECT_EQ(rivals_of_up(scenario, "AIR", Channels{"HOST_LOCAL"}).size(), 1U);
-  EXPECT_EQ(rivals_of_up(scenario, "AIR", Channels{"VEHICLE_X"}).size(), 1U);
-  EXPECT_EQ(rivals_of_up(scenario, "", Channels{"HOST_AIR"}).size(), 1U) << "with --all-hosts";
+  EXPECT_TRUE(conflicts_with_up(scenario, "AIR", of_lab).empty());
+  EXPECT_TRUE(conflicts_with_up(scenario, "LAB", Channels{"HOST_AIR", "PLAN_Q2"}).empty());
+  EXPECT_EQ(conflicts_with_up(scenario, "LAB", of_lab).size(), 2U)
+      << "the same host, its simulator";
+  EXPECT_EQ(conflicts_with_up(scenario, "AIR", Channels{"HOST_LOCAL"}).size(), 1U);
+  EXPECT_EQ(conflicts_with_up(scenario, "AIR", Channels{"VEHICLE_X"}).size(), 1U);
+  EXPECT_EQ(conflicts_with_up(scenario, "", Channels{"HOST_AIR"}).size(), 1U) << "with --all-hosts";
 }
 
-TEST(RivalsOfUp, AreVehiclesThatItWouldFlyItself) {
+TEST(ConflictsWithUp, AreVehiclesThatItWouldFlyItself) {
   scenario::Scenario scenario = lab_of_two_hosts();
   for (scenario::RobotSpec& robot : scenario.robots) {
     robot.device = scenario::DeviceSource::kReal;
   }
-  EXPECT_EQ(rivals_of_up(scenario, "AIR", Channels{"VEHICLE_Q1", "VEHICLE_Q2"}).size(), 1U);
+  EXPECT_EQ(conflicts_with_up(scenario, "AIR", Channels{"VEHICLE_Q1", "VEHICLE_Q2"}).size(), 1U);
 }
 
 using Sentences = std::vector<std::string>;
 
-TEST(RivalsOfUp, AreReportedInOneSentenceEach) {
+TEST(ConflictsWithUp, AreReportedInOneSentenceEach) {
   const scenario::Scenario scenario = lab_of_two_hosts();
-  EXPECT_EQ(rivals_of_up(scenario, "LAB", Channels{"HOST_LAB"}),
+  EXPECT_EQ(conflicts_with_up(scenario, "LAB", Channels{"HOST_LAB"}),
             Sentences{"another `vantage up` runs on this network, as host LAB"});
-  EXPECT_EQ(rivals_of_up(scenario, "LAB", Channels{"HOST_OTHER"}),
+  EXPECT_EQ(conflicts_with_up(scenario, "LAB", Channels{"HOST_OTHER"}),
             Sentences{"another `vantage up` runs on this network, as host OTHER"});
-  EXPECT_EQ(rivals_of_up(scenario, "LAB", Channels{"TRUTH"}),
+  EXPECT_EQ(conflicts_with_up(scenario, "LAB", Channels{"TRUTH"}),
             Sentences{"a simulator runs on this network (TRUTH is published)"});
-  EXPECT_EQ(rivals_of_up(scenario, "LAB", Channels{"VEHICLE_X"}),
+  EXPECT_EQ(conflicts_with_up(scenario, "LAB", Channels{"VEHICLE_X"}),
             Sentences{"vehicle X is alive on this network (VEHICLE_X is published)"});
-  EXPECT_TRUE(rivals_of_up(scenario, "AIR", Channels{"TRUTH"}).empty()) << "the simulator is LAB's";
-  EXPECT_TRUE(rivals_of_up(scenario, "LAB", Channels{"HOST_", "VEHICLE_", "TRUTHS"}).empty());
+  EXPECT_TRUE(conflicts_with_up(scenario, "AIR", Channels{"TRUTH"}).empty())
+      << "the simulator is LAB's";
+  EXPECT_TRUE(conflicts_with_up(scenario, "LAB", Channels{"HOST_", "VEHICLE_", "TRUTHS"}).empty());
 }
 
 // A direct vehicle belongs to the simulator, whichever host runs its robot. A vehicle with a driver
 // belongs to its host.
-TEST(RivalsOfUp, AreVehiclesOfAnotherPublisher) {
+TEST(ConflictsWithUp, AreVehiclesOfAnotherPublisher) {
   scenario::Scenario scenario = lab_of_two_hosts();
   scenario.robots[1].device = scenario::DeviceSource::kWire;
-  EXPECT_TRUE(rivals_of_up(scenario, "AIR", Channels{"VEHICLE_Q1", "VEHICLE_Q3"}).empty());
-  EXPECT_EQ(rivals_of_up(scenario, "AIR", Channels{"VEHICLE_Q2"}).size(), 1U);
-  EXPECT_TRUE(rivals_of_up(scenario, "LAB", Channels{"VEHICLE_Q1", "VEHICLE_Q2"}).empty());
-  EXPECT_EQ(rivals_of_up(scenario, "", Channels{"VEHICLE_Q1", "VEHICLE_Q2"}).size(), 2U);
+  EXPECT_TRUE(conflicts_with_up(scenario, "AIR", Channels{"VEHICLE_Q1", "VEHICLE_Q3"}).empty());
+  EXPECT_EQ(conflicts_with_up(scenario, "AIR", Channels{"VEHICLE_Q2"}).size(), 1U);
+  EXPECT_TRUE(conflicts_with_up(scenario, "LAB", Channels{"VEHICLE_Q1", "VEHICLE_Q2"}).empty());
+  EXPECT_EQ(conflicts_with_up(scenario, "", Channels{"VEHICLE_Q1", "VEHICLE_Q2"}).size(), 2U);
 }
 
-TEST(RivalsOfPlay, AreReportedInOneSentenceEach) {
-  EXPECT_EQ(rivals_of_play(Channels{"HOST_LAB", "TRUTH", "VEHICLE_Q1", "VEHICLE_Q2"}),
+TEST(ConflictsWithPlay, AreReportedInOneSentenceEach) {
+  EXPECT_EQ(conflicts_with_play(Channels{"HOST_LAB", "TRUTH", "VEHICLE_Q1", "VEHICLE_Q2"}),
             (Sentences{"`vantage up` runs on this network, as host LAB",
                        "a simulator runs on this network", "vehicle Q1 is alive on this network",
                        "vehicle Q2 is alive on this network"}));
-  EXPECT_TRUE(rivals_of_play(Channels{"HOST_", "VEHICLE_", "TRUTHS"}).empty());
+  EXPECT_TRUE(conflicts_with_play(Channels{"HOST_", "VEHICLE_", "TRUTHS"}).empty());
 }
 
-TEST(RivalsOfPlay, AreAllLivePublishersOfLoggedChannels) {
-  EXPECT_TRUE(rivals_of_play(Channels{"HEALTH_VIEW", "COMMAND"}).empty());
-  EXPECT_EQ(rivals_of_play(Channels{"VEHICLE_Q1", "HOST_LAB", "TRUTH"}).size(), 3U);
+TEST(ConflictsWithPlay, AreAllLivePublishersOfLoggedChannels) {
+  EXPECT_TRUE(conflicts_with_play(Channels{"HEALTH_VIEW", "COMMAND"}).empty());
+  EXPECT_EQ(conflicts_with_play(Channels{"VEHICLE_Q1", "HOST_LAB", "TRUTH"}).size(), 3U);
 }
 
 TEST(ActiveChannels, ContainThePublishedChannels) {
@@ -100,7 +102,8 @@ TEST(ActiveChannels, ContainThePublishedChannels) {
     speaks->publish("HOST_LAB", {});
     return ++asked > 3;
   };
-  EXPECT_EQ(hear_channels(*listens, std::chrono::hours(1), stop), (Channels{"HOST_LAB", "TRUTH"}));
+  EXPECT_EQ(find_active_channels(*listens, std::chrono::hours(1), stop),
+            (Channels{"HOST_LAB", "TRUTH"}));
 }
 
 TEST(ActiveChannels, SeparateUnverifiedChannelsWhereRequired) {
@@ -123,10 +126,10 @@ TEST(ActiveChannels, SeparateUnverifiedChannelsWhereRequired) {
     return ++asked > 3;
   };
   const auto authenticator = test::authenticator(test::keys_of_a_trial());
-  const HeardChannels heard =
-      hear_channels(*listens, std::chrono::hours(1), stop, authenticator.get(), clock);
-  EXPECT_EQ(heard.accepted, (Channels{"HOST_LAB", "CAMERA"}));
-  EXPECT_EQ(heard.unverified, (Channels{"HOST_X", "VEHICLE_Q9", "TRUTH"}));
+  const ActiveChannels active =
+      find_active_channels(*listens, std::chrono::hours(1), stop, authenticator.get(), clock);
+  EXPECT_EQ(active.accepted, (Channels{"HOST_LAB", "CAMERA"}));
+  EXPECT_EQ(active.unverified, (Channels{"HOST_X", "VEHICLE_Q9", "TRUTH"}));
 }
 
 /// A transport that delivers `channels` one by one per call, then reports its end.
@@ -165,13 +168,13 @@ TEST(ActiveChannels, AreLimitedToTenThousandNames) {
   const auto never = [] { return false; };
   for (const int channels : {0, 3, 10'000, 10'001, 12'345}) {
     Recording recording(channels);
-    const Channels heard = hear_channels(recording, std::chrono::hours(1), never);
-    EXPECT_EQ(heard.size(), static_cast<std::size_t>(std::min(channels, 10'000)));
+    const Channels active = find_active_channels(recording, std::chrono::hours(1), never);
+    EXPECT_EQ(active.size(), static_cast<std::size_t>(std::min(channels, 10'000)));
     EXPECT_LE(recording.longest(), std::chrono::milliseconds(50)) << "so that Ctrl-C is heeded";
     EXPECT_GT(recording.longest(), std::chrono::milliseconds(10)) << "and it does not spin";
   }
   Recording recording(5'000);
-  EXPECT_TRUE(hear_channels(recording, std::chrono::hours(1), [] { return true; }).empty());
+  EXPECT_TRUE(find_active_channels(recording, std::chrono::hours(1), [] { return true; }).empty());
 }
 
 TEST(ActiveChannels, AreCollectedForTheGivenTime) {
@@ -180,11 +183,11 @@ TEST(ActiveChannels, AreCollectedForTheGivenTime) {
   // It asks whether to stop each 50 ms at most: at 0 and at 50 ms, and perhaps at 100.
   const std::int64_t begin_ns = monotonic_ns();
   int asked = 0;
-  hear_channels(*listens, std::chrono::milliseconds(75), [&asked] { return ++asked > 9; });
+  find_active_channels(*listens, std::chrono::milliseconds(75), [&asked] { return ++asked > 9; });
   EXPECT_GE(monotonic_ns() - begin_ns, 75'000'000);
   EXPECT_LE(asked, 3);
-  EXPECT_GT(kListenToNeighbours, std::chrono::seconds(1)) << "supervisors speak once a second";
-  EXPECT_LT(kListenToNeighbours, std::chrono::seconds(2)) << "somebody waits";
+  EXPECT_GT(kListenTime, std::chrono::seconds(1)) << "supervisors speak once a second";
+  EXPECT_LT(kListenTime, std::chrono::seconds(2)) << "somebody waits";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "estimator/meetings.hpp"
+#include "estimator/target_collisions.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,32 +20,32 @@ double reach_of(const models::Gaussian& belief, Eigen::Index first) {
 
 }  // namespace
 
-Meetings::Meetings(int target_count, double distance_m) : distance_m_(distance_m) {
-  parties_.reserve(
+TargetCollisions::TargetCollisions(int target_count, double distance_m) : distance_m_(distance_m) {
+  discs_.reserve(
       std::min(static_cast<std::size_t>(std::max(0, target_count)), TrackTable::kReserved));
 }
 
-bool Meetings::may_meet(const Party& one, const Party& other) const {
+bool TargetCollisions::may_collide(const Disc& one, const Disc& other) const {
   const double reach_m = one.radius_m + other.radius_m + distance_m_;
   return reach_m > 0.0 && (one.centre_m - other.centre_m).squaredNorm() < reach_m * reach_m;
 }
 
-void Meetings::let_meet(TrackTable& tracks, double dt_s, std::uint64_t key) {
-  parties_.clear();
+void TargetCollisions::apply(TrackTable& tracks, double dt_s, std::uint64_t key) {
+  discs_.clear();
   for (const KnownTrack& each : tracks) {
-    Party& party = parties_.emplace_back();
-    party.target_id = each.target_id;
+    Disc& disc = discs_.emplace_back();
+    disc.target_id = each.target_id;
     const auto belief = models::to_gaussian(each.track.information);
     if (!belief) {
-      party.radius_m = -std::numeric_limits<double>::infinity();  // near no other target
+      disc.radius_m = -std::numeric_limits<double>::infinity();  // near no other target
       continue;
     }
     const double speed_max_mps = belief->mean.segment<2>(2).norm() + reach_of(*belief, 2);
-    party.centre_m = belief->mean.head<2>();
-    party.radius_m = reach_of(*belief, 0) + speed_max_mps * dt_s;
+    disc.centre_m = belief->mean.head<2>();
+    disc.radius_m = reach_of(*belief, 0) + speed_max_mps * dt_s;
   }
   const auto samples_of = [&](std::size_t i) -> Samples& {
-    Samples& samples = parties_[i].samples;
+    Samples& samples = discs_[i].samples;
     if (samples.empty()) {
       const KnownTrack& track = *(tracks.begin() + static_cast<std::ptrdiff_t>(i));
       samples = track.samples;
@@ -55,27 +55,27 @@ void Meetings::let_meet(TrackTable& tracks, double dt_s, std::uint64_t key) {
     }
     return samples;
   };
-  for (std::size_t i = 0; i < parties_.size(); ++i) {
-    for (std::size_t j = i + 1; j < parties_.size(); ++j) {
-      Party& one = parties_[i];
-      Party& other = parties_[j];
-      if (!may_meet(one, other) || samples_of(i).empty() || samples_of(j).empty()) {
+  for (std::size_t i = 0; i < discs_.size(); ++i) {
+    for (std::size_t j = i + 1; j < discs_.size(); ++j) {
+      Disc& one = discs_[i];
+      Disc& other = discs_[j];
+      if (!may_collide(one, other) || samples_of(i).empty() || samples_of(j).empty()) {
         continue;
       }
       const std::uint64_t pair = (static_cast<std::uint64_t>(one.target_id) << 32U) +
                                  static_cast<std::uint64_t>(other.target_id);
       const std::uint64_t pair_key = key ^ (pair << 8U);
       const Samples before = one.samples;
-      one.has_met |= one.samples.walk_into(other.samples, distance_m_, dt_s, pair_key);
-      other.has_met |= other.samples.walk_into(before, distance_m_, dt_s, ~pair_key);
+      one.has_collided |= one.samples.collide_with(other.samples, distance_m_, dt_s, pair_key);
+      other.has_collided |= other.samples.collide_with(before, distance_m_, dt_s, ~pair_key);
     }
   }
-  auto party = parties_.begin();
+  auto disc = discs_.begin();
   for (KnownTrack& each : tracks) {
-    if (party->has_met) {
-      each.samples = party->samples;
+    if (disc->has_collided) {
+      each.samples = disc->samples;
     }
-    ++party;
+    ++disc;
   }
 }
 

@@ -1,4 +1,4 @@
-#include "core/life_line.hpp"
+#include "core/liveness.hpp"
 
 #include <array>
 #include <cerrno>
@@ -32,15 +32,15 @@ char byte_of(InFlight in_flight) {
 
 // Returns the descriptor number in the environment variable if it is the write end of a pipe,
 // otherwise −1.
-int handed_on() {
-  const char* const given = std::getenv(LifeSign::kHandedOn);
+int inherited_descriptor() {
+  const char* const given = std::getenv(LivenessSender::kDescriptorVariable);
   if (given == nullptr) {
     return -1;
   }
   int descriptor = -1;
   const char* const end = given + std::strlen(given);
   const auto parsed = std::from_chars(given, end, descriptor);
-  ::unsetenv(LifeSign::kHandedOn);  // children of this process must not use it
+  ::unsetenv(LivenessSender::kDescriptorVariable);  // children of this process must not use it
   struct stat what {};
   const bool is_pipe = parsed.ec == std::errc() && parsed.ptr == end &&
                        descriptor > STDERR_FILENO && ::fstat(descriptor, &what) == 0 &&
@@ -62,29 +62,29 @@ void close_if_open(int& descriptor) {
 
 }  // namespace
 
-LifeSign::LifeSign() : descriptor_(handed_on()) {}
+LivenessSender::LivenessSender() : descriptor_(inherited_descriptor()) {}
 
-LifeSign::~LifeSign() { close_if_open(descriptor_); }
+LivenessSender::~LivenessSender() { close_if_open(descriptor_); }
 
-void LifeSign::on_loop(Time now, InFlight in_flight) {
-  const bool is_due = !last_ || now - *last_ >= kPeriod || in_flight != said_;
+void LivenessSender::on_loop(Time now, InFlight in_flight) {
+  const bool is_due = !last_ || now - *last_ >= kPeriod || in_flight != sent_;
   if (descriptor_ < 0 || !is_due) {
     return;
   }
   last_ = now;
-  said_ = in_flight;
+  sent_ = in_flight;
   const char byte = byte_of(in_flight);
   if (::write(descriptor_, &byte, 1) < 0 && errno == EPIPE) {
     close_if_open(descriptor_);  // the supervisor has ended
   }
 }
 
-LifeLine::~LifeLine() { close_all(); }
+LivenessReceiver::~LivenessReceiver() { close_all(); }
 
-LifeLine::LifeLine(LifeLine&& other) noexcept
+LivenessReceiver::LivenessReceiver(LivenessReceiver&& other) noexcept
     : read_(std::exchange(other.read_, -1)), write_(std::exchange(other.write_, -1)) {}
 
-LifeLine& LifeLine::operator=(LifeLine&& other) noexcept {
+LivenessReceiver& LivenessReceiver::operator=(LivenessReceiver&& other) noexcept {
   if (this != &other) {
     close_all();
     read_ = std::exchange(other.read_, -1);
@@ -93,12 +93,12 @@ LifeLine& LifeLine::operator=(LifeLine&& other) noexcept {
   return *this;
 }
 
-void LifeLine::close_all() {
+void LivenessReceiver::close_all() {
   close_if_open(read_);
   close_if_open(write_);
 }
 
-bool LifeLine::open() {
+bool LivenessReceiver::open() {
   close_all();
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) {
@@ -109,10 +109,10 @@ bool LifeLine::open() {
   return true;
 }
 
-void LifeLine::close_child_end() { close_if_open(write_); }
+void LivenessReceiver::close_child_end() { close_if_open(write_); }
 
-LifeLine::Signs LifeLine::take() {
-  Signs out;
+LivenessReceiver::Report LivenessReceiver::take() {
+  Report out;
   std::array<char, 256> bytes{};
   ssize_t count = 0;
   while (read_ >= 0 && (count = ::read(read_, bytes.data(), bytes.size())) > 0) {

@@ -44,7 +44,7 @@ double intersection_weight(const models::StateMatrix& A, const models::StateMatr
 
 }  // namespace
 
-void DistributedFilter::listen(const StepInput& input, StepRecord& record) {
+void DistributedFilter::collect_beliefs(const StepInput& input, StepRecord& record) {
   in_range_.clear();
   const Duration age_max = from_seconds(spec_.belief_age_max_s);
   for (const models::RobotBelief* belief : input.beliefs) {
@@ -61,11 +61,11 @@ void DistributedFilter::listen(const StepInput& input, StepRecord& record) {
   }
   degree_ = static_cast<int>(in_range_.size());
   for (const models::RobotBelief* belief : in_range_) {
-    record.is_heard_of_end = record.is_heard_of_end || belief->stamp.time == input.time;
+    record.has_belief_of_end = record.has_belief_of_end || belief->stamp.time == input.time;
     if (multi_target_) {
-      hear_labels(*belief, record);
+      add_labelled_belief(*belief, record);
     } else {
-      hear(*belief, record);
+      add_belief(*belief, record);
     }
     merge_grid(*belief);
   }
@@ -77,17 +77,17 @@ std::optional<models::Information> DistributedFilter::kept_inside(
   if (!spec_.estimator.targets_stay_inside || !belief) {
     return information;
   }
-  const models::Gaussian inside = confine(*belief, room_);
+  const models::Gaussian inside = confine(*belief, free_space_);
   const bool is_same = inside.mean == belief->mean && inside.covariance == belief->covariance;
   return is_same ? information : models::to_information(inside);
 }
 
-void DistributedFilter::hear(const models::RobotBelief& belief, StepRecord& record) {
+void DistributedFilter::add_belief(const models::RobotBelief& belief, StepRecord& record) {
   // The first step (no time_) starts without tracks, and the belief may contain observations made
   // since the start of the step.
   const bool is_of_start = time_ && belief.stamp.time <= record.from;
   const Time now = is_of_start ? record.from : record.to;
-  HeardTable& all_heard = is_of_start ? record.heard_of_start : record.heard;
+  ReceivedTable& all_received = is_of_start ? record.received_at_start : record.received_at_end;
   for (const models::TargetBelief& target : belief.targets) {
     if (target.target_id < 0 || target.target_id >= spec_.target_count) {
       ++counters_.unknown_ids;
@@ -114,44 +114,44 @@ void DistributedFilter::hear(const models::RobotBelief& belief, StepRecord& reco
       ++counters_.singular;
       continue;
     }
-    HeardTrack* const heard = all_heard.find(target.target_id);
-    if (heard == nullptr) {
-      all_heard.put(
+    ReceivedTrack* const received = all_received.find(target.target_id);
+    if (received == nullptr) {
+      all_received.put(
           {target.target_id,
            {true, {weight * now_known->vector, weight * now_known->matrix}, target.last_seen},
            weight});
     } else {
-      heard->track.information.vector += weight * now_known->vector;
-      heard->track.information.matrix += weight * now_known->matrix;
-      heard->track.last_seen = std::max(heard->track.last_seen, target.last_seen);
-      heard->weight += weight;
+      received->track.information.vector += weight * now_known->vector;
+      received->track.information.matrix += weight * now_known->matrix;
+      received->track.last_seen = std::max(received->track.last_seen, target.last_seen);
+      received->weight += weight;
     }
   }
 }
 
-void DistributedFilter::hear_labels(const models::RobotBelief& belief, StepRecord& record) {
-  const Time told_at = belief.stamp.time;
-  if (told_at < record.from) {
+void DistributedFilter::add_labelled_belief(const models::RobotBelief& belief, StepRecord& record) {
+  const Time belief_at = belief.stamp.time;
+  if (belief_at < record.from) {
     return;  // belief of a step that was reconciled already, or too old
   }
   // A belief of instant `from` contains no observation of this step and is used before them. A
   // later belief is used after all of them.
-  const Time at = told_at == record.from && record.from < record.to ? record.from : record.to;
+  const Time at = belief_at == record.from && record.from < record.to ? record.from : record.to;
   const models::TargetModel& model = spec_.estimator.target_model;
-  const int teller = record.heard_labels.empty() ? 0 : record.heard_labels.back().teller + 1;
+  const int sender = record.received_labels.empty() ? 0 : record.received_labels.back().sender + 1;
   for (const models::TargetBelief& target : belief.targets) {
     const auto believed = target.information.vector.size() == model.dim()
                               ? models::to_gaussian(target.information)
                               : std::nullopt;
     if (target.target_id < models::kTrackLabelMin) {
       ++counters_.unknown_ids;
-    } else if (!believed || record.heard_labels.size() >= spec_.team.size() * labelled_.size()) {
+    } else if (!believed || record.received_labels.size() >= spec_.team.size() * labelled_.size()) {
       ++counters_.malformed_beliefs;  // more tracks than any teammate in this scenario sends
     } else {
-      record.heard_labels.push_back(
-          {teller, at, target.target_id,
-           models::predict_unseen(*believed, model, to_seconds(at - told_at),
-                                  to_seconds(told_at - target.last_seen), spec_.step_s),
+      record.received_labels.push_back(
+          {sender, at, target.target_id,
+           models::predict_unseen(*believed, model, to_seconds(at - belief_at),
+                                  to_seconds(belief_at - target.last_seen), spec_.step_s),
            target.last_seen});
     }
   }
@@ -169,22 +169,22 @@ void DistributedFilter::merge_grid(const models::RobotBelief& belief) {
   }
 }
 
-void DistributedFilter::fuse(const HeardTable& all_heard) {
-  for (const auto& [target_id, heard, heard_weight] : all_heard) {
-    const models::Information theirs{heard.information.vector / heard_weight,
-                                     heard.information.matrix / heard_weight};
+void DistributedFilter::fuse(const ReceivedTable& all_received) {
+  for (const auto& [target_id, received, received_weight] : all_received) {
+    const models::Information theirs{received.information.vector / received_weight,
+                                     received.information.matrix / received_weight};
     KnownTrack* const known = tracks_.find(target_id);
     if (known == nullptr) {
-      tracks_.put({target_id, {true, theirs, heard.last_seen}});
+      tracks_.put({target_id, {true, theirs, received.last_seen}});
       continue;
     }
     Track& own = known->track;
-    if (heard.last_seen < own.doubted) {
+    if (received.last_seen < own.doubted) {
       continue;  // it is older than the doubted detection and would undo doubt()
     }
     // Without a newer detection, the teammates' beliefs differ only in missed detections. Beliefs
     // contain only moments; if moments differ, the more confident ones are more likely to be wrong.
-    if (!known->samples.empty() && heard.last_seen <= own.last_seen) {
+    if (!known->samples.empty() && received.last_seen <= own.last_seen) {
       continue;
     }
     const double kappa = intersection_weight(own.information.matrix, theirs.matrix);
@@ -194,16 +194,16 @@ void DistributedFilter::fuse(const HeardTable& all_heard) {
     if (kappa > 0.0) {
       known->samples.clear();
       own.information = both;
-      own.last_seen = std::max(own.last_seen, heard.last_seen);
+      own.last_seen = std::max(own.last_seen, received.last_seen);
     }
   }
 }
 
 void DistributedFilter::reconcile_labels(const StepRecord& record, Time at) {
-  heard_labels_.assign(record.heard_labels.begin(), record.heard_labels.end());
-  const std::span<HeardLabel> all(heard_labels_);
+  received_labels_.assign(record.received_labels.begin(), record.received_labels.end());
+  const std::span<ReceivedLabel> all(received_labels_);
   for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
-    while (end < all.size() && all[end].teller == all[begin].teller) {
+    while (end < all.size() && all[end].sender == all[begin].sender) {
       ++end;
     }
     if (all[begin].at == at) {

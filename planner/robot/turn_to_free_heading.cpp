@@ -1,4 +1,4 @@
-#include "planner/robot/way_out.hpp"
+#include "planner/robot/turn_to_free_heading.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ models::Trajectory turn(const SearchProblem& problem, double off_rad, double yaw
   return turning;
 }
 
-double off_the_way_from_rad(const SearchProblem& problem, const models::Trajectory& teammate) {
+double bearing_away_rad(const SearchProblem& problem, const models::Trajectory& teammate) {
   const Eigen::Vector2d from_m =
       models::at(teammate, problem.start_time).world_from_body.position_m();
   const Eigen::Vector2d away_m = problem.start.position_m() - from_m;
@@ -31,7 +31,7 @@ double off_the_way_from_rad(const SearchProblem& problem, const models::Trajecto
 
 }  // namespace
 
-bool has_way_out(const SearchProblem& problem, double turned_rad) {
+bool can_move_after_turn(const SearchProblem& problem, double turned_rad) {
   Pose2 from = problem.start;
   from.yaw_rad = wrap_to_pi(from.yaw_rad + turned_rad);
   models::Trajectory step = hover_at(from, problem.height_m, problem.start_time);
@@ -47,23 +47,23 @@ bool has_way_out(const SearchProblem& problem, double turned_rad) {
   });
 }
 
-std::optional<models::Trajectory> turn_to_a_way_out(const SearchProblem& problem, bool is_boxed_in,
-                                                    double yaw_rate_max_radps) {
-  if (const auto teammate = too_near(problem)) {
-    return turn(problem, off_the_way_from_rad(problem, problem.teammates[*teammate]),
+std::optional<models::Trajectory> turn_to_free_heading(const SearchProblem& problem,
+                                                       bool is_blocked, double yaw_rate_max_radps) {
+  if (const auto teammate = nearest_violating_teammate(problem)) {
+    return turn(problem, bearing_away_rad(problem, problem.teammates[*teammate]),
                 yaw_rate_max_radps);
   }
-  if (!is_boxed_in && has_way_out(problem, 0.0)) {
+  if (!is_blocked && can_move_after_turn(problem, 0.0)) {
     return std::nullopt;  // staying may be optimal
   }
   for (const double turn_rad : {kTurn_rad, 2.0 * kTurn_rad, 3.0 * kTurn_rad, kPi}) {
     for (const double off_rad : {turn_rad, -turn_rad}) {
-      if (has_way_out(problem, off_rad)) {
+      if (can_move_after_turn(problem, off_rad)) {
         return turn(problem, off_rad, yaw_rate_max_radps);
       }
     }
   }
-  return is_boxed_in ? std::optional(turn(problem, kTurn_rad, yaw_rate_max_radps)) : std::nullopt;
+  return is_blocked ? std::optional(turn(problem, kTurn_rad, yaw_rate_max_radps)) : std::nullopt;
 }
 
 }  // namespace vantage::planner
