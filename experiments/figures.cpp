@@ -218,7 +218,7 @@ std::string active_mapping_figures() {
                                    R"gp("RVI (ε = 1, δ = 0.1)" "A*" "AEGIS (ε = 1, δ = 0.1)")gp", 6,
                                    "moving_target.txt")) +
          figure("active-mapping-paths", "900,560", R"gp(
-  set title "Mean cost per path and step in the search tree: obstacle-free random starts, 0.1 s of planning each"
+  set title "Mean cost per path and step in the search tree: obstacle-free random starts, 0.1 s each"
   set xlabel "mean over the tree of g(n)/t(n) [m²]"; set ylabel "starts"
   set yrange [0:*]
   width = 0.05

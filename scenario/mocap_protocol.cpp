@@ -5,7 +5,7 @@
 namespace vantage::scenario {
 namespace {
 
-constexpr MocapProtocolRow kRows[] = {
+constexpr MocapProtocolRow kMocapRows[] = {
     {"datastream", 801, false, "vicon"},
     {"object_stream", 51001, true, "vicon"},
     {"vrpn", 3883, false, "vicon"},
@@ -13,13 +13,13 @@ constexpr MocapProtocolRow kRows[] = {
 
 }  // namespace
 
-constinit const MocapProtocol MocapProtocol::kDataStream(kRows[0]);
-constinit const MocapProtocol MocapProtocol::kObjectStream(kRows[1]);
-constinit const MocapProtocol MocapProtocol::kVrpn(kRows[2]);
+constinit const MocapProtocol MocapProtocol::kDataStream(kMocapRows[0]);
+constinit const MocapProtocol MocapProtocol::kObjectStream(kMocapRows[1]);
+constinit const MocapProtocol MocapProtocol::kVrpn(kMocapRows[2]);
 
 std::span<const MocapProtocol> all_mocap_protocols() {
-  static constexpr std::array kAll{MocapProtocol(kRows[0]), MocapProtocol(kRows[1]),
-                                   MocapProtocol(kRows[2])};
+  static constexpr std::array kAll{MocapProtocol(kMocapRows[0]), MocapProtocol(kMocapRows[1]),
+                                   MocapProtocol(kMocapRows[2])};
   return kAll;
 }
 

@@ -5,15 +5,15 @@
 namespace vantage::scenario {
 namespace {
 
-constexpr TeamAlgorithmRow kRows[] = {{"coordinate_descent", false}, {"local_search", true}};
+constexpr TeamAlgorithmRow kTeamRows[] = {{"coordinate_descent", false}, {"local_search", true}};
 
 }  // namespace
 
-constinit const TeamAlgorithm TeamAlgorithm::kCoordinateDescent(kRows[0]);
-constinit const TeamAlgorithm TeamAlgorithm::kLocalSearch(kRows[1]);
+constinit const TeamAlgorithm TeamAlgorithm::kCoordinateDescent(kTeamRows[0]);
+constinit const TeamAlgorithm TeamAlgorithm::kLocalSearch(kTeamRows[1]);
 
 std::span<const TeamAlgorithm> all_team_algorithms() {
-  static constexpr std::array kAll{TeamAlgorithm(kRows[0]), TeamAlgorithm(kRows[1])};
+  static constexpr std::array kAll{TeamAlgorithm(kTeamRows[0]), TeamAlgorithm(kTeamRows[1])};
   return kAll;
 }
 

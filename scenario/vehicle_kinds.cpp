@@ -5,7 +5,7 @@
 namespace vantage::scenario {
 namespace {
 
-constexpr VehicleKind kKinds[] = {
+constexpr VehicleKind kVehicleKinds[] = {
     {"autopilot", "quadrotor", true,
      [](const RobotSpec& robot) { return robot.autopilot ? &robot.autopilot->url : nullptr; }},
     {"rover", "rover", false,
@@ -14,17 +14,17 @@ constexpr VehicleKind kKinds[] = {
 
 }  // namespace
 
-std::span<const VehicleKind> all_vehicle_kinds() { return kKinds; }
+std::span<const VehicleKind> all_vehicle_kinds() { return kVehicleKinds; }
 
 const VehicleKind* vehicle_kind(const RobotSpec& robot) {
   const auto found = std::ranges::find_if(
-      kKinds, [&](const VehicleKind& kind) { return kind.url(robot) != nullptr; });
-  return found == std::end(kKinds) ? nullptr : found;
+      kVehicleKinds, [&](const VehicleKind& kind) { return kind.url(robot) != nullptr; });
+  return found == std::end(kVehicleKinds) ? nullptr : found;
 }
 
 std::string vehicle_sections(std::string_view separator) {
   std::string out;
-  for (const VehicleKind& kind : kKinds) {
+  for (const VehicleKind& kind : kVehicleKinds) {
     out.append(out.empty() ? "" : separator).append("`").append(kind.section).append("`");
   }
   return out;

@@ -9,6 +9,7 @@
 
 #include "core/check.hpp"
 #include "core/index.hpp"
+#include "planner/decision/local_search_session.hpp"
 #include "planner/decision/paths_bound.hpp"
 #include "planner/decision/resilient.hpp"
 #include "planner/decision/team_bound.hpp"

@@ -45,12 +45,12 @@ class Mapping {
   }
   /// Reads the name() of one of `kinds`.
   template <class Kind>
-  void word(std::string_view key, Kind& value, std::span<const Kind> kinds) {
+  void choice(std::string_view key, Kind& value, std::span<const Kind> kinds) {
     std::vector<std::pair<std::string_view, Kind>> vocabulary;
     for (const Kind kind : kinds) {
       vocabulary.emplace_back(kind.name(), kind);
     }
-    word(key, value, vocabulary);
+    choice(key, value, vocabulary);
   }
   /// If there is a mapping under `key`, calls `read` with it and returns true.
   bool section(std::string_view key, const std::function<void(Mapping&)>& read);

@@ -166,7 +166,7 @@ std::vector<std::string> to_lines(const RangeReport& report) {
     out.push_back(fmt::format(
         "test on held-out ranges: {} innovations with mean NEES {:.2f} (expected 1), {} beyond "
         "4 sigma",
-        report.held_back->honest, report.held_back->nees, report.held_back->outliers));
+        report.held_back->inliers, report.held_back->nees, report.held_back->outliers));
   }
   out.push_back(fmt::format("calibration: {{range_scale: {:.5f}, range_bias_m: {:.3f}}}",
                             fit.calibration.range_scale, fit.calibration.range_bias_m));
@@ -215,7 +215,7 @@ nlohmann::ordered_json to_json(const RangeReport& report) {
   }
   json["surveyed_not_found"] = report.not_fitted;
   if (report.held_back) {
-    json["held_back"] = {{"honest", report.held_back->honest},
+    json["held_back"] = {{"honest", report.held_back->inliers},
                          {"outliers", report.held_back->outliers},
                          {"nees", report.held_back->nees}};
   }

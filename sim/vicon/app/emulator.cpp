@@ -47,8 +47,13 @@ void add_options(CLI::App& app, Arguments& arguments) {
   const std::map<std::string, OcclusionStyle> styles{{"absent", OcclusionStyle::kAbsent},
                                                      {"zero", OcclusionStyle::kZero},
                                                      {"repeated", OcclusionStyle::kRepeated}};
-  app.add_option("--protocol", arguments.settings.protocol, "datastream, object_stream or vrpn")
-      ->transform(CLI::CheckedTransformer(protocols));
+  app.add_option_function<std::string>(
+         "--protocol",
+         [&arguments, protocols](const std::string& name) {
+           arguments.settings.protocol = protocols.at(name);
+         },
+         "datastream, object_stream or vrpn")
+      ->check(CLI::IsMember(protocols));
   app.add_option("--host", arguments.host, "address to listen on");
   app.add_option("--port", arguments.port, "port instead of the protocol's default")
       ->check(CLI::Range(1, 65535));

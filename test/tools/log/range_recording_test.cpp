@@ -153,7 +153,7 @@ TEST(FitRangesOfPlaza, FindsScaleAndBeacons) {
   EXPECT_LT(mean_nees(report).value(), 3.0);
   EXPECT_GT(mean_nees(report).value(), 0.2);
   ASSERT_TRUE(report.held_back.has_value());
-  EXPECT_GT(report.held_back->honest, 1000);
+  EXPECT_GT(report.held_back->inliers, 1000);
   EXPECT_NEAR(report.held_back->nees, 1.0, 0.25);
 }
 
