@@ -8,7 +8,7 @@ namespace vantage::scenario {
 struct MocapProtocolRow {
   const char* name;    ///< value of mocap.protocol in scenario files
   int default_port;    ///< TCP, or UDP if is_datagram
-  bool is_datagram;    ///< the server sends datagrams to this host; nobody connects
+  bool is_datagram;    ///< the server sends datagrams to this host without a connection
   const char* driver;  ///< process and health prefix of the driver: vantage-<driver>, <driver>.…
 };
 

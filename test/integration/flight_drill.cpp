@@ -17,8 +17,7 @@
 //
 // WHAT may be a list of events that ground no vehicle, separated by commas: each happens TIMES
 // times in all, and each vehicle has its own sequence, so that a short flight has many events.
-// Kinds
-// separated by + happen one kind after the other.
+// Kinds separated by + happen one kind after the other.
 //
 // Vehicles that have landed are flown again. Each event appends a line "µs WHAT ROBOT…" to EVENTS;
 // its outcome is in the log (hil_check --events EVENTS LOG). Exit code 0 when all was done and all
