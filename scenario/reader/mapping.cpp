@@ -108,9 +108,11 @@ void Mapping::require(std::string_view key) { static_cast<void>(find_required(ke
 
 void Mapping::number(std::string_view key, double& value, const Range& range) {
   note(key, range.description(), fmt::format("{}", value));
-  if (const std::optional<Value> found = find(key)) {
-    value = found->number(range);
-  }
+  tolerate([&] {
+    if (const std::optional<Value> found = find(key)) {
+      value = found->number(range);
+    }
+  });
 }
 
 void Mapping::angle(std::string_view stem, double& value_rad, const Range& range_deg) {
@@ -120,6 +122,11 @@ void Mapping::angle(std::string_view stem, double& value_rad, const Range& range
   mark_known(in_deg);
   note(in_deg, range_deg.description() + "; or " + in_rad,
        fmt::format("{:.6g}", value_rad * 180.0 / kPi));
+  tolerate([&] { read_angle(in_rad, in_deg, value_rad, range_deg); });
+}
+
+void Mapping::read_angle(const std::string& in_rad, const std::string& in_deg, double& value_rad,
+                         const Range& range_deg) {
   for (const Value& layer : layers_) {
     const std::optional<Value> rad = find_in(layer, in_rad);
     const std::optional<Value> deg = find_in(layer, in_deg);
@@ -140,23 +147,29 @@ void Mapping::angle(std::string_view stem, double& value_rad, const Range& range
 
 void Mapping::integer(std::string_view key, int& value, int min, int max) {
   note(key, whole_words(min, max), std::to_string(value));
-  if (const std::optional<Value> found = find(key)) {
-    value = static_cast<int>(found->integer(min, max));
-  }
+  tolerate([&] {
+    if (const std::optional<Value> found = find(key)) {
+      value = static_cast<int>(found->integer(min, max));
+    }
+  });
 }
 
 void Mapping::flag(std::string_view key, bool& value) {
   note(key, "true or false", value ? "true" : "false");
-  if (const std::optional<Value> found = find(key)) {
-    value = found->flag();
-  }
+  tolerate([&] {
+    if (const std::optional<Value> found = find(key)) {
+      value = found->flag();
+    }
+  });
 }
 
 void Mapping::text(std::string_view key, std::string& value) {
   note(key, "text", value);
-  if (const std::optional<Value> found = find(key)) {
-    value = found->text();
-  }
+  tolerate([&] {
+    if (const std::optional<Value> found = find(key)) {
+      value = found->text();
+    }
+  });
 }
 
 bool Mapping::section(std::string_view key, const std::function<void(Mapping&)>& read) {
@@ -191,22 +204,26 @@ void Mapping::finish() {
       }
       const Value value = child(layer, entry);
       const std::string nearest = nearest_word(key, known);
-      if (nearest.empty()) {
-        value.refuse("unknown key; valid keys are " + comma_separated(known));
-      }
-      value.refuse(fmt::format("unknown key{}; did you mean {}?",
-                               differs_in_unit(key, nearest) ? ", wrong unit" : "", nearest));
+      tolerate([&] {
+        if (nearest.empty()) {
+          value.refuse("unknown key; valid keys are " + comma_separated(known));
+        }
+        value.refuse(fmt::format("unknown key{}; did you mean {}?",
+                                 differs_in_unit(key, nearest) ? ", wrong unit" : "", nearest));
+      });
     }
   }
-  if (!missing_.empty()) {
-    layers_.front().refuse("missing required key " + missing_.front());
+  for (const std::string& key : missing_) {
+    tolerate([&] { layers_.front().refuse("missing required key " + key); });
   }
 }
 
 void read_mapping(std::vector<Value> layers, const std::function<void(Mapping&)>& read) {
-  Mapping mapping(std::move(layers));
-  read(mapping);
-  mapping.finish();
+  tolerate([&] {
+    Mapping mapping(std::move(layers));
+    tolerate([&] { read(mapping); });
+    mapping.finish();
+  });
 }
 
 }  // namespace vantage::scenario

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scenario/reader/mistakes.hpp"
 #include "scenario/reader/value.hpp"
 
 namespace vantage::scenario {
@@ -39,9 +40,11 @@ class Mapping {
       initial = enumerator == value ? name : initial;
     }
     note(key, one_of(words), std::move(initial));
-    if (const std::optional<Value> found = find(key)) {
-      value = found->choice(vocabulary);
-    }
+    tolerate([&] {
+      if (const std::optional<Value> found = find(key)) {
+        value = found->choice(vocabulary);
+      }
+    });
   }
   /// Reads the name() of one of `kinds`.
   template <class Kind>
@@ -76,6 +79,8 @@ class Mapping {
   explicit Mapping(std::vector<Value> layers);
   [[nodiscard]] std::optional<Value> find_in(const Value& layer, std::string_view key);
   void mark_known(std::string_view key);
+  void read_angle(const std::string& in_rad, const std::string& in_deg, double& value_rad,
+                  const Range& range_deg);
   /// Adds the rule of `key` to the table of keys, if there is one.
   void note(std::string_view key, std::string values, std::string initial = "",
             bool is_required = false) const;

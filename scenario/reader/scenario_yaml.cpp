@@ -342,9 +342,9 @@ void read_scenario(Mapping& top, Scenario& scenario) {
   top.section("world", [&](Mapping& from) { read_world(from, scenario.world); });
   top.section("wind", [&](Mapping& from) { read_wind(from, scenario.wind.emplace()); });
   top.section("planner", [&](Mapping& from) { read_planner(from, scenario.planner); });
-  read_mapping_spec(top, scenario);
-  read_robots(top, scenario);
-  read_targets(top, scenario);
+  tolerate([&] { read_mapping_spec(top, scenario); });
+  tolerate([&] { read_robots(top, scenario); });
+  tolerate([&] { read_targets(top, scenario); });
   top.section("target_truth",
               [&](Mapping& from) { read_target_truth(from, scenario.target_truth); });
   if (!top.section("network", [&](Mapping& from) { read_network(from, scenario); })) {
@@ -355,9 +355,9 @@ void read_scenario(Mapping& top, Scenario& scenario) {
   }
   top.section("security", [&](Mapping& from) { read_security(from, scenario.security); });
   top.section("mocap", [&](Mapping& from) { read_mocap(from, scenario.mocap); });
-  check_without_ids(top, scenario);
-  read_attacks(top, scenario);
-  read_hosts(top, scenario);
+  tolerate([&] { check_without_ids(top, scenario); });
+  tolerate([&] { read_attacks(top, scenario); });
+  tolerate([&] { read_hosts(top, scenario); });
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ const models::DampedOscillator kLabOscillator{{0.5, -0.5}, {1.75, 0.83}, {0.4, 0
 TEST(Propagate, TwoPartsEqualOnePart) {
   const auto all = models::all_target_kinds();
   std::vector<TargetKind> kinds(all.begin(), all.end());
-  kinds.push_back(test::drag());
+  kinds.push_back(vantage::test::drag());
   for (const TargetKind kind : kinds) {
     const models::TargetModel model{kind, 2, 0.3, kLabOscillator};
     const Eigen::Index n = model.dim();

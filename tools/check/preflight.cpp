@@ -19,6 +19,7 @@
 #include "scenario/search_name.hpp"
 #include "scenario/vehicle_kinds.hpp"
 #include "sim/rover/starts.hpp"
+#include "tools/check/purpose_notes.hpp"
 #include "tools/up/process_plan.hpp"
 
 namespace vantage::tools {
@@ -356,6 +357,9 @@ Preflight check_preflight(const Scenario& scenario) {
   note_late_plans(scenario, out.notes);
   note_wind(scenario, out.notes);
   note_static_model_of_moving_targets(scenario, out.notes);
+  for (std::string& note : purpose_notes(scenario)) {
+    out.notes.push_back(std::move(note));
+  }
   return out;
 }
 

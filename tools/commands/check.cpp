@@ -16,6 +16,7 @@
 #include "core/process.hpp"
 #include "logs/record/append_file.hpp"
 #include "logs/record/log_space.hpp"
+#include "scenario/reader/mistakes.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 #include "tools/check/arming_watch.hpp"
 #include "tools/check/preflight.hpp"
@@ -86,7 +87,18 @@ int run_vehicles(const CheckArguments& arguments) {
   return report.is_ready ? 0 : 1;
 }
 
+/// Exit code for a scenario that cannot be read.
+constexpr int kUnreadable = 2;
+
 int run(const CheckArguments& arguments) {
+  if (const auto mistakes = scenario::mistakes_of_scenario(arguments.scenario);
+      mistakes.size() > 1) {
+    for (const std::string& mistake : mistakes) {
+      print_line("vantage: " + mistake, stderr);
+    }
+    print_line(fmt::format("{} mistakes; some may follow from others", mistakes.size()), stderr);
+    return kUnreadable;
+  }
   if (arguments.is_of_vehicles) {
     return run_vehicles(arguments);
   }

@@ -8,6 +8,7 @@
 #include "core/write_file.hpp"
 #include "logs/picture/picture.hpp"
 #include "scenario/search_name.hpp"
+#include "tools/check/purpose_notes.hpp"
 #include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
@@ -24,6 +25,9 @@ void report_summary(const scenario::Scenario& scenario, const logs::TrialSummary
   }
   for (const std::string& line : summary_table(scenario, summary)) {
     print_line(line);
+  }
+  if (const auto obstacle = discovery_obstacle(scenario); obstacle && summary.discovered == 0) {
+    print_line(*obstacle);
   }
 }
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <string>
@@ -74,7 +75,8 @@ void mutate(Sample& sample, const std::vector<Sample>& samples, Random& random) 
 
 template <class Fuzz>
 void run(MocapProtocol protocol, const std::vector<Sample>& samples, const Fuzz& fuzz) {
-  Random random(20 + static_cast<std::uint64_t>(protocol));
+  const auto all = scenario::all_mocap_protocols();
+  Random random(20 + static_cast<std::uint64_t>(std::ranges::find(all, protocol) - all.begin()));
   const int count = inputs();
   for (int i = 0; i < count; ++i) {
     Sample input = samples[static_cast<std::size_t>(i) % samples.size()];

@@ -1,0 +1,91 @@
+#include "scenario/reader/mistakes.hpp"
+
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
+#include "test/support/temporary_folder.hpp"
+
+namespace vantage::scenario {
+namespace {
+
+std::string lab_with(const std::vector<std::pair<std::string, std::string>>& edits) {
+  std::ifstream file(VANTAGE_SOURCE_DIR "/config/lab.yaml");
+  std::ostringstream read;
+  read << file.rdbuf();
+  std::string text = read.str();
+  for (const auto& [from, to] : edits) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+std::vector<std::string> mistakes_in(const std::string& text) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.file("f.yaml");
+  std::ofstream(path) << text;
+  std::vector<std::string> out = mistakes_of_scenario(path);
+  for (std::string& mistake : out) {
+    EXPECT_TRUE(mistake.starts_with(path + ":")) << mistake;
+    mistake = mistake.substr(mistake.find(": ") + 2);
+  }
+  return out;
+}
+
+TEST(MistakesOfScenario, AreEmptyForAValidFile) { EXPECT_TRUE(mistakes_in(lab_with({})).empty()); }
+
+// Two mistakes of one section, one of a list item, an unknown word, an unknown key and a missing
+// key are all reported, in the order of their lines.
+TEST(MistakesOfScenario, ListsEveryMistakeByLine) {
+  const std::vector<std::string> mistakes =
+      mistakes_in(lab_with({{"duration_s: 300", "duration_s: -3"},
+                            {"brake_mps2: 2 ", "brake_mps2: fast "},
+                            {"range_max_m: 1 ", "range_maxi_m: 1 "},
+                            {"height_m: 1.5", "height_m: 9"},
+                            {"algorithm: arvi", "algorithm: avri"},
+                            {"step_s: 0.5", "step_s: 0"},
+                            {"horizon_steps: 12", "horizon_steps: 1000"}}));
+  ASSERT_GE(mistakes.size(), 7U);
+  const char* const expected[] = {"duration_s: must be above 0",
+                                  "robots[0].limits.brake_mps2",
+                                  "range_maxi_m: unknown key; did you mean range_max_m?",
+                                  "robots[1].height_m: must be below world.ceiling_m",
+                                  "planner.algorithm: must be one of",
+                                  "planner.horizon_steps: must be",
+                                  "planner.step_s: must be"};
+  std::size_t next = 0;
+  for (const std::string& mistake : mistakes) {
+    if (next < std::size(expected) && mistake.find(expected[next]) != std::string::npos) {
+      ++next;
+    }
+  }
+  EXPECT_EQ(next, std::size(expected)) << "not found in this order: " << expected[next];
+}
+
+// Each row of a file with one mistake: the list contains the error of load_scenario().
+TEST(MistakesOfScenario, BeginWithTheErrorOfTheReader) {
+  const std::string text = lab_with({{"team_budget_s: 0.5", "team_budget_s: 2"}});
+  std::string error;
+  try {
+    parse_scenario(text, "f");
+  } catch (const StartupError& refused) {
+    error = refused.what();
+  }
+  const std::vector<std::string> mistakes = mistakes_in(text);
+  ASSERT_EQ(mistakes.size(), 1U);
+  EXPECT_EQ("f" + error.substr(1, error.find(": ") + 1) + mistakes[0], error);
+}
+
+TEST(MistakesOfScenario, IsTheErrorOfTheParserForTextThatIsNotYaml) {
+  EXPECT_EQ(mistakes_in("name: [").size(), 1U);
+}
+
+}  // namespace
+}  // namespace vantage::scenario

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenario/scenario.hpp"
+
+namespace vantage::tools {
+
+/// Returns why no target can be found although the scenario has targets; nullopt if a target can be
+/// found. A target is found by a sensor whose measurement determines a position.
+std::optional<std::string> discovery_obstacle(const scenario::Scenario& scenario);
+
+/// Returns notes about legal settings with which a trial cannot do what it is for: settings that
+/// prevent discovery, tracking, motion or agreement, and settings without effect. Each note names
+/// the key and its value, what follows from it, and a remedy.
+std::vector<std::string> purpose_notes(const scenario::Scenario& scenario);
+
+}  // namespace vantage::tools
