@@ -81,7 +81,7 @@ RangeFit fit_ranges(std::span<const TakenRange> ranges, int beacons, const Range
 /// Innovations of ranges that were not used in the fit, normalised by the σ that the fit predicts.
 struct InnovationScore {
   int inliers = 0;   ///< number of ranges within 4σ of the prediction
-  int outliers = 0;  ///< number of the other ranges; not part of nees
+  int outliers = 0;  ///< number of ranges beyond 4σ; not part of nees
   /// Mean of ν²/(H Σ Hᵀ + σ²) over the ranges counted in `inliers`; 1 if the fit is consistent.
   double nees = 0.0;
 };

@@ -80,7 +80,7 @@ class Samples {
   /// velocity is unchanged. The sample is moved such that a prediction by dt_s gives its position
   /// after the collision. Returns false and changes nothing if no sample collides.
   bool collide_with(const Samples& others, double distance_m, double dt_s, std::uint64_t key);
-  /// Least effective number of samples for which measure() succeeds.
+  /// Smallest effective sample size for which measure() succeeds.
   static constexpr double kExplainMin = 32.0;
 
  private:

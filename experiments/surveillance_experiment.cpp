@@ -220,7 +220,7 @@ void compare(const Attacked& attacked, std::span<const Runs> runs, Summary& summ
                       fmt::format("{:.1f} %", at_one), "≥ 24 %", at_one >= 24.0));
     const double at_last = share_less(runs[runs.size() - 2], runs.back(), measure);
     summary.compared.push_back(compare_claim(
-        fmt::format("{}: RAIN reduces more at T_REPLAN = 10 than at 1", what),
+        fmt::format("{}: RAIN reduces the error more at T_REPLAN = 10 than at 1", what),
         fmt::format("{:.1f} % and {:.1f} %", at_last, at_one), "it grows", at_last > at_one));
   }
 }

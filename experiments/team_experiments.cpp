@@ -242,8 +242,9 @@ Sweep hardware(const Extent& extent) {
   for (const char* planner : {"random_walk", "lawn_mower", "greedy", "arvi"}) {
     sweep.cases.push_back({planner, {.file = "lab.yaml", .planner = planner}});
   }
-  sweep.trends = {{kTeamRmse, "RMSE of the team", "m", "a low tracking error (no number)"},
-                  {kTeamEntropy, "entropy of the team", "nats", "none"}};
+  sweep.trends = {
+      {kTeamRmse, "RMSE of the team", "m", "a low tracking error (no value is printed)"},
+      {kTeamEntropy, "entropy of the team", "nats", "none"}};
   sweep.choices = choices_with(
       "Simulated, not flown. One-step greedy, lawn mower and random walk are our own additions.");
   return sweep_of(std::move(sweep), extent);

@@ -77,7 +77,7 @@ Bytes hostile_datagram(std::mt19937& rng) {
       return fragment(static_cast<std::uint32_t>(rng()), 4U << 20U, 0, 0, 65, 10);
     case 6:  // announces 4 GiB
       return fragment(static_cast<std::uint32_t>(rng()), 0xFFFFFFFF, 0, 0, 65'535, 10);
-    case 7:  // most of a datagram, without its second half
+    case 7:  // only the first half of a datagram
       return fragment(static_cast<std::uint32_t>(rng()), 100'000, 0, 0, 2, 50'000);
     default:  // a valid header with one bit flipped
       Bytes bytes = fragment(static_cast<std::uint32_t>(rng() % 8), 200, 0, 0, 2, 100);

@@ -17,7 +17,8 @@ namespace {
 using test::Bytes;
 using test::TemporaryFolder;
 
-// Sequence numbers start at 0. Messages without a number (-1, older logs) count no loss.
+// Sequence numbers start at 0. Messages without a number (-1, older logs) are not counted as
+// losses.
 TEST(SurveyLog, CountsFromTheFirstSequenceNumber) {
   const auto lost = [](const std::vector<std::int64_t>& sequences) {
     Bytes log;

@@ -110,8 +110,8 @@ TEST(FlightHeldUp, ExcusesCollisionInBlindLanding) {
   EXPECT_EQ(blind.collisions()[0].text,
             "Q1 with R2; Q1 was at 1.00 m, land: pose lost, waiting for touch-down");
   EXPECT_EQ(collisions(blind), Names{});
-  // It is judged if the machine held nothing up, while the driver steers, with another robot, or in
-  // a landing with a pose.
+  // A collision counts if the host delayed nothing, or if the driver was steering, or if it was
+  // with another robot, or if the vehicle landed with a pose.
   for (const auto& [other, touches_s, waits_us] :
        {std::tuple{"R2", 12.0, std::int64_t{100'000}},
         std::tuple{"R2", 10.5, std::int64_t{100'001}}, std::tuple{"R2", 9.0, std::int64_t{100'001}},
@@ -248,7 +248,7 @@ TEST(FlightHeldUp, DoesNotExcuseWaitsCausedByOwnProcesses) {
     MadeUpFlight flight = flight_held_up_us(300'000);
     flight.add_messages = [=, of_planner = flight.add_messages, later = Waits(), sim = Waits()](
                               double t_s, FlightRecord& out) mutable {
-      of_planner(t_s, out);  // it uses 0.1 s
+      of_planner(t_s, out);  // the planner reports 0.1 s of processor time
       const double second = std::round(t_s);
       if (std::abs(t_s - second) > 0.001) {
         return;

@@ -2,7 +2,7 @@
 # completion.sh COMPLETION VANTAGE: the words that bash completion offers.
 set -euo pipefail
 source "$1"
-offered() {  # offered WORD…: the last word is incomplete
+offered() {  # offered WORD…: prints the completions of the last WORD
   COMP_WORDS=("$@")
   COMP_CWORD=$(($# - 1))
   COMPREPLY=()

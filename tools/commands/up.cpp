@@ -150,7 +150,7 @@ void add_restart_options(CLI::App& command, RestartPolicy& restarts) {
 
 void add_up_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
-      "up", "Run all processes of a scenario on this host; restarts and records them.");
+      "up", "Run, restart and record all processes of a scenario on this host.");
   auto arguments = std::make_shared<UpArguments>();
   add_scenario_option(*command, arguments->scenario);
   add_override_options(*command, arguments->overrides);

@@ -35,7 +35,7 @@ class OrderQueue {
   std::vector<std::string> tick(Time now);
   /// True while orders wait to be sent, or names wait to be checked.
   [[nodiscard]] bool is_waiting() const { return !waiting_.empty() || !unknown_.empty(); }
-  /// True if an order was not sent, or was sent to a robot that was never received.
+  /// True if an order was not sent, or was sent to a robot from which no message was ever received.
   [[nodiscard]] bool was_refused() const { return was_refused_; }
 
  private:

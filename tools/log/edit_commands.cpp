@@ -128,7 +128,7 @@ void add_log_edit_commands(CLI::App& log, Runner& run) {
       "leave out doubtful events, whose data may be cut off");
 
   Adder slice(log, run, "slice", "Write the part of a log between two times to a new log.",
-              "The new log begins with the newest SCENARIO from before the part. Times are in\n"
+              "The new log begins with the last SCENARIO message before the slice. Times are in\n"
               "seconds after the first event.\n"
               "Example:\n"
               "  vantage log slice flight.lcmlog minute.lcmlog --from-s 60 --to-s 120",

@@ -50,7 +50,8 @@ enum BlockType : std::uint32_t {
 /// True for blocks that describe the scene and are sent only when the scene changes. They form the
 /// static set. A packet with a static block replaces the complete set.
 bool is_static(std::uint32_t type);
-/// True for blocks of a single frame; a packet without such a block is not a frame.
+/// True for blocks with data of one frame, not static data; a packet without such a block is not a
+/// frame.
 bool is_dynamic(std::uint32_t type);
 
 /// Returns the first packet of `stream`. A wrong magic number is detected at its first wrong byte.

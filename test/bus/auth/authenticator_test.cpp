@@ -67,7 +67,7 @@ TEST(Authenticator, EchoesSixtyFourVehiclesAtMost) {
   }
 }
 
-// For example vehicles of an earlier trial with the same keys.
+// The unknown vehicles may be those of an earlier trial with the same keys.
 TEST(Authenticator, EchoesNewVehiclesInsteadOfSilentOnes) {
   const auto station = process();
   const auto hear_at = [&](int i, Time now) {

@@ -121,7 +121,7 @@ TEST_F(Arming, IsForbiddenWhenTheEstimateIsOff) {
 
 // Regression: a condition that blocked arming for a moment deleted the `arm` order without a
 // report.
-TEST_F(Arming, KeepsTheOrderWhileABodyPasses) {
+TEST_F(Arming, KeepsTheCommandWhileABodyPasses) {
   arm();
   ASSERT_TRUE(q1.is_armed);
   const Eigen::Vector3d beside_m = q1.position_m + Eigen::Vector3d(0.52, 0.0, 0.0);

@@ -112,7 +112,7 @@ TEST(ConditionRow, KillsAPilotedVehicleOnlyByEmergencyStop) {
   }
 }
 
-// Rows for a vehicle on the ground must not hold in the air; otherwise they would be reported
+// Conditions for a vehicle on the ground must be false in the air; otherwise they are reported
 // during the whole flight.
 TEST(ConditionRow, ForTheGroundDoesNotHoldInTheAir) {
   const SafetyLimits l = limits();

@@ -268,7 +268,7 @@ TEST(Landing, StopsWhenThePathAsideIsBlocked) {
 }
 
 // A free path to the spot aside is flown to its end without a stop.
-TEST(Landing, FliesAFreePathAsideWithoutAStop) {
+TEST(Landing, MovesAsideOnAFreePathWithoutStopping) {
   OneVehicle one;
   const Eigen::Vector3d below_m(-0.1, 0.0, 0.3);
   one.others = {one.body("W1", below_m)};

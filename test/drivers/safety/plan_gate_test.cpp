@@ -218,7 +218,7 @@ TEST_F(Gate, AcceptsPlansThatBeginNearTheCourse) {
 
 // A plan that has begun is compared with the course at the current time, a future plan at its start
 // time.
-TEST_F(Gate, ComparesThePlanNowOrAtItsStart) {
+TEST_F(Gate, ComparesThePoseWithThePlanNowOrAtItsStart) {
   HeldPlan drives;
   drives.start_time = kStart;
   drives.start = {1.0, -1.0, kPi};

@@ -411,7 +411,7 @@ TEST(Surroundings, GrowForMovingAndLargeBodies) {
   }
 }
 
-// Finds the limits of each distance by bisection, from both sides.
+// Finds by bisection, from both sides, the distance at which each rule begins to apply.
 TEST(Surroundings, HaveTheStatedMargins) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);

@@ -185,7 +185,7 @@ TEST(RootBound, IsInvariantToFrameAndTargetOrder) {
   EXPECT_GT(above, 30);
 }
 
-// Returns the problem that begins at `depth`, after a part of the plan without own measurements.
+// Returns the problem that begins at `depth`, after steps in which the robot measures nothing.
 SearchProblem rest_of(const SearchProblem& problem, int depth) {
   SearchProblem out = problem;
   out.horizon_steps -= depth;
@@ -278,7 +278,7 @@ SearchProblem moving_alike(std::uint64_t seed, std::mt19937_64& rng) {
   return problem;
 }
 
-TEST(LatticeBound, AtDepthEqualsProblemFromThere) {
+TEST(LatticeBound, AtADepthEqualsBoundOfTheRemainingProblem) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);
   for (std::uint64_t seed = 0; seed < 20; ++seed) {

@@ -123,7 +123,8 @@ await new Promise((resolve, reject) => {
   refused.on("error", () => {});
 });
 
-// Nor by a name that somebody else may let mean this address, nor for the page of another server.
+// The server also refuses host names that a third party could resolve to this address (DNS
+// rebinding), and pages of other servers.
 const { hostname, port } = new URL(url);
 const status_of = (headers) =>
   new Promise((resolve, reject) => get({ hostname, port, path: "/api/topics", headers }, ({ statusCode }) => resolve(statusCode)).on("error", reject));
