@@ -21,12 +21,12 @@ int main() {
   for (int k = 1; k <= 20; ++k) {
     const Time time{Duration{k * 500'000}};
     const Eigen::Vector2d truth_m{4.0 + 0.4 * k, 9.0};
-    models::RobotMeasurement look{.stamp = {time}, .robot = "Q1", .viewpoint = from};
+    models::RobotMeasurement measurement{.stamp = {time}, .robot = "Q1", .viewpoint = from};
     if (in_view(spec.sensor, from, truth_m)) {
-      look.detections.push_back({0, sample(spec.sensor, from, truth_m, rng)});
+      measurement.detections.push_back({0, sample(spec.sensor, from, truth_m, rng)});
     }
-    const models::RobotMeasurement* looks[] = {&look};
-    filter.advance({.time = time, .viewpoint = from, .looks = looks});
+    const models::RobotMeasurement* measurements[] = {&measurement};
+    filter.advance({.time = time, .viewpoint = from, .measurements = measurements});
     if (const auto belief = models::to_gaussian(filter.track(0).information)) {
       std::printf("%4.1f s: estimate %.3f %.3f, true %.3f %.3f, 1 sigma %.3f m\n", 0.5 * k,
                   belief->mean(0), belief->mean(1), truth_m.x(), truth_m.y(),
