@@ -99,7 +99,7 @@ void note_sensors(const Scenario& scenario, Notes& notes) {
       note("detection_probability", robot.detection.detection_probability,
            "almost every target in view is missed");
     }
-    if (robot.detection.clutter_per_look > 20.0) {
+    if (robot.detection.clutter_per_look > 10.0) {
       note("clutter_per_look", robot.detection.clutter_per_look,
            "most detections are false alarms; tracks are unreliable");
     }
@@ -269,11 +269,6 @@ void note_plans(const Scenario& scenario, Notes& notes) {
 void note_team(const Scenario& scenario, Notes& notes) {
   const scenario::PlannerSpec& planner = scenario.planner;
   const auto robots = static_cast<int>(scenario.robots.size());
-  if (planner.attacks_max > 0 && planner.attacks_max >= robots) {
-    notes.push_back(fmt::format(
-        "planner.attacks_max {}: at least the number of robots, {}, so every robot plans alone",
-        planner.attacks_max, robots));
-  }
   if (planner.team_algorithm.exchanges_solutions() && robots == 1) {
     notes.push_back(fmt::format("planner.team_algorithm {}: has no effect with one robot",
                                 planner.team_algorithm.name()));
@@ -282,7 +277,7 @@ void note_team(const Scenario& scenario, Notes& notes) {
   if (robots > 1 && range_m > 0.0 && range_m <= planner.separation_m) {
     notes.push_back(fmt::format(
         "network.communication_range_m {:g}: not more than planner.separation_m {:g}, so "
-        "robots never exchange beliefs; increase it, or set 0 to say so",
+        "robots never exchange beliefs; increase it, or set 0: no exchange",
         range_m, planner.separation_m));
   }
 }

@@ -89,14 +89,18 @@ int run_vehicles(const CheckArguments& arguments) {
 
 /// Exit code for a scenario that cannot be read.
 constexpr int kUnreadable = 2;
+constexpr std::size_t kMistakesShown = 10;
 
 int run(const CheckArguments& arguments) {
   if (const auto mistakes = scenario::mistakes_of_scenario(arguments.scenario);
       mistakes.size() > 1) {
-    for (const std::string& mistake : mistakes) {
-      print_line("vantage: " + mistake, stderr);
+    for (std::size_t i = 0; i < std::min(mistakes.size(), kMistakesShown); ++i) {
+      print_line("vantage: " + mistakes[i], stderr);
     }
-    print_line(fmt::format("{} mistakes; some may follow from others", mistakes.size()), stderr);
+    print_line(
+        fmt::format("{} mistakes{}; some may follow from others", mistakes.size(),
+                    mistakes.size() > kMistakesShown ? ", of which the first are shown" : ""),
+        stderr);
     return kUnreadable;
   }
   if (arguments.is_of_vehicles) {
