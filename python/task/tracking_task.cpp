@@ -33,7 +33,7 @@ const TrackingSpec& checked(const TrackingSpec& spec) {
   constexpr int kTargetsMax = 1'000;
   check(spec.side_m > 4.0 && spec.side_m <= 1'000.0, "side_m", "> 4 and ≤ 1000", spec.side_m);
   check(spec.start_side_m > 0.0 && spec.start_side_m <= spec.side_m - 4.0 * spec.radius_m,
-        "start_side_m", "> 0 and at most side_m less 4 radius_m", spec.start_side_m);
+        "start_side_m", "> 0 and at most side_m - 4 radius_m", spec.start_side_m);
   check(spec.targets >= 1 && spec.targets <= kTargetsMax, "targets", "≥ 1 and ≤ 1000",
         spec.targets);
   check(spec.q_m2ps3 >= 0.0 && spec.q_m2ps3 <= 10.0, "q_m2ps3", "≥ 0 and ≤ 10", spec.q_m2ps3);
