@@ -131,6 +131,9 @@ class Trial:
         self.console = subprocess.Popen([arguments.binaries + "/vantage", "console", "--url", URL], text=True,
                                         stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)
 
+    def heights(self):
+        return self.witness.heights_m() if "TRUTH" in self.witness.newest else "unknown heights"
+
     def order(self, words):
         self.console.stdin.write(words + "\n")
         self.console.stdin.flush()
@@ -141,7 +144,7 @@ class Trial:
     def until(self, holds, what, patience_s=PATIENCE_S):
         give_up = time.monotonic() + patience_s
         while not holds():
-            assert time.monotonic() < give_up, f"no {what}: {self.witness.states()}\n{self.words()}"
+            assert time.monotonic() < give_up, f"no {what}: {self.witness.states()} at {self.heights()}\n{self.words()}"
             time.sleep(0.05)
 
     def all_in(self, states, count=3):
@@ -174,7 +177,7 @@ class Trial:
             heights = self.witness.heights_m()
             return self.all_in(AIRBORNE) and all(height > 0.3 for height in heights.values())
 
-        self.until(are_up, "flight")
+        self.until(are_up, "flight", 2 * PATIENCE_S)  # a busy host refuses take-off for a while
         self.order("follow")
         self.until(lambda: any(state == FOLLOW for state, _ in self.witness.states().values()), "plan")
 
