@@ -14,7 +14,7 @@ namespace vantage {
 
 /// Settings for the start of a child process.
 struct ChildOptions {
-  int output = -1;           ///< descriptor for stdout and stderr; negative: those of this process
+  int output = -1;           ///< descriptor for stdout and stderr; negative: inherited
   std::string folder;        ///< working folder; empty: that of this process
   int end_signal = SIGTERM;  ///< signal that the kernel sends if the supervisor dies
   std::vector<std::string> environment = {};  ///< "NAME=value"; added to this process's environment

@@ -6,7 +6,7 @@
 
 #include "core/time.hpp"
 
-// Arithmetic on times from outside sources, such as logs, in which any 64-bit number can occur.
+// Arithmetic on times from untrusted input, such as logs, which can contain any 64-bit number.
 
 namespace vantage {
 

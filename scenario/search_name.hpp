@@ -15,7 +15,7 @@ inline constexpr std::string_view kExternalSearch = "external";
 inline bool is_external(const PlannerSpec& planner) { return planner.algorithm == kExternalSearch; }
 
 /// Returns the searches that planner.algorithm may name, except kExternalSearch: kSearchNames, then
-/// those that were added.
+/// the searches that were added.
 const std::vector<std::string>& search_names();
 
 /// Adds a name to search_names(); planner::add_algorithm() calls this. Not thread-safe.

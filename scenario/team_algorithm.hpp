@@ -22,7 +22,7 @@ class TeamAlgorithm {
 
   friend constexpr bool operator==(TeamAlgorithm a, TeamAlgorithm b) { return a.row_ == b.row_; }
 
-  /// Robots plan in turn, each given the newest plans of the others.
+  /// Robots plan in turn; each receives the newest plans of the other robots.
   static const TeamAlgorithm kCoordinateDescent;
   /// Robots propose changes of a team solution (docs/decisions/0006).
   static const TeamAlgorithm kLocalSearch;

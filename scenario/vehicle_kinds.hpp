@@ -13,7 +13,7 @@ namespace vantage::scenario {
 /// sim/app/wire_kinds.
 struct VehicleKind {
   std::string_view section;  ///< key of a robot's settings for it, such as "autopilot"
-  std::string_view driver;   ///< vantage-<driver> drives it
+  std::string_view driver;   ///< driver process, vantage-<driver>
   bool flies;
   /// Returns the address of the robot's vehicle; null if the robot has no such section.
   const std::string* (*url)(const RobotSpec& robot);

@@ -19,7 +19,7 @@ namespace vantage::models {
 /// other than allowed.
 ///
 /// Two methods check every pair at every step: the FCL library at the current positions, and closed
-/// forms over the straight motion since the last step. The latter detect contacts that begin and
+/// forms over the straight motion since the last step. These forms detect contacts that begin and
 /// end within a step. Either method can report a collision; differences between the two are
 /// counted. A contact is reported once, when it begins. It is reported again only after the two
 /// bodies have been more than kReleaseM apart.

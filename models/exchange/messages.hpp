@@ -266,7 +266,7 @@ struct CollisionReport {
   double distance_m = 0.0;  ///< between surfaces; collision: ≤ 0
 };
 
-/// The robots with sensors that are jammed now (ATTACK).
+/// The robots with sensors that are jammed at present (ATTACK).
 struct AttackNotice {
   Stamp stamp;
   std::vector<std::string> jammed;

@@ -18,7 +18,7 @@ using CellCounts = std::vector<std::int16_t>;
 /// Adds one scan of `cell` to its count.
 void count_scan(CellCounts& counts, int cell, bool is_hit);
 /// Returns the sums, cell by cell. Each sum is saturated only at the end, so the order of the maps
-/// does not matter. Precondition: at least one map, equal sizes.
+/// does not matter. Precondition: `all` has at least one map; all maps have the same size.
 CellCounts sum_of(std::span<const std::span<const std::int16_t>> all);
 
 /// Returns the belief for `counts`: the log-odds are the count times the log-odds of one hit,

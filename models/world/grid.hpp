@@ -101,7 +101,7 @@ class VisibilityGrid {
   [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
   /// Returns the utime at which each cell was last seen, or kNeverSeen; as in messages.
   [[nodiscard]] const std::vector<std::int64_t>& last_seen_utime() const { return last_seen_; }
-  /// Replaces the stamps by those of a message. Precondition: geometry().size() entries.
+  /// Replaces the stamps by the stamps of a message. Precondition: geometry().size() entries.
   void set_last_seen(std::vector<std::int64_t> last_seen_utime);
 
  private:
