@@ -15,7 +15,7 @@ namespace vantage {
 /// Settings for the start of a child process.
 struct ChildOptions {
   int output = -1;           ///< descriptor for stdout and stderr; negative: inherited
-  std::string folder;        ///< working folder; empty: that of this process
+  std::string folder;        ///< working folder; empty: inherited
   int end_signal = SIGTERM;  ///< signal that the kernel sends if the supervisor dies
   std::vector<std::string> environment = {};  ///< "NAME=value"; added to this process's environment
   std::vector<int> keep_open = {};            ///< inherited descriptors; the numbers do not change
@@ -27,7 +27,7 @@ struct ChildOptions {
 /// Exit status of a process.
 struct ChildExit {
   int code = 0;    ///< meaningless if a signal ended the process
-  int signal = 0;  ///< 0: it exited without a signal
+  int signal = 0;  ///< signal that ended the process; 0: none
   [[nodiscard]] bool is_success() const { return signal == 0 && code == 0; }
   /// Returns text such as "exit 1" or "signal 9".
   [[nodiscard]] std::string describe() const;
@@ -35,7 +35,7 @@ struct ChildExit {
 
 /// Child process. The destructor kills it and its process group, and reaps it. The child has its
 /// own process group, so that a Ctrl-C in the terminal reaches it only through its supervisor. The
-/// kernel sends it a signal if the supervisor dies.
+/// kernel sends the child a signal if the supervisor dies.
 class Child {
  public:
   /// Starts `arguments[0]`, which is searched in PATH if it has no slash. Returns an Error if fork

@@ -49,7 +49,7 @@ class LivenessReceiver {
   LivenessReceiver& operator=(LivenessReceiver&& other) noexcept;
 
   /// Opens a new pipe. Both ends are non-blocking and closed by exec. Returns false if the system
-  /// refuses it.
+  /// cannot open a pipe.
   [[nodiscard]] bool open();
   /// Returns the end for the process; −1 after close_child_end().
   [[nodiscard]] int child_end() const { return write_; }

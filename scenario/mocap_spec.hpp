@@ -11,7 +11,7 @@ namespace vantage::scenario {
 enum class StreamMode {
   kPush,      ///< server sends each frame immediately: lowest latency
   kPull,      ///< client requests each frame: frames cannot queue up
-  kPreFetch,  ///< client requests the next frame while it processes the last
+  kPreFetch,  ///< client requests the next frame while it processes the current one
 };
 
 /// Up axis of the server's world frame. kAsTold: as reported by the server; z if the server reports

@@ -57,7 +57,7 @@ struct AutopilotSpec {
 /// Real autopilot firmware that flies a simulated vehicle of `device: wire`. The autopilot's
 /// dialect selects the firmware.
 struct FirmwareSpec {
-  std::string binary;           ///< `vantage up` starts and supervises it; empty: the user does
+  std::string binary;           ///< program started by `vantage up`; empty: the user starts one
   std::string parameters;       ///< parameter file loaded at start; empty: that of config/autopilot
   std::optional<int> instance;  ///< determines the firmware's ports; absent: robot's index
   std::string serial;           ///< DEVICE[:BAUD] of a board in hardware-in-the-loop mode (PX4)

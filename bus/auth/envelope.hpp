@@ -52,7 +52,7 @@ const char* name_of(Refusal refusal);
 /// Record of the message counters received in each session, so that no message is accepted twice.
 /// It stores the newest 64 counters of each session. Older counters are refused as replayed;
 /// missing counters between stored ones are accepted. It stores at most 256 sessions; a new session
-/// replaces the one that was silent longest.
+/// replaces the session that was silent longest.
 class ReplayGuard {
  public:
   static constexpr std::size_t kWindow = 64;

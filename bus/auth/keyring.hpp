@@ -83,7 +83,7 @@ void store_key(const std::string& folder, const Key& key);
 void make_keys(const std::string& folder);
 /// Adds a next key for each role (or for one), which is accepted everywhere before it is used for
 /// signing.
-/// @throws StartupError when there is one already.
+/// @throws StartupError when there is a next key already.
 void begin_rotation(const std::string& folder, std::optional<Role> role);
 /// Makes the next key of each role its signing key and the current one an old key. Processes use
 /// them from their next start on.

@@ -67,8 +67,8 @@ inline Channel<models::HostReport> host_channel(const std::string& host) {
 }
 
 /// True if a message is delivered even if it is overtaken, duplicated or has a wrong sequence
-/// number. This is so for commands that make a vehicle safer: receivers check each one, and it is
-/// safe to obey it twice.
+/// number. Such messages are commands that make a vehicle safer: receivers check each command,
+/// and may safely obey a command twice.
 template <class Message>
 bool passes_every_filter(const Message& /*message*/) {
   return false;

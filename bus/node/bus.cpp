@@ -130,8 +130,8 @@ bool Bus::send(const std::string& channel, std::span<const std::uint8_t> bytes) 
 
 void Bus::add_subscription(Subscription subscription) {
   const bool is_new = !index_.contains(subscription.pattern);
-  // Creates the entry now, so that a flood of other names cannot exhaust the limit of streams
-  // first.
+  // Creates the entry at subscription, so that a flood of other names cannot exhaust the limit of
+  // streams first.
   if (!subscription.pattern.ends_with('*')) {
     if (subscription.is_shared) {
       shared_streams_.try_emplace(subscription.pattern);

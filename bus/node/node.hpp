@@ -61,7 +61,7 @@ class Node {
 using Usage = std::function<std::vector<models::NamedCount>()>;
 
 /// Returns the time that the calling thread has waited for a processor since its start, µs; nullopt
-/// if the kernel does not count it (ThreadWait).
+/// if the kernel does not count this time (ThreadWait).
 using WaitCounter = std::function<std::optional<std::int64_t>()>;
 
 /// Publisher of HEALTH_<name>: every second, and when a counter that indicates a fault has changed

@@ -17,7 +17,7 @@ struct NodeProgram {
   std::string description;  ///< one sentence for --help
   bool needs_robot = false;
   bool can_replay = false;
-  bool serves_vehicles = false;  ///< vehicles need it until they land; see EndAfterFlights
+  bool serves_vehicles = false;  ///< vehicles need the node until they land; see EndAfterFlights
 };
 
 struct NodeArguments {

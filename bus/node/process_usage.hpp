@@ -49,7 +49,7 @@ class ThreadWait {
   ThreadWait& operator=(ThreadWait&&) = delete;
 
   /// Returns how long the thread was ready to run without a processor since its start, µs; nullopt
-  /// if the kernel does not count it.
+  /// if the kernel does not count this time.
   [[nodiscard]] std::optional<std::int64_t> waited_us() const;
 
  private:

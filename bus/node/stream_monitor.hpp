@@ -14,12 +14,12 @@ namespace vantage::bus {
 enum class [[nodiscard]] Arrival{
     kFresh,       kDuplicate, kReordered,
     kOldRun,       ///< from a replaced run, or from a run that competes with a live one
-    kTooFarAhead,  ///< its sequence number is not accepted
+    kTooFarAhead,  ///< the message's sequence number is not accepted
 };
 
 /// Receiver's time, and the lease of the channel.
 struct StreamRules {
-  std::optional<Time> now;  ///< receiver's clock; nullopt when it has none (a log)
+  std::optional<Time> now;  ///< receiver's clock; nullopt if there is no clock (a log)
   /// A run is not replaced while its last message is more recent than this. Without a lease or a
   /// clock, another run replaces it immediately.
   Duration lease{};
@@ -29,7 +29,7 @@ struct StreamCounts {
   std::int64_t fresh = 0;
   std::int64_t lost = 0;  ///< sequence numbers that were skipped and have not arrived later
   std::int64_t duplicates = 0;
-  std::int64_t reordered = 0;  ///< arrived after a newer one; subtracted from `lost`
+  std::int64_t reordered = 0;  ///< arrived after a newer message; subtracted from `lost`
   std::int64_t old_runs = 0;   ///< messages with Arrival::kOldRun
   std::int64_t too_far_ahead = 0;
   std::int64_t runs = 0;  ///< number of distinct runs received
@@ -58,7 +58,7 @@ class StreamMonitor {
   static constexpr int kAcceptSteps = 10;
   static constexpr Duration kAcceptSilence = std::chrono::seconds(2);
   /// Largest lead of a time stamp over the receiver's clock. When runs are compared by time, larger
-  /// leads are reduced to it.
+  /// leads are reduced to this limit.
   static constexpr Duration kFutureMax = std::chrono::seconds(2);
 
   /// Classifies a message. Precondition: stamp.sequence ≥ 0 (from_wire ensures it). Cost: constant,

@@ -57,8 +57,8 @@ bool LcmTransport::publish(const std::string& channel, std::span<const std::uint
   return is_sent;
 }
 
-// Called from C code, through which an exception cannot propagate. It is stored and rethrown after
-// the C code has returned.
+// C code calls this function. An exception cannot propagate through C code, so the exception is
+// stored and rethrown after the C code has returned.
 void LcmTransport::on_message(const lcm_recv_buf_t* buffer, const char* channel,
                               void* subscription) {
   auto& self = *static_cast<Subscription*>(subscription);

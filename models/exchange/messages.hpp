@@ -303,7 +303,7 @@ struct SupervisedProcess {
   double down_s = 0.0;     ///< time not running since its first start, s
   double cpu_share = 0.0;  ///< share of one core over about the last second
   std::int64_t memory_bytes = 0;
-  std::string last_end;  ///< "exit 1", "signal 9"; empty: it has never ended
+  std::string last_end;  ///< "exit 1", "signal 9"; empty: the process never ended
 };
 
 /// All processes of one supervisor on its host (HOST_<host>), published at 1 Hz and on change.

@@ -10,8 +10,8 @@ struct KeyRule {
   std::string path;          ///< "robots[].sensor.range_max_m"
   std::string values;        ///< "above 0 and at most 360", "one of arvi, beam", "list"
   std::string initial;       ///< default value; empty: none, or determined by another key
-  bool is_required = false;  ///< the reader refuses a file without it
-  int line = 0;  ///< line of the key in the file, from 1; 0 if the file does not have it
+  bool is_required = false;  ///< the reader refuses a file without this key
+  int line = 0;              ///< line of the key in the file, from 1; 0 if the key is absent
 };
 
 /// List of all keys that a reader reads, in the order of the first read.

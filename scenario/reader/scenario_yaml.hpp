@@ -15,7 +15,7 @@ Scenario load_scenario(const std::string& path);
 
 /// Returns the line, from 1, of the key at `path` ("targets", "network.url") in a valid scenario
 /// text. If the text contains only the first keys of the path, returns the line of the last of
-/// these; 0 if it contains none.
+/// these keys. Returns 0 if the text contains no key of the path.
 int line_of_key(const std::string& text, const std::string& path);
 
 /// Reads a scenario from text. `name` is used as the file name in error messages.

@@ -21,8 +21,7 @@ inline constexpr double kTelemetryPeriodS = 0.05;
 
 /// Bits of Command::flags.
 inline constexpr std::uint32_t kDrive = 1U << 0U;          ///< obey the speeds; 0: ignore them
-inline constexpr std::uint32_t kEmergencyStop = 1U << 1U;  ///< maximum braking; the rover latches
-                                                           ///< it
+inline constexpr std::uint32_t kEmergencyStop = 1U << 1U;  ///< maximum braking, latched
 inline constexpr std::uint32_t kReleaseStop = 1U << 2U;    ///< release a latched emergency stop
 
 /// Bits of Telemetry::flags.

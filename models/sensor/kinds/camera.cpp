@@ -84,9 +84,9 @@ double bound(const SensorModel& sensor, const ReachedDistances& reached) {
   const double distance2_m2 = square(farthest_m) + square(drop_m);
   double gain = distance2_m2 / square(square(depth_m));
   if (!in_space) {
-    // Planar motion changes the depth by at most |c|: ‖P v‖ ≤ 1/d + ‖q_⊥‖ |c| / d². This is exact
-    // for a camera that points straight down, for which the other bound is (‖q‖/d)² times too
-    // large.
+    // Planar motion changes the depth by at most |c|: ‖P v‖ ≤ 1/d + ‖q_⊥‖ |c| / d². This bound
+    // is exact for a camera that points straight down; the spatial bound is then (‖q‖/d)² times
+    // too large.
     const double across_m = std::sqrt(std::max(0.0, distance2_m2 - square(depth_m)));
     gain = std::min(gain, square((1.0 + across_m * std::abs(c) / depth_m) / depth_m));
   }
