@@ -21,13 +21,14 @@ struct Attack {
 Attack worst_attack(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
 /// Returns the greedy worst-case attack: repeatedly removes the robot without which the remaining
-/// value is smallest, as long as the value decreases. The experiments use it as "worst case". Cost:
-/// O(n α) oracle calls. Source: dissertation 4 F (greedy approximation of the worst case).
+/// value is smallest, as long as the value decreases. The experiments use this attack as "worst
+/// case". Cost: O(n α) oracle calls. Source: dissertation 4 F (greedy approximation of the worst
+/// case).
 Attack greedy_attack(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
-/// Returns the attack on the `attacks_max` robots with the trajectories of greatest value alone.
-/// Ties: the lower numbers. Robust trajectory planning selects its bait by the same criterion,
-/// which ignores overlap with other robots. Cost: α oracle calls.
+/// Returns the attack on the `attacks_max` robots with the trajectories of greatest individual
+/// value. Ties: the lower numbers. Robust trajectory planning selects its bait by the same
+/// criterion, which ignores overlap with other robots. Cost: α oracle calls.
 Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
 /// Returns the attack on the robots with the trajectories of greatest joint value, selected
@@ -46,8 +47,8 @@ enum class Attacker {
 Attack attack_by(Attacker attacker, const TeamOracle& oracle, const Choice& choice,
                  int attacks_max);
 
-/// Draws `attacks` different robots of `robot_count`, every set equally likely, ascending. The
-/// result is the same on every machine. Precondition: 0 ≤ attacks ≤ robot_count.
+/// Draws `attacks` different robots out of `robot_count`, in ascending order; every set is equally
+/// likely. The result is the same on every machine. Precondition: 0 ≤ attacks ≤ robot_count.
 std::vector<int> random_attack(int robot_count, int attacks, std::mt19937_64& rng);
 
 /// One line of an attack script: `robots` are attacked in steps [begin, end).

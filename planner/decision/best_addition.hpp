@@ -8,7 +8,8 @@
 
 namespace vantage::planner {
 
-/// Finds one robot's best candidate to add to a team solution to which candidates are only added.
+/// Finder of one robot's best candidate for a team solution. Candidates are added to the solution
+/// and never removed.
 ///
 /// Lazy mode: gains computed for earlier, smaller solutions are upper bounds of the present gains,
 /// so only candidates that may still be best are evaluated (Minoux's accelerated greedy). Correct

@@ -20,7 +20,8 @@ struct Candidate {
   std::vector<PredictedMeasurement>
       measurements;          ///< sorted by target, then step; only those with nonzero information
   double energy_cost = 0.0;  ///< r_i C_i ≥ 0, nats
-  /// Information gain about targets that only this robot knows, ≥ 0, nats; added in full.
+  /// Information gain about targets that only this robot knows, ≥ 0, nats. J contains the full
+  /// amount.
   double unshared_nats = 0.0;
   /// I(y_{1:T}; z_{1:T}) of these measurements alone about the targets for which they were
   /// computed, nats, if known. A TeamOracle of the same targets then does not evaluate it. Code
@@ -66,11 +67,12 @@ struct CandidateOptions {
 
 /// Returns the complete trajectories that reduced value iteration leaves, in the order of its tree.
 /// Trajectories that cannot stop where a stop is required are omitted. The last depth is reduced
-/// like the others: of the leaves that δ-cross and are ε-redundant the cheapest is kept, so the
-/// best plan of the search is always kept. Each leaf is evaluated to its end, which decides
-/// redundancy and gives its gain (mutual_nats, unless teammates' information is fixed). `search`
-/// must be large enough for `problem`: a pass that is cut short gives only the leaves reached. The
-/// deadline applies to the search; the evaluation after it is O(leaves_max · targets · steps).
+/// like the others: among leaves that δ-cross and are ε-redundant, only the cheapest is kept. The
+/// best plan of the search is therefore always kept. Each leaf is evaluated to its end, which
+/// decides redundancy and gives its gain (mutual_nats, unless teammates' information is fixed).
+/// `search` must be large enough for `problem`: a pass that is cut short gives only the leaves
+/// reached. The deadline applies to the search; the evaluation after it is O(leaves_max · targets ·
+/// steps).
 /// @throws UsageError as ReducedValueIteration::plan does, or when ε or δ is not finite
 /// Source: dissertation 3 D (Mᵢ from reduced value iteration).
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,

@@ -24,7 +24,7 @@ struct DecisionAlgorithm {
   /// Names of the DecisionOptions that it uses, and "energy" if the candidates may have costs.
   std::vector<std::string_view> options;
   bool is_optimal = false;  ///< its value without attacks is the optimum
-  bool has_bait = false;    ///< the bait of ResilientRound keeps the plans that it made alone
+  bool has_bait = false;    ///< bait robots (ResilientRound) keep the plans that they made alone
   /// Returns the number of team choices that are evaluated one by one; null: a polynomial number.
   double (*evaluations)(const TeamOracle& oracle, const DecisionOptions& options) = nullptr;
   TeamDecision (*decide)(const TeamOracle& oracle, const DecisionOptions& options,

@@ -9,10 +9,11 @@ namespace vantage::planner {
 
 /// Options of coordinate descent.
 struct DescentOptions {
-  std::vector<int> order;  ///< robots in order of choice; empty: 0, 1, …; others get no candidate
+  std::vector<int> order;  ///< order of choosing; empty: 0, 1, …; unlisted robots get no candidate
   int rounds_max = 1;      ///< maximum number of rounds; ends earlier after a round without change
-  /// Tries candidates by descending individual value and stops at the first with a value below the
-  /// best gain found. The result is the same. Ignored unless the information is submodular.
+  /// True: tries candidates by descending individual value and stops at the first with a value
+  /// below the best gain found. The result does not change. Ignored unless the information is
+  /// submodular.
   bool lazy = true;
 };
 
@@ -28,8 +29,8 @@ TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& 
                                 const Deadline& deadline = Deadline::never());
 
 /// Team-wide greedy: repeatedly adds the candidate with the greatest positive gain among robots
-/// without one. Same bound as coordinate descent, without an order. If the information is
-/// submodular, gains from earlier iterations serve as upper bounds (Minoux).
+/// without one. It has the same bound as coordinate descent but needs no order of the robots. If
+/// the information is submodular, gains from earlier iterations serve as upper bounds (Minoux).
 TeamDecision greedy(const TeamOracle& oracle);
 
 }  // namespace vantage::planner

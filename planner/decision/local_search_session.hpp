@@ -23,7 +23,7 @@ struct SessionSetup {
   std::int64_t round = 0;
   Time activation{};
   TeamProblem problem;                  ///< own beliefs; candidates of this robot only, or none
-  std::vector<models::TeamChoice> own;  ///< motions of the own candidates, in their order
+  std::vector<models::TeamChoice> own;  ///< motions of the candidates, in the same order
   /// Returns a teammate's choice as a candidate, evaluated on this robot's beliefs.
   std::function<Candidate(const models::TeamChoice&)> candidate_of;
   /// True if both motions may be flown at the same time; empty: always true.
@@ -37,9 +37,9 @@ struct SessionSetup {
 /// duplicated or reordered. Every message is a complete solution with its value. A robot keeps the
 /// best solution that it has received or found: the one with the greater value, then the earlier
 /// proposer, then the lower fingerprint (the shared tie rule). It searches for a local operation on
-/// that solution with its own candidates and proposes the result. The maximum is idempotent and
-/// independent of order: robots that received the same messages have the same solution, and a later
-/// message compensates for a lost one.
+/// that solution with its own candidates and proposes the result. This selection is idempotent and
+/// independent of the order of messages: robots that received the same messages have the same
+/// solution, and a later message compensates for a lost one.
 ///
 /// The value of a proposal is the value of its base solution plus the increase computed from the
 /// proposer's beliefs, at least kLeastRise_nats. Values therefore increase along every chain of
@@ -70,7 +70,7 @@ class LocalSearchSession {
   /// Adopts a proposal of a teammate (or an earlier one of this robot) if it is better than the
   /// best known one; returns true if it was adopted. Rejects a proposal of another round, with
   /// unknown robots, or with a history that does not end in its own solution. Also rejects a
-  /// proposal that assigns this robot a motion that it does not have, because it has restarted.
+  /// proposal that assigns this robot a motion that this robot does not have (after a restart).
   bool receive(const models::TeamProposal& received);
 
   /// True if the proposal belongs to this round.

@@ -35,7 +35,8 @@ class TeamOracle {
  public:
   /// Evaluates every candidate alone, with one oracle call for each that lacks
   /// Candidate::mutual_nats. `problem` must outlive this object.
-  /// @throws UsageError when a look is out of range or order, or a cost is negative
+  /// @throws UsageError when a measurement has an invalid target, step or order, or a cost is
+  /// negative
   explicit TeamOracle(const TeamProblem& problem);
 
   [[nodiscard]] int robot_count() const { return static_cast<int>(problem_->candidates.size()); }

@@ -11,31 +11,32 @@ namespace vantage::planner {
 
 struct DriveOptions {
   double radius_m = 0.2;
-  /// Cells at least this likely to be occupied are avoided. Just above 1/2: the robot may enter
-  /// unknown cells (it has a bumper). Below 1/2: it enters only observed cells.
+  /// Cells with at least this probability of being occupied are avoided. With a value just above
+  /// 1/2, the robot may enter unknown cells (it has a bumper); with a value below 1/2, only
+  /// observed cells.
   double occupied_from = 0.51;
-  /// Cells at most this likely to be occupied are known to be free.
+  /// Cells with at most this probability of being occupied count as known to be free.
   double free_up_to = 0.35;
 };
 
-/// Where a disc may drive according to the map belief, and the distance to unknown cells.
+/// Area in which a disc may drive according to the map belief, with the distances to unknown cells.
 class DriveMap {
  public:
   DriveMap(const models::OccupancyBelief& belief, const DriveOptions& options);
 
   /// False if the disc touches an occupied cell or the grid's edge anywhere along the arc. A robot
   /// that is already too near to an occupied cell (the map may have been wrong) may leave over
-  /// cells that are not occupied. It must be clear after moving its radius plus two cells.
-  /// Conservative where the robot is clear: the tested points are at most half a cell apart, and
+  /// cells that are not occupied. It must be clear after moving its radius plus two cells. The test
+  /// is conservative where the robot is clear: the tested points are at most half a cell apart, and
   /// the disc is enlarged by a quarter of a cell.
   [[nodiscard]] bool is_free(const Pose2& from, const models::UnicycleControl& control,
                              double duration_s) const;
   [[nodiscard]] bool is_free(const Eigen::Vector2d& p_m) const;
 
   /// Returns the path length from the cell of `p_m` to the nearest frontier, m, in steps to the 8
-  /// neighbours over cells where the disc may be. A frontier is such a cell that is not known to be
-  /// free but has a known free cell among its 4 neighbours. Infinite if no path exists; 0 at a
-  /// frontier.
+  /// neighbours over cells where the disc may be. A frontier is a cell where the disc may be that
+  /// is not known to be free but has a known free cell among its 4 neighbours. Infinite if no path
+  /// exists; 0 at a frontier.
   [[nodiscard]] double frontier_distance_m(const Eigen::Vector2d& p_m) const;
 
  private:

@@ -20,7 +20,8 @@ struct MapPlan {
   double gain_nats = 0.0;  ///< gain in addition to the fixed measurements; ≥ 0
 };
 
-/// Searches one robot's problem for the plan with the greatest information gain about the map.
+/// Planner that searches one robot's problem for the plan with the greatest information gain about
+/// the map.
 ///
 /// The problem defines the allowed motion: the known world, teammates, and a stop at the end. Every
 /// robot scans once per step_s of the common time. The scans at the robot's start and along the

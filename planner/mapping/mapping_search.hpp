@@ -24,7 +24,7 @@ struct MapRoute {
   std::vector<Pose2> poses;     ///< at the end of each step, where a scan is taken
   double gain_nats = 0.0;       ///< information in addition to that of the fixed scans
   std::int64_t nodes = 0;       ///< nodes of the search tree
-  double value_nats = 0.0;      ///< gain_nats less the frontier penalty
+  double value_nats = 0.0;      ///< gain_nats minus the frontier penalty
   std::int64_t work_nodes = 0;  ///< examined steps, allowed or not: unit of node budgets
   bool is_cut = false;          ///< the deadline expired: there may be better routes
 };
@@ -33,7 +33,7 @@ struct MappingSearchOptions {
   std::vector<models::UnicycleControl> controls = mapping_primitives();
   int horizon_steps = 4;
   double step_s = 1.0;
-  /// Minimum distance between robots at any time, where each step counts as straight; 0: no
+  /// Minimum distance between robots at any time; each step is assumed to be straight; 0: no
   /// separation.
   double separation_m = 0.0;
   /// Penalty per metre of distance from the route's end to the frontier. Without the penalty, a
@@ -60,8 +60,9 @@ class MappingSearch {
 
   /// Returns the best of all |U|^T routes from `start`, given the scans of the routes `fixed`.
   /// Excludes routes that may not be driven or that come too near to a fixed route. Ties: the first
-  /// in the order of the controls. If nothing is allowed, the robot stays: no controls. The search
-  /// is exhaustive except for leaves excluded by a bound. Cost: O(|U|^T) times the cells of a view.
+  /// in the order of the controls. If no route is allowed, the robot stays: the result has no
+  /// controls. The search is exhaustive except for leaves excluded by a bound. Cost: O(|U|^T) times
+  /// the cells of a view.
   ///
   /// The deadline is checked before each examined step; between two checks at most one view is
   /// computed (tens of µs). If the deadline expires, returns the best route so far; the greedy
@@ -69,9 +70,9 @@ class MappingSearch {
   MapRoute plan(const Pose2& start, std::span<const MapRoute* const> fixed,
                 const Deadline& deadline = Deadline::never());
 
-  /// Returns the information of all scans of `routes` together, nats; ≥ 0, 0 for none. Depends only
-  /// on the set under BeamDependence::kBestOfCell, otherwise also on the order. Null entries stand
-  /// for robots without sensing.
+  /// Returns the information of all scans of `routes` together, nats; ≥ 0, 0 for none. Under
+  /// BeamDependence::kBestOfCell the value depends only on the set of scans, otherwise also on
+  /// their order. A null entry means a robot without sensing.
   double value(std::span<const MapRoute* const> routes);
 
   /// Plans the robots in the given order, each given the routes before it; result by index of
@@ -90,8 +91,8 @@ class MappingSearch {
   [[nodiscard]] bool may_end(const Pose2& at, int control, std::size_t steps) const;
   void push(int control, const Pose2& to);
   void pop(std::size_t mark);
-  /// Returns the greedy route: the best single step, repeatedly. Empty if no route may end at its
-  /// end.
+  /// Returns the greedy route: the best single step, repeatedly. Empty if no control is allowed at
+  /// some step or the deadline expired.
   MapRoute greedy_route(const Pose2& start);
   void expand(const Pose2& at, double so_far_nats);
   void offer_stop(int control, double gain_nats);
@@ -107,7 +108,7 @@ class MappingSearch {
   const Deadline* deadline_ = nullptr;
   MapRoute path_;  ///< from the root to the current node
   MapRoute best_;
-  MapRoute stop_;  ///< longest route below the horizon that may end
+  MapRoute stop_;  ///< longest route of fewer than T steps at whose end the robot may stop
   double best_value_nats_ = 0.0;
   double farthest_m_ = 0.0;  ///< used as the distance if no frontier can be reached
 };

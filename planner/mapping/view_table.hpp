@@ -31,8 +31,8 @@ enum class BeamDependence {
 struct ViewOptions {
   BeamMeasure measure = BeamMeasure::kCsqmi;
   BeamDependence dependence = BeamDependence::kBestOfCell;
-  double dependent_share = 0.5;           ///< used by kDropBeams, in (0, 1]
-  double cutoff_sigmas = 6.0;             ///< neglects e^−9 of a Gaussian product's peak
+  double dependent_share = 0.5;  ///< used by kDropBeams, in (0, 1]
+  double cutoff_sigmas = 6.0;    ///< cutoff of Gaussian products; at 6 σ: e^−9 of the peak
   models::InverseBeamModel inverse = {};  ///< used by kFsmi
 };
 
@@ -45,7 +45,7 @@ struct BeamView {
   };
   struct Beam {
     double nats = 0.0;
-    std::uint32_t begin = 0;  ///< its cells are shares[begin … end)
+    std::uint32_t begin = 0;  ///< the beam's cells are shares[begin … end)
     std::uint32_t end = 0;
   };
   double nats = 0.0;  ///< sum; upper bound of the gain in addition to any other scans
@@ -53,7 +53,7 @@ struct BeamView {
   std::vector<Share> shares;
 };
 
-/// Stores the best information about each cell from a set of scans. Additions can be undone in
+/// Store of the best information about each cell from a set of scans. Additions can be undone in
 /// reverse order.
 class MapCoverage {
  public:
@@ -76,10 +76,10 @@ class MapCoverage {
 
 /// Cache of the views of one belief; each view is computed at its first query.
 ///
-/// A view is taken from the centre of the robot's cell. Its beams have fixed world bearings (full
-/// circle), or its heading is rounded to 1/(4 · beams) of a circle (smaller field of view).
-/// Positions within a cell differ by less than half its diagonal, and a team's searches query the
-/// same cells many times. `belief` must outlive this object and not change.
+/// A view is taken from the centre of the robot's cell. With a full-circle field of view, its beams
+/// have fixed world bearings. With a smaller one, its heading is rounded to 1/(4 · beams) of a
+/// circle. Positions within a cell differ by less than half its diagonal, and a team's searches
+/// query the same cells many times. `belief` must outlive this object and not change.
 class ViewTable {
  public:
   /// Throws UsageError for an invalid sensor or invalid options.

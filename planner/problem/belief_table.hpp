@@ -28,7 +28,7 @@ class BeliefTable {
 
   /// Returns the predicted position of target m at depth t = 0 … T (z = 0 for planar targets).
   [[nodiscard]] const Eigen::Vector3d& mean_m(int m, int t) const { return means_[at(m, t)]; }
-  /// Returns the packed covariance of target m at depth t if no node ever measures it.
+  /// Returns the packed covariance of target m at depth t without measurements of this search.
   [[nodiscard]] const double* open_loop(int m, int t) const {
     return &open_loop_[kMaxPacked * at(m, t)];
   }

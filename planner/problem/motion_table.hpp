@@ -65,8 +65,8 @@ class MotionTable {
   [[nodiscard]] double reach_m() const { return reach_m_; }
 
  private:
-  /// Same result as wrap_to_pi, bit for bit. Needs no division if the argument is a sum of two
-  /// wrapped angles.
+  /// Returns the same result as wrap_to_pi, bit for bit. Needs no division if the argument is a sum
+  /// of two wrapped angles.
   [[nodiscard]] static double wrap_turn(double sum_rad) {
     const double wrapped = sum_rad > kPi     ? sum_rad - 2.0 * kPi
                            : sum_rad <= -kPi ? sum_rad + 2.0 * kPi
@@ -92,8 +92,8 @@ class MotionTable {
   [[nodiscard]] bool is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
                               const Primitive& primitive, int depth) const;
 
-  /// True if parts `begin` … `end` are clear of the world. Uses the distance field, and exact
-  /// distances where the field does not decide.
+  /// True if parts `begin` … `end` are clear of obstacles and walls. Uses the distance field, and
+  /// exact distances where the field does not decide.
   [[nodiscard]] bool is_clear(const Pose2& from, double cos_yaw, double sin_yaw,
                               const Primitive& primitive, int begin, int end) const;
 
@@ -108,10 +108,10 @@ class MotionTable {
   std::vector<double> required_m_;  ///< [teammate]: required_separation_m()
 };
 
-/// True if a disc of `radius_m` that moves along `control` for `duration_s` stays clear of the
-/// world. Exact for a straight line; accurate to 1e-6 m for an arc, which is bisected until each
-/// part is decided by the clearance at its middle. Does not allocate; the cost grows as obstacles
-/// come closer.
+/// True if a disc of `radius_m` that moves along `control` for `duration_s` stays clear of
+/// obstacles and walls. Exact for a straight line; accurate to 1e-6 m for an arc, which is bisected
+/// until each part is decided by the clearance at its middle. Does not allocate; the cost grows as
+/// obstacles come closer.
 bool arc_is_clear(const models::World& world, const Pose2& from,
                   const models::UnicycleControl& control, double duration_s, double radius_m);
 

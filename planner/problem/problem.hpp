@@ -53,7 +53,7 @@ struct SearchProblem {
   const models::World* world = nullptr;          ///< null: unbounded and empty
   const models::DistanceField* field = nullptr;  ///< field of `world`; null: same results, slower
   double clearance_m = 0.0;           ///< m; radius of the disc around the robot that must be free
-  bool obstacles_block_sight = true;  ///< false: sensors see over or through them
+  bool obstacles_block_sight = true;  ///< false: sensors see over or through obstacles
 
   /// Committed motion of the teammates. The plan keeps `separation_m` from it in space, or in the
   /// plane if `separation_from_above`. See required_separation_m() for a robot that starts closer.
@@ -118,7 +118,7 @@ struct SearchResult {
   /// sequence was feasible; `controls` then has only these steps. After them the robot stops and
   /// hovers.
   int moving_steps = 0;
-  double lower_bound = 0.0;  ///< proven, ≤ the optimum; −∞: no bound
+  double lower_bound = 0.0;  ///< proven lower bound of the optimum; −∞: none
   double epsilon = 0.0;      ///< ε of the last completed pass
   double delta_m = 0.0;
   std::int64_t passes = 0;  ///< completed passes

@@ -58,7 +58,8 @@ class SightTable {
 
   /// True if obstacles exist, so that line_of_sight() must be called.
   [[nodiscard]] bool has_obstacles() const { return has_obstacles_; }
-  /// Same result as models::line_of_sight(), but faster where the distance field decides.
+  /// Returns the same result as models::line_of_sight(), but faster where the distance field
+  /// decides.
   [[nodiscard]] bool line_of_sight(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) const;
 
  private:
@@ -68,7 +69,7 @@ class SightTable {
     double cos_half_fov = -2.0;  ///< −2: full circle
     double cos2_half_fov = 0.0;
     double along_sight = 0.0;       ///< 1/m²; information along the line of sight
-    double across_sight = 0.0;      ///< 1/rad²; information across it, times the squared distance
+    double across_sight = 0.0;      ///< 1/rad²; information across the sight line × distance²
     double isotropic_per_m2 = 0.0;  ///< 1/m²; information of a position sensor
     double growth_per_m = 0.0;      ///< 1/m; variance factor is max(floor, r · growth_per_m)
     double variance_floor = 1.0;

@@ -12,8 +12,9 @@ namespace vantage::planner {
 /// of `rounding_m`.
 bool keeps_apart(const SearchProblem& problem, const models::Trajectory& motion, double rounding_m);
 
-/// Closing check of every motion before publication: true if it is clear of obstacles and separated
-/// from all teammates, with a tolerance of 2 cm. Precondition: the problem has a world.
+/// True if `motion` is clear of obstacles and separated from all teammates, with a tolerance of 2
+/// cm. This is the closing check before a motion is published. Precondition: the problem has
+/// a world.
 bool is_safe(const SearchProblem& problem, const models::Trajectory& motion);
 
 /// Returns the index of the nearest teammate that is closer than the required separation; nullopt

@@ -18,7 +18,7 @@ struct Commitment {
   };
   Known known = Known::kMotion;
   models::Trajectory motion;  ///< motion from t_{k+1} on; valid only for kMotion
-  bool is_off_plan = false;   ///< farther from its plan than the tolerance
+  bool is_off_plan = false;   ///< the robot is farther from its plan than the tolerance
 };
 
 /// Returns the commitment of robot `robot` (by index) in the slot of `inputs`: the remaining part

@@ -8,7 +8,7 @@
 namespace vantage::planner {
 
 /// Planner for planner.algorithm `external`. Does not search: its plan is the answer in the inputs
-/// if that passes the closing check, otherwise the fallback.
+/// if the answer passes the closing check, otherwise the fallback.
 class ExternalPlanner : public SlotPlanner {
  public:
   /// `scenario` must outlive this object.

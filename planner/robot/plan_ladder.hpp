@@ -31,16 +31,16 @@ class PlanLadder {
   /// Sets the number of search nodes in every plan.
   void set_nodes(std::int64_t nodes) { plan_.nodes = nodes; }
 
-  /// Returns the plan of a search result; nullopt if nothing was found or it is not safe.
+  /// Returns the plan of a search result; nullopt if no motion was found or the motion is not safe.
   [[nodiscard]] std::optional<models::RobotPlan> searched(const SearchResult& result);
   /// Returns the plan of a motion that was chosen or that an external planner answered; nullopt if
-  /// it is not safe.
+  /// the motion is not safe.
   [[nodiscard]] std::optional<models::RobotPlan> chosen(const models::Trajectory& motion);
   /// Returns the plan of the robot's own proposal; nullopt (not counted) if the proposal is not
   /// from a search or is not safe now.
   [[nodiscard]] std::optional<models::RobotPlan> proposed(const models::RobotPlan& proposal) const;
-  /// Returns the plan to stop and hover, marked as the result of a search; nullopt if it is not
-  /// safe.
+  /// Returns the plan to stop and hover, marked as the result of a search; nullopt if stopping is
+  /// not safe.
   [[nodiscard]] std::optional<models::RobotPlan> hovering();
   /// Returns a turn on the spot, which is safe wherever hovering is.
   [[nodiscard]] models::RobotPlan turned(models::Trajectory turning);

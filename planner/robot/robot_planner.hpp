@@ -47,7 +47,7 @@ class RobotPlanner {
   /// Creates one of several planners that take turns in one workspace.
   RobotPlanner(std::shared_ptr<Workspace> workspace, const std::string& robot);
 
-  /// Commits the search's memory, so that no page fault occurs later. For real time.
+  /// Commits the search's memory, so that no page fault occurs later. Needed in real time.
   void prefault() { workspace_->prefault(); }
 
   /// Returns the plan of this slot. nullopt until the robot's pose is known, and while the robot
@@ -75,8 +75,8 @@ class RobotPlanner {
   std::optional<models::RobotPlan> plan_without_search(const PlanInputs& inputs);
 
   /// Returns braking to a hover instead of a search, before the deadline, because the process gets
-  /// too little processor time to keep its commitments. It is published with `late` set although it
-  /// is before its deadline; replays recognise it by this combination.
+  /// too little processor time to keep its commitments. The plan is published with `late` set
+  /// although its deadline has not passed; replays recognise such plans by this combination.
   std::optional<models::RobotPlan> plan_to_stop(const PlanInputs& inputs);
 
   /// Returns the robot's slot in the next round, for use after publication in its current one;

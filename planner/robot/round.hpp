@@ -20,9 +20,9 @@ namespace vantage::planner {
 /// (planner/robot/slot_colour).
 ///
 /// In a team that expects attacks the first half of the budget is divided in the same way for
-/// proposals, the second half for plans: all robots have proposed their plans alone before the
-/// first plan is made. In a team that plans by local search all robots exchange proposals
-/// concurrently in the first half.
+/// proposals, the second half for plans: all robots have proposed the plans that they made alone
+/// before the first plan is made. In a team that plans by local search all robots exchange
+/// proposals concurrently in the first half.
 /// Source: docs/decisions/0003, 0006, 0016; dissertation 3 (coordinate descent on a network).
 class RoundSchedule {
  public:
@@ -47,7 +47,8 @@ class RoundSchedule {
   [[nodiscard]] Slot slot_after(std::int64_t round, Time now, int slot_index) const;
   [[nodiscard]] bool is_shared() const { return is_shared_; }
   [[nodiscard]] int slots() const { return slots_; }
-  /// Returns the robot's initial slot, used until a conflict is received.
+  /// Returns the number of the robot's initial slot, used until a neighbour's plan shows a
+  /// conflict.
   [[nodiscard]] int first_slot_index() const { return slot_index_; }
   /// Returns the slot number in which `plan` was made; nullopt if it was made in another schedule.
   [[nodiscard]] std::optional<int> slot_index_of(const models::RobotPlan& plan) const;
@@ -64,7 +65,7 @@ class RoundSchedule {
   Duration margin_{};
   Duration budget_{};
   bool is_shared_ = false;  ///< a slot can belong to several robots
-  int slots_ = 1;           ///< if not shared, the number of robots
+  int slots_ = 1;           ///< number of slots; if not shared, the number of robots
   int slot_index_ = 0;
   bool is_exchange_ = false;  ///< all robots share the first half
   bool has_proposals_ = false;

@@ -33,10 +33,10 @@ bool shows_bodies_in_the_way(const Workspace& workspace, std::size_t robot,
 /// Returns the problem of robot `robot` (by index) in the slot of `inputs`, starting where its
 /// `committed` motion begins. It contains the believed targets and the landmarks of unexplored
 /// areas (or the map, in mapping). It contains the teammates' newest plans and their information,
-/// except from jammed robots and `robots_without_sensing` (by index). Also the positions of
-/// teammates that do not follow plans, are off them or have an old status. Bodies in the way are
-/// assumed to move at constant velocity. Equal inputs give equal problems; the workspace only
-/// caches computations.
+/// except from jammed robots and `robots_without_sensing` (by index). It also contains the
+/// positions of teammates that do not follow plans, are off their plan or have an old status.
+/// Bodies in the way are assumed to move at constant velocity. Equal inputs give equal problems;
+/// the workspace only caches computations.
 RoundProblem problem_of_round(Workspace& workspace, std::size_t robot, const PlanInputs& inputs,
                               const models::Trajectory& committed,
                               const std::vector<int>& robots_without_sensing);

@@ -31,7 +31,7 @@ class RoundSearch {
   [[nodiscard]] virtual double gain_nats(const RoundProblem& round, const Found& found) const = 0;
 };
 
-/// `workspace` must outlive the result.
+/// Creates the search of robot `robot` (by index). `workspace` must outlive the result.
 std::unique_ptr<RoundSearch> make_round_search(Workspace& workspace, std::size_t robot);
 
 }  // namespace vantage::planner

@@ -9,7 +9,8 @@
 
 namespace vantage::planner {
 
-/// Selects one robot's slot from its own and its neighbours' newest plans, if robots share slots.
+/// Selector of one robot's slot from its own and its neighbours' newest plans, if robots share
+/// slots.
 class SharedSlots {
  public:
   /// Precondition: the scenario's slots are shared. `workspace` must outlive this object.

@@ -21,10 +21,11 @@ struct SlotHolder {
 //
 // So if two neighbours have received each other's last plan, at most one of them searches in a
 // slot. If every robot has fewer neighbours than there are slots, the colouring becomes permanent
-// once the graph stops changing: the robot of lowest index among those in a slot keeps it. With
-// fewer slots, the higher-numbered robots continue their committed motion, which is safe.
+// once the graph stops changing: the robot of lowest index among those in a slot keeps the slot.
+// With fewer slots, the higher-numbered robots continue their committed motion, which is safe.
 
-/// True if `own` may search in its slot. Precondition: its newest plan was also made in that slot.
+/// True if `own` may search in its slot. Precondition: the newest plan of `own` was made in that
+/// slot.
 bool may_search(const SlotHolder& own, std::span<const SlotHolder> neighbours);
 
 /// Returns the slot of `own` in the next round. It is the same slot if may_search() or if no slot

@@ -39,7 +39,7 @@ class Workspace {
   /// Returns the scenario's search, for all planners that do not need their own
   /// (Algorithm::is_stateful). Created at the first call, like reduced().
   Search& search();
-  /// Creates a search for one robot's own use.
+  /// Creates a search for the exclusive use of one robot.
   [[nodiscard]] std::unique_ptr<Search> make_search(int robot_index) const;
   /// Returns the search that generates the candidates of a team decision.
   ReducedValueIteration& reduced();
@@ -48,7 +48,7 @@ class Workspace {
   const models::VisibilityGrid& ground(const models::GridGeometry& part,
                                        const std::vector<std::int64_t>& last_seen_utime);
 
-  /// Commits the memory of the searches created so far. For real time.
+  /// Commits the memory of the searches created so far. Needed in real time.
   void prefault();
 
  private:

@@ -14,7 +14,7 @@ namespace vantage::planner {
 /// time to evaluate a node is independent of the number of targets elsewhere.
 ///
 /// At each depth only targets that may be in range from a reachable position are relevant. A square
-/// grid lists, for each cell, those in range. A cell's list is made at its first query, in
+/// grid lists the targets in range of each cell. A cell's list is made at its first query, in
 /// O(relevant targets). Lists are complete but may contain targets out of range, so their members
 /// must be tested. Allocates nothing after construction; if the pool is full, a query returns all
 /// relevant targets of the depth.

@@ -37,7 +37,7 @@ class Search {
   /// Returns the best plan found by the deadline. The reference is valid until the next call.
   /// @throws UsageError when `problem` breaks a rule of require_valid or exceeds the capacity.
   virtual const SearchResult& plan(const SearchProblem& problem, const Deadline& deadline) = 0;
-  /// Commits the reserved arrays, so that plan() causes no page fault in them. For real time.
+  /// Commits the reserved arrays, so that plan() causes no page fault in them. Needed in real time.
   virtual void prefault() {}
   /// Returns the peak memory of the last search in nodes, blocks and lists, bytes.
   [[nodiscard]] virtual std::size_t peak_bytes() const = 0;
@@ -48,7 +48,7 @@ struct Algorithm {
   std::string_view name;
   std::string_view what;  ///< description for --help, one line
   double kept_share;      ///< maximum share of the generated nodes kept in memory
-  bool is_stateful;       ///< keeps state between plans, so each robot needs its own
+  bool is_stateful;       ///< keeps state between plans, so each robot needs its own search
   bool makes_candidates;  ///< its tree yields many trajectories for a team decision
   std::function<std::unique_ptr<Search>(const SearchCapacity&, const AlgorithmOptions&)> make;
 };

@@ -25,7 +25,7 @@ class CostOrder {
   void add(double cost, NodeId id) { entries_[count_++] = {key_of(cost), id}; }
 
   /// Sorts the entries added since clear(). Calls `go_on()` at least every kStep entries of work
-  /// and returns false as soon as it does; the order is then invalid until clear().
+  /// and returns false as soon as go_on() does; the order is then invalid until clear().
   template <class GoOn>
   [[nodiscard]] bool sort(GoOn&& go_on);
 

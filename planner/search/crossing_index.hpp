@@ -27,9 +27,9 @@ struct PoseMetric {
   }
 };
 
-/// Spatial hash of the opened nodes of one depth: finds the nodes within δ of a pose without a
-/// scan. reset() and insertion are O(1); a query visits nine cells. Allocates nothing after
-/// construction.
+/// Spatial hash of the opened nodes of one depth: finds the nodes within δ of a pose without
+/// testing all nodes. reset() and insertion are O(1); a query visits nine cells. Allocates nothing
+/// after construction.
 class CrossingIndex {
  public:
   explicit CrossingIndex(std::size_t entries_max);

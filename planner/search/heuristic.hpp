@@ -48,8 +48,9 @@ class InformationHeuristic {
   [[nodiscard]] Parts cost_to_go(const Pose2& at, int depth, const Blocks& blocks,
                                  const std::uint8_t* apart);
 
-  /// Returns a lower bound of the stage cost at depth k = 1 … T for every plan. cost_to_go of the
-  /// root is their sum; that of any node is at least the sum of the later ones.
+  /// Returns a lower bound of the stage cost at depth k = 1 … T for every plan. The sum of all
+  /// stage floors is cost_to_go of the root. cost_to_go of any node is at least the sum of the
+  /// floors of the depths after the node.
   [[nodiscard]] double stage_floor(int k) const { return stage_floors_[index(k)]; }
 
   /// Returns the length of the longest step, m, rounded up.
@@ -72,13 +73,13 @@ class InformationHeuristic {
     return beliefs_->layout(m) != BlockLayout::kSpatial && !has_fixed(m) &&
            motion(m).is_isotropic();
   }
-  /// Returns the cost of an untouched target m over the steps after `depth` without measurements.
+  /// Returns the cost of target m over the steps after `depth` if the target is never measured.
   [[nodiscard]] double open_loop_rest(int m, int depth) const {
     return open_loop_rests_[at(m, depth)];
   }
   [[nodiscard]] double open_loop_rest(int depth) const { return total_rests_[index(depth)]; }
-  /// Returns a bound of one measurement of target m after `steps` steps, if the path length to the
-  /// target is between `nearest_m` and `farthest_m`.
+  /// Returns a bound of the information of one measurement of target m after `steps` steps, if the
+  /// path length to the target is between `nearest_m` and `farthest_m`.
   [[nodiscard]] LookBound look_bound(int m, double nearest_m, double farthest_m, int steps) const;
 
  private:

@@ -47,7 +47,7 @@ class LinearisedCost {
   /// `block`.
   double linearise(int m, int depth, const double* block, const float* reference);
 
-  /// Symmetric 2×2, m².
+  /// Symmetric 2×2 matrix, m².
   struct Gradient {
     double xx = 0.0;
     double xy = 0.0;

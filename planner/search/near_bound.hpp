@@ -61,7 +61,7 @@ class NearBound : public PartialBound {
   /// Returns the cost of target i over the steps after k, with all measurements from outside the
   /// disc.
   double remaining_cost_outside(int i, int k, AveragedBlock block);
-  /// Computes b(i, ·) over every choice of events from step k on; `events` are the earlier ones.
+  /// Computes b(i, ·) over every choice of events from step k on; `events` are the earlier events.
   void save(int i, int k, const AveragedBlock& block, std::uint32_t events);
   [[nodiscard]] double best_chain() const;
   bool work();

@@ -4,8 +4,8 @@
 
 namespace vantage::planner {
 
-/// Queue of nodes linked by Node::next: any number of queues share one arena and need no memory of
-/// their own. A node is in one queue at a time.
+/// Queue of nodes linked by Node::next: any number of queues share one arena and need no separate
+/// memory. A node is in one queue at a time.
 struct NodeList {
   NodeId first = kNoNode;
   NodeId last = kNoNode;

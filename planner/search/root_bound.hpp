@@ -28,7 +28,8 @@ class RootBound {
 
   /// Tabulates a problem and returns a lower bound of every plan, including those that stop and
   /// hover: the larger of h (Thm 6) and the sum of the stage floors; −∞ if the information is
-  /// unbounded. 10–100 µs. `beliefs` must be those of `problem`; both must outlive the next call.
+  /// unbounded. Takes 10–100 µs. `beliefs` must be those of `problem`; both must outlive the next
+  /// call.
   double of_any_plan(const SearchProblem& problem, const BeliefTable& beliefs);
 
   /// Lower bound of every plan that takes all steps from the controls, for the problem last

@@ -19,7 +19,7 @@ struct Node {
   NodeId parent = kNoNode;
   std::uint32_t posterior = 0;  ///< index of its blocks in Tree; 0: not computed yet
   NodeId next = kNoNode;        ///< used by the algorithm: link in the node's list
-  std::int16_t control = -1;    ///< control that led here
+  std::int16_t control = -1;    ///< control from the parent to this node
   std::uint8_t depth = 0;
   std::uint8_t state = 0;  ///< used by the algorithm: flags
 };
