@@ -34,8 +34,8 @@ class Association {
   void set(int track, int detection, double odds) { odds_[at(track, detection)] = odds; }
   [[nodiscard]] double odds(int track, int detection) const { return odds_[at(track, detection)]; }
 
-  /// Returns the detection of each track in the most likely association, −1 for none. Valid until
-  /// the next call.
+  /// Returns the detection of each track in the most likely association, −1 for none. The result is
+  /// valid until the next call.
   /// Cost: O(tracks² · (tracks + detections)).
   std::span<const int> best();
   /// Computes the marginals. In a group, p is the smaller and q the larger of the numbers of tracks
@@ -55,7 +55,7 @@ class Association {
     return static_cast<std::size_t>(track * detections_ + detection);
   }
   /// Returns the odds of a row and a column of the group. Rows are the tracks or the detections of
-  /// the group, whichever are more.
+  /// the group, whichever are more numerous.
   [[nodiscard]] double group_odds(int row, int column) const;
   void set_group_probability(int row, int column, double probability);
   void gather_group(int first_track);

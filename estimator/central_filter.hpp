@@ -15,10 +15,10 @@ namespace vantage::estimator {
 struct CentralFilterSpec {
   models::TargetModel model;
   double step_s = 0.5;
-  /// Detection probability assumed for observations without a detection; 0: they are not used.
-  /// Successive observations see nearly the same area, and a Gaussian cannot represent this. The
-  /// value must be far below the sensor's detection probability; otherwise the filter becomes
-  /// overconfident about where targets are not.
+  /// Detection probability assumed for observations without a detection; 0: such observations are
+  /// not used. Successive observations see nearly the same area, and a Gaussian cannot represent
+  /// this. The value must be far below the sensor's detection probability; otherwise the filter
+  /// becomes overconfident about where targets are not.
   double detection_probability = 0.0;
   bool targets_stay_inside = true;  ///< beliefs are reflected at the world's bounds
 };
@@ -29,7 +29,7 @@ struct CentralFilterSpec {
 /// for late or lost messages, see DistributedFilter.
 class CentralFilter {
  public:
-  /// `world` must outlive this.
+  /// `world` must outlive this object.
   /// @param priors prior beliefs of target 0, 1, …, each of the model's dimension
   CentralFilter(const CentralFilterSpec& spec, const models::World& world,
                 std::vector<models::Gaussian> priors);
@@ -37,8 +37,9 @@ class CentralFilter {
   /// Predicts all beliefs by one step.
   void predict();
   /// Uses the observations of one instant: one per robot that was not jammed. For each target,
-  /// observations that do not report it are used first, then those that report it, in their order.
-  /// The effect of missed detections thus does not depend on the measurements of the same instant.
+  /// observations that do not report it are used first, then those that report it, each in the
+  /// given order. The effect of missed detections thus does not depend on the measurements of the
+  /// same instant.
   void update(const models::SensorModel& sensor, std::span<const models::RobotMeasurement> looks);
 
   [[nodiscard]] const models::TargetModel& model() const { return spec_.model; }

@@ -25,9 +25,10 @@ models::World inset(const models::World& world, double radius_m);
 /// Conditioning computes the moments of N(y; μ, P) · 1[y free] / Z. See reweighted() for the method
 /// and for the cases that it leaves unchanged.
 ///
-/// Without this, the belief of a target that is unseen for a long time spreads over positions where
-/// the target cannot be, and its mean stays where the target was last seen. With it, the mean
-/// approaches the middle of the world, and the covariance the size of the world.
+/// Without confinement, the belief of a target that is unseen for a long time spreads over
+/// positions where the target cannot be, and its mean stays where the target was last seen. With
+/// confinement, the mean approaches the middle of the world, and the covariance the size of the
+/// world.
 /// Cost: at most 343 rectangle tests per obstacle, no allocation.
 models::Gaussian confine(const models::Gaussian& belief, const models::World& world);
 

@@ -256,7 +256,7 @@ void DistributedFilter::run(StepRecord& record) {
   if (record.from < record.to) {
     reconcile_labels(record, record.from);
   }
-  fuse(record.received_at_start);  // before the prediction, so that it acts on them too
+  fuse(record.received_at_start);  // first, so that the prediction acts on them too
   for (; next < record.observation_count && look(next).time < record.to; ++next) {
     propagate_all(at, look(next).time);
     at = look(next).time;
@@ -270,7 +270,7 @@ void DistributedFilter::run(StepRecord& record) {
   for (; next < record.observation_count; ++next) {
     apply(look(next));
   }
-  if (record.has_belief_of_end) {  // contains the observations of `to`
+  if (record.has_belief_of_end) {  // such a belief contains the observations of `to`
     fuse(record.received_at_end);
   }
   reconcile_labels(record, record.to);

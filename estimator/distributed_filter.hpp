@@ -58,7 +58,7 @@ FilterSpec filter_spec(const scenario::Scenario& scenario, const std::string& ro
 struct StepInput {
   Time time{};                                 ///< t; later than the previous step's
   std::optional<models::Viewpoint> viewpoint;  ///< own, at t; absent: as in the previous step
-  /// Own and teammates' observations, of any instants ≤ t. Those of a robot that is not in
+  /// Own and teammates' observations, of any instants ≤ t. Observations of a robot that is not in
   /// FilterSpec::team are used as this robot's own.
   std::span<const models::RobotMeasurement* const> measurements;
   std::span<const models::RobotBelief* const> beliefs;  ///< newest belief of each teammate
@@ -116,8 +116,8 @@ struct FilterCounters {
 /// false id started the track, the track follows its target from the next consistent detection on.
 ///
 /// A convex combination of conservative beliefs is conservative, whatever information they share.
-/// Observations are never added to a belief that contains them. Those of t are used after the
-/// fusion only if no received belief is of t, and a repeated observation is dropped. Thus no
+/// Observations are never added to a belief that contains them. Observations of t are used after
+/// the fusion only if no received belief is of t, and a repeated observation is dropped. Thus no
 /// observation is counted twice, even if the network repeats, reorders or loses messages. The
 /// covariance of an unseen target grows to the stationary covariance of the damped oscillator. With
 /// other models it grows until the world's bounds limit it, or without limit if targets_stay_inside
@@ -161,7 +161,7 @@ class DistributedFilter {
   /// inputs.
   [[nodiscard]] models::RobotBelief belief() const;
   /// Continues from `belief` as if this filter had computed it, and deletes the history of steps.
-  /// Also used to set a prior.
+  /// This function also sets a prior.
   void rebase(const models::RobotBelief& belief);
 
   /// Returns a copy of the track, because tracks move in memory when another target is discovered.

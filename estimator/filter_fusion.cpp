@@ -101,7 +101,7 @@ void DistributedFilter::add_belief(const models::RobotBelief& belief, StepRecord
     }
     auto now_known = propagate(spec_.estimator.target_model, spec_.step_s, target.information,
                                target.last_seen, belief.stamp.time, now);
-    // Without this, a belief predicted into a wall would be more confident than a reflected one.
+    // Without kept_inside(), a belief predicted into a wall would be too confident.
     if (now_known && belief.stamp.time < now) {
       now_known = kept_inside(*now_known);
     }
@@ -180,7 +180,7 @@ void DistributedFilter::fuse(const ReceivedTable& all_received) {
     }
     Track& own = known->track;
     if (received.last_seen < own.doubted) {
-      continue;  // it is older than the doubted detection and would undo doubt()
+      continue;  // the belief is older than the doubted detection; it would undo doubt()
     }
     // Without a newer detection, the teammates' beliefs differ only in missed detections. Beliefs
     // contain only moments; if moments differ, the more confident ones are more likely to be wrong.

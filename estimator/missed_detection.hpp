@@ -14,7 +14,7 @@ bool can_report(const models::SensorModel& sensor, const models::Viewpoint& from
 /// Returns the belief updated with an observation that did not report the target ("negative
 /// information"). It has the moments of N(y; μ, P) · (1 − p_D · 1[y in view]) / Z, where "in view"
 /// is can_report(). See reweighted() for the method and for the cases in which the belief is
-/// returned unchanged. It is also unchanged if p_D ≤ 0 or if the belief is beyond the sensor's
+/// returned unchanged. The belief is also unchanged if p_D ≤ 0 or if it is beyond the sensor's
 /// range.
 ///
 /// @param probability  if not null: receives Z, the probability that the observation does not

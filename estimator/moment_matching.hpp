@@ -59,10 +59,10 @@ struct ProductRule {
 /// the position and 0 ≤ likelihood ≤ 1. The velocity follows through its correlation with the
 /// position.
 ///
-/// The moments come from a fixed product rule on ±3σ of the position ellipse. It is scaled to have
-/// the Gaussian's own first two moments, so a constant likelihood changes nothing. The covariance
-/// may shrink (one side is excluded) or grow (the middle is excluded). In every direction it is at
-/// least the variance of one cell of the rule, so it stays positive definite.
+/// The moments come from a fixed product rule on ±3σ of the position ellipse. The rule is scaled to
+/// have the first two moments of the Gaussian, so a constant likelihood changes nothing. The
+/// covariance may shrink (one side is excluded) or grow (the middle is excluded). In every
+/// direction it is at least the variance of one cell of the rule, so it stays positive definite.
 ///
 /// The belief is returned unchanged in three cases: the likelihood is 1 at every point, the
 /// likelihood contradicts the belief (Z < 1e−6), or the covariance is not positive definite.

@@ -21,11 +21,11 @@ namespace {
 /// Existence probability below which a track is deleted or not started.
 constexpr double kExistenceMin = 0.01;
 constexpr double kConfirmed = 0.5;
-/// Least assumed number of targets without a track. With zero, a target with a wrong track would
-/// never be found again.
+/// Least assumed number of targets without a track. With the value 0, a target with a wrong track
+/// would never be found again.
 constexpr double kUntrackedMin = 0.05;
-/// Least assumed number of false alarms per observation. With zero, a single outlier would start a
-/// confirmed track.
+/// Least assumed number of false alarms per observation. With the value 0, a single outlier would
+/// start a confirmed track.
 constexpr double kClutterMin = 1e-3;
 constexpr double kDetectionMax = 0.99;
 // Mixture reduction: merge distance, least weight of a component, and least weight for which a

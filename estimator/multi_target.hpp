@@ -31,7 +31,7 @@ struct MultiTargetSpec {
   models::DetectionModel detection;  ///< for update() without a DetectionModel
   double step_s = 0.5;
   int targets = 5;          ///< number of targets in the world, found or not
-  int tracks_max = 10;      ///< more than targets, because some tracks are false
+  int tracks_max = 10;      ///< greater than `targets`, because some tracks are false
   int detections_max = 32;  ///< per observation; further ones are not used
   int components_max = 6;   ///< maximum per track; 1 for kJpda and kNearest
   Tracker tracker = Tracker::kLabelled;
@@ -66,21 +66,21 @@ struct MultiTargetCounters {
   std::int64_t births = 0;
   std::int64_t deaths = 0;
   std::int64_t beyond_capacity = 0;  ///< detections or births beyond the capacity
-  std::int64_t malformed = 0;        ///< of wrong dimension, or without possible position
+  std::int64_t malformed = 0;        ///< detections of wrong dimension or with no possible position
 };
 
 /// Multi-target filter for detections without target ids, with false alarms.
 ///
-/// Track i has existence probability r_i and belief p_i. One observation gives it the weight w_i0 =
-/// 1 − r_i p_D P_i(in view) of no detection, and w_ij = r_i p_D p(z_j | p_i) / λ_j of detection j.
-/// λ_j is the intensity of other detections: false alarms (uniform over the area in view) and
-/// targets without a track (uniform over the world; their number is `targets` minus the sum of
-/// r_i). The joint association probabilities β (class Association) update existence: r_i ← Σ_j β_ij
-/// + β_i0 r_i (1 − p_D P_i) / w_i0, conditioned on at most `targets` targets. Belief i becomes the
-/// reduced mixture of its posteriors for each detection and for none. Detection j starts a track in
-/// proportion to 1 − Σ_i β_ij. For the weights, a detection is the Gaussian of its position without
-/// prior. Posteriors of relevant weight are computed by measure(), missed detections by
-/// missed_detection() and motion by propagate().
+/// Track i has existence probability r_i and belief p_i. For one observation, track i has the
+/// weight w_i0 = 1 − r_i p_D P_i(in view) for no detection, and w_ij = r_i p_D p(z_j | p_i) / λ_j
+/// for detection j. λ_j is the intensity of other detections: false alarms (uniform over the area
+/// in view) and targets without a track (uniform over the world; their number is `targets` minus
+/// the sum of r_i). The joint association probabilities β (class Association) update existence: r_i
+/// ← Σ_j β_ij + β_i0 r_i (1 − p_D P_i) / w_i0, conditioned on at most `targets` targets. Belief i
+/// becomes the reduced mixture of its posteriors for each detection and for none. Detection j
+/// starts a track in proportion to 1 − Σ_i β_ij. For the weights, a detection is the Gaussian of
+/// its position without prior. Posteriors of relevant weight are computed by measure(), missed
+/// detections by missed_detection() and motion by propagate().
 ///
 /// kLabelled first assigns each detection to at most one track, by the most likely association.
 /// Without this, two lost tracks would permanently share one target that is detected again. A
@@ -105,7 +105,7 @@ class MultiTargetFilter {
   /// Precondition: the size of `tracks` is that of no_tracks().
   void update(std::vector<LabelledTrack>& tracks, const ObservationContext& context,
               std::span<const models::Detection> detections);
-  /// The same with the spec's detection model.
+  /// As above, with the detection model of the spec.
   void update(std::vector<LabelledTrack>& tracks, const models::SensorModel& sensor,
               const models::Viewpoint& from, Time at, std::span<const models::Detection> detections,
               int first_label = 0) {
@@ -120,7 +120,8 @@ class MultiTargetFilter {
 
  private:
   struct Look;
-  /// Fills seen_ and found_ with the usable detections, in an order that depends only on them.
+  /// Fills seen_ and found_ with the usable detections, in an order that depends only on these
+  /// detections.
   void sort_detections(const Look& look, std::span<const models::Detection> detections);
   void expect_misses(const std::vector<LabelledTrack>& tracks, const Look& look);
   void weigh(const std::vector<LabelledTrack>& tracks, const Look& look);

@@ -24,9 +24,9 @@ struct ScanCounts {
 ///
 /// A range z marks the cell at range z + 2 σ along the beam as hit. With z itself, noise would move
 /// half of the hits one cell too near, because a surface is at the near side of its cell. The cells
-/// before it are marked as missed if their centres are nearer than z. The sensor's own cell is
-/// marked as missed. A scan changes a cell only once, and a hit overrides a miss; otherwise beams
-/// almost parallel to a wall would erase the wall.
+/// between the sensor and the hit cell are marked as missed if their centres are nearer than z. The
+/// sensor's own cell is marked as missed. A scan changes a cell only once, and a hit overrides a
+/// miss; otherwise beams almost parallel to a wall would erase the wall.
 /// Source: log-odds of the inverse sensor model: Moravec and Elfes (1985); once a scan, hits first:
 /// Hornung et al., OctoMap (2013), IV-B.
 class OccupancyFusion {
@@ -40,8 +40,8 @@ class OccupancyFusion {
   /// counted).
   ScanCounts fuse(const Pose2& world_from_body, std::span<const double> ranges_m,
                   models::OccupancyBelief& belief);
-  /// Adds the same scan to `cell_counts` (per cell, hits minus misses), which can be summed over
-  /// robots.
+  /// Like fuse(), but adds the scan to `cell_counts` (per cell, hits minus misses), which can be
+  /// summed over robots.
   ScanCounts count(const models::GridGeometry& geometry, const Pose2& world_from_body,
                    std::span<const double> ranges_m, models::CellCounts& cell_counts);
 

@@ -35,7 +35,7 @@ struct FittedBeacon {
   CalibratedCovariance joint = CalibratedCovariance::Zero();
   double range_sigma_m = 0.0;  ///< m; 1σ of this beacon's ranges without the outliers
   double outlier_share = 0.0;  ///< share of outliers among this beacon's ranges
-  double probability = 1.0;    ///< of position_m; the alternative positions have the rest
+  double probability = 1.0;    ///< probability that position_m is the true position
   /// m; most likely alternative position, if any
   std::optional<Eigen::Vector2d> other;
 
@@ -51,8 +51,8 @@ struct RangeFit {
   std::vector<FittedBeacon> beacons;
 };
 
-/// m; largest range and robot coordinate that fit_ranges() accepts. Squares of larger numbers
-/// overflow, or all other terms are lost by rounding.
+/// m; largest range and robot coordinate that fit_ranges() accepts. With larger numbers, squares
+/// overflow or all other terms are lost by rounding.
 inline constexpr double kRangeBound_m = 1e6;
 /// True if fit_ranges() accepts the range: it is finite and within the bound.
 bool is_within_bound(const TakenRange& range);

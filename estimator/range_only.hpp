@@ -18,8 +18,8 @@ struct RangeOnlySpec {
   double range_sigma_m = 0.5;     ///< m; 1σ of a range that is not an outlier
   double outlier_share = 0.05;    ///< share of ranges that are outliers
   double outlier_span_m = 100.0;  ///< m; outliers are uniform over this span
-  int hypotheses = 48;            ///< number of Gaussians on the first ring; also the maximum
-  double weight_min = 1e-4;       ///< lighter hypotheses are dropped
+  int hypotheses = 48;            ///< initial and maximum number of Gaussians
+  double weight_min = 1e-4;       ///< hypotheses of smaller weight are dropped
   /// Distance below which two hypotheses are merged, in σ of the hypotheses or of a range.
   double merge_distance_sigma = 0.5;
   int restart_window = 30;  ///< number of ranges; restart if most in a window match no hypothesis
@@ -36,7 +36,7 @@ struct BeaconHypothesis {
 /// range_bias_m + v, with known positions p of the robot.
 ///
 /// The first range gives a ring of `hypotheses` Gaussians around the robot. Every further range
-/// updates each of them by an EKF. A range is either an outlier (uniform) or an inlier with
+/// updates each Gaussian by an EKF. A range is either an outlier (uniform) or an inlier with
 /// innovation N(0, S). With β the posterior probability of an inlier, the update is that of
 /// probabilistic data association: x + βKν, P − βKSKᵀ + β(1 − β) KννᵀKᵀ. Each weight is multiplied
 /// by the likelihood of the range, outliers included. Hypotheses of small weight are dropped and
@@ -69,7 +69,7 @@ class RangeOnlyFilter {
   RangeOnlySpec spec_;
   std::vector<BeaconHypothesis> hypotheses_;
   int window_ = 0;        ///< number of ranges in the current window
-  double inliers_ = 0.0;  ///< Σ of the window's β, the largest of all hypotheses per range
+  double inliers_ = 0.0;  ///< sum over the window's ranges of the largest β of all hypotheses
   std::int64_t refused_ = 0;
   std::int64_t restarts_ = 0;
 };

@@ -15,14 +15,14 @@ namespace vantage::estimator {
 /// One observation by this robot's sensor or by a teammate's.
 struct Observation {
   Time time{};
-  int source = -1;  ///< index into FilterSpec::team; −1: this robot, not in the team
+  int source = -1;  ///< index into FilterSpec::team; −1: this robot, which is not in the team
   models::Viewpoint from;
   std::vector<models::Detection> detections;  ///< with ids: at most one per target, ids in range
   bool counted = false;                       ///< counters include its detections
 };
 
-/// All inputs of a step, so that it can be repeated with an additional observation. Storage is
-/// reused; it grows only beyond the number of observations given to the constructor.
+/// All inputs of a step, stored so that the step can be repeated with an additional observation.
+/// Storage is reused; it grows only beyond the number of observations given to the constructor.
 struct StepRecord {
   Time from{};
   Time to{};
@@ -32,9 +32,9 @@ struct StepRecord {
   ReceivedTable received_at_end;    ///< received beliefs of instants > `from`, predicted to `to`
   std::vector<LabelledTrack> labelled_before;  ///< tracks at `from` for sensors without ids
   std::vector<ReceivedLabel> received_labels;  ///< teammates' tracks at `from` or `to`, by teammate
-  /// True if a received belief is of instant `to`; it contains the observations of `to`.
+  /// True if a received belief is of instant `to`. Such a belief contains the observations of `to`.
   bool has_belief_of_end = false;
-  std::vector<Observation> observations;  ///< by time and source; observation_count are used
+  std::vector<Observation> observations;  ///< by time and source; first observation_count used
   int observation_count = 0;
 
   StepRecord() = default;

@@ -13,9 +13,9 @@ namespace vantage::estimator {
 
 /// Input of one step of a map. Pointers must be valid during the call only.
 struct MapInput {
-  const models::RobotBelief* belief = nullptr;      ///< this robot's; gives time, step, pose
+  const models::RobotBelief* belief = nullptr;      ///< this robot's belief; gives time, step, pose
   const models::RobotMap* before = nullptr;         ///< this robot's previous map, or null
-  std::span<const models::RangeScan* const> scans;  ///< this robot's, not counted yet
+  std::span<const models::RangeScan* const> scans;  ///< this robot's scans, not counted yet
   /// Newest map received while in range, one per run of a teammate's estimator.
   std::span<const models::RobotMap* const> teammates;
 };

@@ -31,10 +31,10 @@ std::optional<models::Information> propagate(const models::TargetModel& model, d
                                              Time from, Time to);
 
 /// Greatest deviation of h from its tangent, in σ of the noise, at which a measurement is
-/// linearised about the belief's mean: √(bᵀ V⁻¹ b), b = h(y) − h(ŷ) − H (y − ŷ). It is tested at
-/// the corners y, at 1.5σ along each axis of the belief. Below it, in 95 of 100 cases, the
-/// linearised posterior's mean was wrong by less than 0.13 σ and its covariance by less than 10 %.
-/// Above it the errors are much larger (docs/decisions/0011).
+/// linearised about the belief's mean: √(bᵀ V⁻¹ b), b = h(y) − h(ŷ) − H (y − ŷ). The deviation is
+/// tested at the corners y, at 1.5σ along each axis of the belief. Below this limit, in 95 of 100
+/// cases, the linearised posterior's mean was wrong by less than 0.13 σ and its covariance by less
+/// than 10 %. Above this limit the errors are much larger (docs/decisions/0011).
 inline constexpr double kBendMax = 0.2;
 
 /// Result of using one measurement.

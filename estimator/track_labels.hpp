@@ -40,24 +40,24 @@ struct ReceivedLabel {
   Time last_seen{};
 };
 
-/// Results of reconcile(), counted.
+/// Counts of the results of reconcile().
 struct Reconciled {
   std::int64_t relabelled = 0;  ///< own tracks that were given an older label
   std::int64_t adopted = 0;     ///< teammates' tracks that match no own track and were added
   std::int64_t taken_over = 0;  ///< own tracks that took a teammate's more informative belief
 };
 
-/// Reconciles `tracks` with those of one teammate, of the same instant; modifies both. Must be
+/// Reconciles `tracks` with the tracks of one teammate at the same instant; modifies both. Must be
 /// called before observations that the teammate's tracks do not contain are used.
 ///
-/// An own and a received track may be the same target if neither side has the label of the other.
-/// They are assumed to be one target if their positions are nearest to each other and their
-/// Mahalanobis distance is at most 3. Both receive the older label; the teammate does the same when
-/// it receives this robot's belief. A received track with a label that is still unknown is added if
-/// a slot is free or a track is unconfirmed. For a track that both have, the received belief
-/// replaces the own one if its entropy is lower by more than half a nat. Choosing one of two
-/// beliefs never counts an observation twice, whatever information they share. Robots that used the
-/// same observations have nothing to reconcile. Nothing is allocated.
+/// A track of this robot and a received track may be the same target if neither side has the label
+/// of the other. They are assumed to be one target if their positions are nearest to each other and
+/// their Mahalanobis distance is at most 3. Both receive the older label; the teammate does the
+/// same when it receives this robot's belief. A received track with a label that is still unknown
+/// is added if a slot is free or a track is unconfirmed. For a track that both robots have, the
+/// received belief replaces that of this robot if its entropy is lower by more than half a nat.
+/// Choosing one of two beliefs never counts an observation twice, whatever information they share.
+/// Robots that used the same observations have nothing to reconcile. Nothing is allocated.
 Reconciled reconcile(std::vector<LabelledTrack>& tracks, std::span<ReceivedLabel> received);
 
 /// Returns the confirmed tracks as Gaussians, by ascending label.

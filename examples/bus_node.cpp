@@ -1,5 +1,5 @@
-// A node: receives beliefs, publishes its own every second; run_node() reports its health. Needs
-// component bus. Default URL: $LCM_DEFAULT_URL. `bus_node memq:// 3` receives its own messages.
+// A node: receives beliefs, publishes its own belief every second; run_node() reports its health.
+// Needs component bus. Default URL: $LCM_DEFAULT_URL. `bus_node memq:// 3` receives its beliefs.
 #include <cstdio>
 #include <cstdlib>
 

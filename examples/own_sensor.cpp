@@ -22,7 +22,7 @@ const SensorLaw kDepth{
                    int dim) -> MeasurementJacobian { return ahead(from).head(dim).transpose(); },
     .variances = [](const SensorModel&, const Viewpoint&, const SightLine&,
                     int) { return row(kVariance_m2); },
-    .information_bound = [](const SensorModel&,  // maximum of information; bounds of plans use it
+    .information_bound = [](const SensorModel&,  // maximum information, for bounds of plans
                             const ReachedDistances&) { return 1.0 / kVariance_m2; }};
 
 int main() {

@@ -1,4 +1,4 @@
-// Plans the path with the most information about two targets. Needs component planner (Eigen).
+// Plans the path with the most information about two targets. Needs component planner (and Eigen).
 #include <cstdio>
 
 #include <vantage/planner/search/arvi.hpp>

@@ -22,7 +22,7 @@ using planner::SearchResult;
 
 constexpr int kStarts = 100;  // as in the dissertation
 constexpr std::array<double, 2> kBudgets_s = {0.01, 0.1};
-constexpr double kProof_s = 1.0;  // s; planning time of A*; 10 s in the dissertation
+constexpr double kProof_s = 1.0;  // s; planning time of A*; the dissertation uses 10 s
 constexpr double kEpsilon = 1.0;  // as in Fig. 2.5
 constexpr double kDelta_m = 0.1;
 constexpr double kHeatMap_m = 0.05;

@@ -13,7 +13,7 @@ struct NamedAttacker {
   const char* text;
 };
 
-/// The first attacker is that of the dissertation.
+/// The attackers of the experiments. The first one is that of the dissertation.
 inline constexpr std::array<NamedAttacker, 2> kAttackers = {
     {{planner::Attacker::kGreedy, "greedy", "greatest loss to the team, greedily"},
      {planner::Attacker::kBestAlone, "best_alone", "robots whose single plans gain most"}}};

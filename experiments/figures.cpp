@@ -295,7 +295,7 @@ std::string team_figure(const std::string& name, const std::string& axis,
   // pairs of mean and interval.
   const std::string label = is_pair ? "strcol(2).', '.strcol(3)" : "strcol(2)";
   const int first = is_pair ? 5 : 4;
-  // Without lines, because a line between two planners has no meaning.
+  // Draws no lines, because a line between two planners has no meaning.
   const std::string style = columns == "planner" ? "yerrorbars" : "yerrorlines";
   const auto panel = [&](int measure, const std::string& what) {
     return "  set ylabel '" + what +

@@ -5,7 +5,8 @@
 
 #include "models/world/world.hpp"
 
-// gnuplot scripts. Each is run in the directory of its experiment's files and writes SVG and PNG.
+// Functions that return gnuplot scripts. Each script is run in the directory of its experiment's
+// files and writes SVG and PNG.
 
 namespace vantage::experiments {
 
@@ -15,7 +16,8 @@ std::string dls_objective_figure();
 /// `world` (Fig. 3.9) under `titles`, each in quotes.
 std::string heterogeneous_figures(const models::World& world, const std::string& titles);
 std::string resilient_tracking_figure();
-/// Draws the mean errors of each combination and the printed ones, from table.csv.
+/// Draws the mean errors of each combination and the values printed in the dissertation, from
+/// table.csv.
 std::string resilient_tracking_choices_figure();
 /// Draws maps of the first trial of RAIN with two attacks (Fig. 4.4), and entropy over time (Fig.
 /// 4.5).

@@ -17,7 +17,7 @@ namespace vantage::experiments {
 
 /// Surveillance of landmarks at known positions by a team under attack on its sensors.
 struct WatchSetting {
-  models::World world;  ///< obstacles lower than a robot by `overfly_m` do not block it
+  models::World world;  ///< obstacles block robots less than `overfly_m` above them
   double overfly_m = 1.0;
   double clearance_m = 0.5;  ///< m; radius of the free disc around a robot
   std::vector<models::PositionVector> landmarks_m;
@@ -49,10 +49,10 @@ struct WatchRun {
 
 /// Simulates surveillance. Every `replan_steps` all robots plan `plan_steps` ahead. A resilient
 /// team uses RAIN: the bait robots plan alone, the others by coordinate descent as if the bait did
-/// not exist. Other teams use coordinate descent. Then the attacker chooses. Beliefs are those of a
-/// team that shares all observations. Only covariances are estimated, because the landmark
-/// positions are known. Nothing is random. Robots are separated only by their heights. A robot
-/// without any collision-free control turns on the spot.
+/// not exist. Other teams use coordinate descent. Then the attacker chooses the sensors. Beliefs
+/// are those of a team that shares all observations. Only covariances are estimated, because the
+/// landmark positions are known. Nothing is random. Robots are separated only by their heights. A
+/// robot without any collision-free control turns on the spot.
 ///
 /// Growing uncertainty adds q k I in the step after k steps without observation; it adds nothing
 /// for landmarks in view. A plan uses each landmark's k at the time of planning for all steps.

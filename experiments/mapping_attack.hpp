@@ -17,10 +17,10 @@ enum class AttackKind {
   kPreviousPlans,
 };
 
-/// Returns the robots (indices, ascending) that are attacked during the routes of this planning
-/// period; for kPreviousPlans during those of the next. The worst case is approximated greedily:
-/// each step adds the robot without which the value of the remaining robots is least (ties: the
-/// lowest index).
+/// Returns the robots (indices, ascending) that are attacked while the routes of this planning
+/// period are driven; for kPreviousPlans, while the routes of the next period are driven. The worst
+/// case is approximated greedily: each step adds the robot without which the value of the remaining
+/// robots is least (ties: the lowest index).
 /// Source: dissertation 4 F (attack models).
 std::vector<int> attacked_robots(AttackKind kind, int attacks,
                                  const std::vector<planner::MapRoute>& routes,

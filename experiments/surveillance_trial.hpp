@@ -8,8 +8,8 @@
 namespace vantage::experiments {
 
 /// Returns the setting of the camp surveillance with T_REPLAN = `replan_steps` and α = `attacks`.
-/// The dissertation does not state the camp, the range noise (here that of its tracking
-/// experiment), the prior and the number of nodes.
+/// The dissertation does not state the layout of the camp, the range noise (here that of its
+/// tracking experiment), the prior or the number of nodes.
 /// Source: dissertation 4 F.3.
 WatchSetting surveillance_setting(int replan_steps, int attacks);
 

@@ -36,8 +36,8 @@ std::string scenario_text(const std::string& file);
 scenario::Scenario scenario_of(const TeamTrial& trial, std::uint64_t seed);
 
 /// Columns of team_trial_row(): measures per robot (each from the robot's own belief, mean over the
-/// robots), measures of the team (from the best informed robot of each step), safety and timing
-/// counters.
+/// robots), measures of the team (from the best informed robot of each step), and counters of
+/// safety and timing.
 extern const char* const kTeamTrialColumns;
 
 /// Runs the trial in virtual time and returns its row. The result depends only on the arguments.

@@ -9,9 +9,10 @@ namespace vantage::experiments {
 
 /// Returns the setting of two quadrotors above two static targets, 4 m apart in a lab of 8 × 4 m,
 /// with a sensor range of 1 m. With `jammed_robot` −1, the robot with the more valuable plan is
-/// jammed at each planning. The dissertation does not state these parameters. From config/lab.yaml:
-/// primitives, noise, T = 12 and τ = 0.5 s. Our choice: replanning every two steps, uncertainty
-/// growth as in a random walk of 0.01 m²/s, a duration of two minutes, and the targets' positions.
+/// jammed at each planning. The dissertation does not state these parameters. The primitives, the
+/// noise, T = 12 and τ = 0.5 s are those of config/lab.yaml. Our choices are: replanning every two
+/// steps, uncertainty growth as in a random walk of 0.01 m²/s, a duration of two minutes, and the
+/// targets' positions.
 /// Source: dissertation 4 F.4.
 WatchSetting two_targets_setting(int jammed_robot);
 

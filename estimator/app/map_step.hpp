@@ -20,7 +20,7 @@ namespace vantage::estimator {
 
 /// Bus interface of a TeamMap. Inputs are SCAN_R and the teammates' MAP_*; MAP_R is published once
 /// after each BELIEF_R. Each MAP_R names its inputs: the belief, this robot's previous map, the
-/// scans and the teammates' maps. The message can be reproduced from these alone.
+/// scans and the teammates' maps. The message can be reproduced from these inputs alone.
 class MapPublisher {
  public:
   MapPublisher(bus::Bus& bus, const scenario::Scenario& scenario, const std::string& robot);
@@ -40,7 +40,7 @@ class MapPublisher {
   bus::Bus& bus_;
   std::string robot_;
   TeamMap map_;
-  std::deque<NamedMessage<models::RangeScan>> scans_;             ///< not used in a step yet
+  std::deque<NamedMessage<models::RangeScan>> scans_;             ///< scans not used in a step yet
   std::map<std::string, NamedMessage<models::RobotMap>> newest_;  ///< by teammate, in range or not
   std::map<Run, NamedMessage<models::RobotMap>> in_range_;        ///< newest map in range, by run
   std::optional<NamedMessage<models::RobotMap>> own_;

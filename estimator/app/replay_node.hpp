@@ -18,16 +18,16 @@
 namespace vantage::estimator {
 
 /// Bus node that repeats the steps of a logged estimator. For each logged BELIEF_R, in order of
-/// `step`, it computes the step from exactly the inputs named in it. It publishes the resulting
-/// BELIEF_R and MIXTURE_R under the bus's prefix. The result does not depend on when the log player
-/// delivers messages.
+/// `step`, it computes the step from exactly the inputs that this BELIEF_R names. It publishes the
+/// resulting BELIEF_R and MIXTURE_R under the bus's prefix. The result does not depend on when the
+/// log player delivers messages.
 ///
 /// A step waits for inputs that have not arrived yet, see ReplayQueue. When inputs are missing
 /// permanently, or steps are missing from the log, the step is not published. The filter then
 /// continues from the logged belief (it is rebased), so that one loss does not affect all later
-/// steps. The filter is also rebased at the first step received, unless that is step 0. The same
-/// holds for a step that uses an observation made at or before the last rebase: the steps into
-/// which it would be inserted are not available.
+/// steps. The filter is also rebased at the first step received, unless that is step 0. If a step
+/// uses an observation made at or before the last rebase, the filter is rebased again, because the
+/// steps into which the observation belongs are not available.
 class EstimatorReplayNode : public bus::Node {
  public:
   /// @throws UsageError when `scenario` has no such robot.
@@ -37,9 +37,9 @@ class EstimatorReplayNode : public bus::Node {
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
   void tick(Time now) override;
-  /// Returns the filter's counters and: steps_rebased, inputs_missing and differences. The latter
-  /// counts recomputed steps that differ from the logged ones by more than 1e−9 relative to 1 +
-  /// |x|.
+  /// Returns the filter's counters and these: steps_rebased, inputs_missing and differences.
+  /// `differences` counts recomputed steps that differ from the logged ones by more than 1e−9
+  /// relative to 1 + |x|.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
 
   [[nodiscard]] std::int64_t steps_redone() const { return steps_redone_; }

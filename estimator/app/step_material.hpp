@@ -26,7 +26,7 @@ struct OwnPose {
   models::Viewpoint viewpoint;
 };
 
-/// All inputs of one step. Live and replayed steps are computed from it by the same function, so
+/// All inputs of one step. The same function computes live and replayed steps from these inputs, so
 /// their results are equal.
 struct StepMaterial {
   std::vector<NamedMessage<models::RobotMeasurement>> measurements;
@@ -38,7 +38,7 @@ struct StepMaterial {
 models::InputRef name_of(const std::string& channel, const models::Stamp& stamp);
 
 /// Returns the pose of `robot` in `frame`; nullopt when it is missing or occluded.
-/// @param hint index in `frame` at which the robot is searched first
+/// @param hint index in `frame` at which the search for the robot begins
 std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::string& robot,
                                 std::size_t hint = 0);
 

@@ -9,7 +9,8 @@
 namespace vantage::experiments {
 
 /// Returns a sweep at `extent` with the settings `cases`, in their order. cells() of a case returns
-/// its texts in `setting_columns`. run_unit(case, is_smoke, seed) computes the rows of a unit.
+/// the texts of the case in `setting_columns`. run_unit(case, is_smoke, seed) computes the rows of
+/// a unit.
 template <class Case, class RunUnit>
 Sweep sweep_over(const std::string& setting_columns, const std::vector<Case>& cases,
                  int usual_trials, const Extent& extent, RunUnit run_unit) {

@@ -15,7 +15,7 @@ Compared compare_number(const std::string& what, const Sample& ours, double prin
 /// Compares `ours` with a printed range, both ends included.
 Compared compare_range(const std::string& what, double ours, double low, double high,
                        const std::string& unit);
-/// Compares with a printed statement; `holds` is true if our results confirm it.
+/// Compares our results with a printed statement; `holds` is true if they confirm it.
 Compared compare_claim(const std::string& what, const std::string& ours, const std::string& printed,
                        bool holds);
 

@@ -15,7 +15,7 @@ struct SweepProgress {
 };
 
 /// Returns a text such as "41 % 37 of 90 units, 3 min 20 s left". The estimate uses the mean time
-/// of the units that this process has run; before the first it is "…".
+/// of the units that this process has run; before the first of these units has ended, it is "…".
 std::string progress_text(const SweepProgress& progress);
 
 }  // namespace vantage::experiments

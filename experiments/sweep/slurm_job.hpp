@@ -26,8 +26,8 @@ std::vector<int> incomplete_shards(const SweepPlan& plan, int of,
 /// Returns ascending numbers in the format of sbatch --array: "1-3,7".
 std::string array_text(const std::vector<int>& numbers);
 
-/// Extracts the job from the output of `sbatch --parsable`, which may contain warnings: "12", or
-/// "12;east" if Slurm named the cluster; "" if there is none.
+/// Extracts the number (and cluster) of the job from the output of `sbatch --parsable`, which may
+/// contain warnings: "12", or "12;east" if Slurm named the cluster; "" if there is none.
 std::string job_of(const std::string& answer);
 /// Return the job's number and its cluster; "" for an unnamed cluster.
 std::string number_of(const std::string& job);

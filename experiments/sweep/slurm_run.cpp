@@ -172,8 +172,8 @@ class SlurmRun {
     return progress;
   }
 
-  // Returns a short period in the beginning, for short jobs, and a longer period later, to limit
-  // the load on the cluster.
+  // Returns a short period at the start, for short jobs, and a longer period later, to limit the
+  // load on the cluster.
   [[nodiscard]] std::chrono::milliseconds poll_period() const {
     using std::chrono::milliseconds;
     return std::clamp(std::chrono::duration_cast<milliseconds>(Clock::now() - start_) / 10,

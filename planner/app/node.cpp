@@ -38,7 +38,8 @@ Time end_of_startup_wait(const bus::Clock& clock, const RoundSchedule& schedule)
 // The velocity of a body other than a robot is computed over one to two times this interval.
 constexpr Duration kVelocityTime{100'000};
 
-// Period of a local search's work, and its work per period; messages are handled in between.
+// Period of a local search's work, and its work per period; messages are handled between the
+// periods.
 constexpr Duration kExchangePeriod{5'000};
 constexpr std::int64_t kExchangeWork_ns = 3'000'000;
 constexpr std::int64_t kExchangeCalls = 5'000;

@@ -39,7 +39,7 @@ class CandidateMaker {
         const Eigen::Vector3d& mean_m = beliefs_.mean_m(m, static_cast<int>(t) + 1);
         if ((mean_m.head<2>() - poses[t].position_m()).squaredNorm() >=
             range_max_m_ * range_max_m_) {
-          continue;  // out of range: the distance in space is at least this distance
+          continue;  // out of range: the spatial distance is at least the planar distance
         }
         const models::PositionVector target_m = mean_m.head(spatial ? 3 : 2);
         const models::PositionMatrix M = information_at(sight_world(problem_), problem_.sensors,

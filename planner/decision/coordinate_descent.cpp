@@ -57,7 +57,7 @@ TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& 
       if (best != kNoCandidate) {
         team.add(best);
       }
-      if (had != kNoCandidate && !(team.value() > value_before)) {  // previous one is as good
+      if (had != kNoCandidate && !(team.value() > value_before)) {  // the previous one is as good
         if (best != kNoCandidate) {
           team.drop(robot);
         }

@@ -37,11 +37,12 @@ class TargetCourses {
 
   /// Returns the course after `step` without any measurement.
   [[nodiscard]] Course open_loop_course(int target, int step = 0) const;
-  /// Propagates `course` from step `from` to the last step with the measurements of several robots,
-  /// summed in the order given. Returns the information gained at the end, nats. If `kept` is not
-  /// null, writes the course after each step t > from to kept[t]. The result is a pure function of
-  /// the measurements, bit for bit, independent of `from`; therefore no search in planner/decision
-  /// can cycle. Advances the spans of `measurements` to their ends.
+  /// Propagates `course` from step `from` to the last measurement (or the horizon's end) with the
+  /// measurements of several robots, summed in the order given. Returns the information gained at
+  /// the end, nats. If `kept` is not null, writes the course after each step t > from to kept[t].
+  /// The result is a pure function of the measurements, bit for bit, independent of `from`;
+  /// therefore no search in planner/decision can cycle. Advances the spans of `measurements` to
+  /// their ends.
   double follow(int target, int from, Course course, std::span<Measurements> measurements,
                 Course* kept) const;
 

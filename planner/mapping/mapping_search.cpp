@@ -152,7 +152,7 @@ void MappingSearch::expand(const Pose2& at, double so_far_nats) {
     const BeamView& view = views_->view(next);
     const double end_nats = is_last ? end_cost_nats(next) : 0.0;
     if (is_last && so_far_nats + view.nats - end_nats <= best_value_nats_) {
-      continue;  // no improvement even if the complete view were new
+      continue;  // no improvement is possible, even if the complete view is new
     }
     if (!may_drive(at, c, next, step) || (is_last && !may_end(next, c, step + 1))) {
       continue;

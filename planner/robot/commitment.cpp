@@ -14,9 +14,9 @@ const models::VehicleStatus* own_status(const scenario::RobotSpec& robot,
   return own == inputs.team_statuses.end() ? nullptr : &own->second;
 }
 
-// Returns the vehicle's hold set-point if it holds off its plan. A vehicle on hold stays where its
-// driver stopped it and does not return to its plan by itself. The next plan must begin at this
-// position, otherwise the driver would always refuse it.
+// Returns the vehicle's hold set-point if the vehicle holds at a position off its plan. A vehicle
+// on hold stays where its driver stopped it and does not return to its plan by itself. The next
+// plan must begin at this position, otherwise the driver would always refuse it.
 std::optional<Pose2> hover_off_plan(const scenario::PlannerSpec& planner,
                                     const scenario::RobotSpec& robot, const PlanInputs& inputs) {
   constexpr double kTurnMaxRad = 0.4;
@@ -76,7 +76,7 @@ Commitment commitment_of(const scenario::Scenario& scenario, std::size_t robot,
           (expected.position_m() - flatten(body->world_from_body).position_m()).norm();
       if (off_m > planner.tracking_tolerance_m) {
         commitment.is_off_plan = true;
-        // Far off its plan, the vehicle has not followed it (for example, an operator held it):
+        // A vehicle far off its plan did not follow the plan (for example, an operator held it):
         // plan from its position. At smaller errors the vehicle's controller returns it to the
         // plan.
         on_plan = off_m <= 3.0 * planner.tracking_tolerance_m;

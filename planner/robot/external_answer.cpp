@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kSamePlace_m = 1e-3;
 constexpr double kSameYaw_rad = 1e-3;
-constexpr double kRounding = 1e-9;  // relative; for values computed by another program
+constexpr double kRounding = 1e-9;  // relative tolerance for values from another program
 
-// These conditions are false for NaN.
+// True if `value` is in [0, most]; false for NaN.
 bool is_from_zero_to(double value, double most) {
   return value >= 0.0 && value <= most * (1.0 + kRounding);
 }

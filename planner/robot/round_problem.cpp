@@ -42,8 +42,8 @@ double gap_below_m(const scenario::RobotSpec& robot, const models::MocapBody& bo
   return std::max(0.0, robot.height_m - body.world_from_body.translation_m.z());
 }
 
-// True if the robot must avoid the body. A body within the robot's own radius is carried by the
-// robot and does not count.
+// True if the robot must avoid the body. A body within the robot's own radius is part of its load
+// and is not avoided.
 bool is_in_the_way(const Workspace& workspace, std::size_t robot, const models::MocapFrame& frame,
                    const models::MocapBody& body) {
   const scenario::RobotSpec& spec = workspace.scenario().robots[robot];

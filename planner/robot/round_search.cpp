@@ -32,7 +32,7 @@ class TargetSearch : public RoundSearch {
 
   Found plan(const RoundProblem& round, const Deadline& deadline) override {
     const SearchResult& result = search_->plan(round.search, deadline);
-    // Boxed in: the search ended without generating a child.
+    // No motion is possible: the search ended without generating a child.
     return {result, result.nodes_generated == 0 && result.stop_reason != StopReason::kDeadline};
   }
 

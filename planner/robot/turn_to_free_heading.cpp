@@ -40,7 +40,7 @@ bool can_move_after_turn(const SearchProblem& problem, double turned_rad) {
     for (const auto& stop : models::brake(control.speed_mps, problem.brake_mps2)) {
       step.segments.push_back(stop);
     }
-    // Requires only the search's own clearance and separation; this position may not allow more.
+    // Requires only the clearance and separation of the search; more may be impossible here.
     return control.speed_mps > 0.0 &&
            models::is_clear(*problem.world, step, step.start_time, problem.clearance_m) &&
            keeps_apart(problem, step, 0.0);

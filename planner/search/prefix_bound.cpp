@@ -146,7 +146,7 @@ bool PrefixBound::expand(Entry least, const Deadline& deadline, std::int64_t& wo
     const NodeId id = tree_.add(child);
     children_.cost[i] = std::max(least.f, child.cost + cost_to_go(id, deadline, work_nodes));
     if (expired_ || is_exhausted_) {
-      return false;  // the parent's bound covers the children
+      return false;  // the parent's bound also holds for its children
     }
   }
   std::pop_heap(open_.begin(), open_.end(), kLater);

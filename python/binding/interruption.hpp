@@ -4,10 +4,10 @@
 
 namespace vantage::python {
 
-/// Check for Ctrl-C and other Python signals during work without the interpreter's lock. It must be
-/// created with the lock in the working thread and exist as long as the work. Python handles
-/// signals only in its main thread: there has_raised() acquires the lock every 50 ms and runs the
-/// signal handlers. In other threads has_raised() is always false.
+/// Check for Ctrl-C and other Python signals during work without the interpreter's lock. The object
+/// must be created with the lock in the working thread and exist as long as the work. Python
+/// handles signals only in its main thread: there has_raised() acquires the lock every 50 ms and
+/// runs the signal handlers. In other threads has_raised() is always false.
 class Interruption {
  public:
   Interruption();

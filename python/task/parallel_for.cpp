@@ -67,7 +67,7 @@ void ParallelFor::share(std::unique_lock<std::mutex>& lock) {
 }
 
 void ParallelFor::run(std::size_t count, const std::function<void(std::size_t)>& body) {
-  // number of pieces per thread; several, so that one slow piece delays the end only a little
+  // number of pieces per thread; several, so that a slow piece delays the end only a little
   constexpr std::size_t kPiecesEach = 4;
   std::unique_lock lock(mutex_);
   body_ = &body;
