@@ -87,17 +87,18 @@ struct FilterCounters {
   std::int64_t missed_detections = 0;  ///< belief updates by missed detections
   Reconciled reconciled;               ///< reconciliation of tracks without ids
 
-  /// Returns the nonzero counters that indicate problems, by name. It omits out_of_range_beliefs,
-  /// out_of_range_looks, missed_detections and reconciled, which count normal events.
+  /// Returns the nonzero counters that indicate problems, by name. The result omits
+  /// out_of_range_beliefs, out_of_range_looks, missed_detections and reconciled, which count normal
+  /// events.
   [[nodiscard]] std::vector<models::NamedCount> named() const;
 };
 
 /// One robot's part of the team's distributed information filter.
 ///
-/// Robots broadcast their observations, and a robot uses those of teammates within communication
-/// range like its own. Each robot uses each measurement once. If every robot receives all
-/// observations, each robot has the estimate of the central filter. Information from observations
-/// that were not received arrives through teammates' beliefs.
+/// Robots broadcast their observations, and a robot uses observations of teammates within
+/// communication range like its own observations. Each robot uses each measurement once. If every
+/// robot receives all observations, each robot has the estimate of the central filter. Information
+/// from observations that were not received arrives through teammates' beliefs.
 ///
 /// For each target, step(t) first fuses the own track with all received beliefs of the previous
 /// step's instant:

@@ -200,7 +200,8 @@ class Search {
     return out;
   }
 
-  /// Moves each beacon to its most likely position for this calibration. Returns true if one moved.
+  /// Moves each beacon to its most likely position for this calibration. Returns true if any beacon
+  /// moved.
   bool exchange_places(RangeState& state) const {
     bool moved = false;
     for (std::size_t b = 0; b < found_.size(); ++b) {

@@ -89,9 +89,9 @@ constexpr double kSmear = 0.3;
 /// the number of duplicates of a sample.
 constexpr std::size_t kSmearStep = 101;
 
-/// Applies a collision, at_s from now, to a state that moves against the unit vector `away`:
-/// reverses the velocity component along `away`. The position is changed as if the state had moved
-/// with the new velocity from the start.
+/// Applies a collision that happens after `at_s` to a state that moves against the unit vector
+/// `away`: reverses the velocity component along `away`. The position is changed as if the state
+/// had moved with the new velocity from the start.
 void reflect_from(State& state, const Eigen::Vector2d& away, double at_s) {
   const Eigen::Vector2d v_mps = state.tail<2>();
   const Eigen::Vector2d by_x(-v_mps.x(), v_mps.y());
@@ -100,7 +100,8 @@ void reflect_from(State& state, const Eigen::Vector2d& away, double at_s) {
   state.tail<2>() = turned_mps;
 }
 
-/// Returns the squared distance of the two minus distance_m², m²; they overlap if it is negative.
+/// Returns the squared distance of the two minus distance_m², m²; the two overlap if the result is
+/// negative.
 double beyond(const State& one, const State& other, double distance_m) {
   return (one - other).head<2>().squaredNorm() - distance_m * distance_m;
 }
@@ -108,7 +109,7 @@ double beyond(const State& one, const State& other, double distance_m) {
 /// Time and direction of the first collision of a sample with its partner.
 struct Contact {
   double at_s;
-  Eigen::Vector2d away;  ///< unit vector from the other to this one
+  Eigen::Vector2d away;  ///< unit vector from the partner to this sample
 };
 std::optional<Contact> contact(const State& one, const State& other, double distance_m,
                                double dt_s) {

@@ -13,7 +13,7 @@ struct Decided {
   planner::Choice choice;
   double value = 0.0;  ///< J, nats
   double calls_per_candidate =
-      0.0;  ///< oracle calls, including those for single candidates if the method needs them
+      0.0;  ///< oracle calls, including calls for single candidates if the method needs them
   double adopted = 0.0;
   double messages = 0.0;
   double cpu_s = 0.0;

@@ -20,7 +20,7 @@ struct EnergyTrialOptions {
   double yaw_weight_m_per_rad = 1.7;
 };
 
-/// One random draw of a team, its targets and the candidates of each robot.
+/// One randomly drawn team with its targets and the candidates of each robot.
 struct EnergyTrial {
   std::unique_ptr<models::World> world;        ///< referenced by the robots' problems
   std::vector<planner::SearchProblem> robots;  ///< by robot: the problem that its candidates solve

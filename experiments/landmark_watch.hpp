@@ -64,7 +64,7 @@ WatchRun watch(const WatchSetting& setting, std::span<const models::Viewpoint> s
 /// Returns `setting.world` with the obstacles that block a robot at `height_m`.
 models::World world_at(const WatchSetting& setting, double height_m);
 
-/// Times for which landmarks are unobserved, in steps. A landmark observed at step k and next at
+/// Numbers of steps for which landmarks are unobserved. A landmark observed at step k and next at
 /// step k + l has an interval of l. A landmark that stays in view has intervals of 1.
 struct Revisits {
   double interval = 0.0;  ///< mean interval between two observations; NaN if there is none

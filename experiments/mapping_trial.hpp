@@ -56,8 +56,8 @@ class MappedWorld {
   /// Moves `robot` along the control. If it would touch an obstacle of the true world, it stops up
   /// to two sixteenths of a step before contact, and the function returns false.
   bool drive(std::size_t robot, const models::UnicycleControl& control);
-  /// Scans with every robot; the map uses only the scans of robots that are not in `attacked`
-  /// (sorted).
+  /// Scans with every robot. The map uses only the scans of robots that are not in `attacked`,
+  /// which must be sorted.
   void observe(std::span<const int> attacked);
 
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
@@ -82,7 +82,7 @@ struct MappingOutcome {
   std::int64_t stopped = 0;        ///< steps cut short to avoid contact
   std::int64_t nodes = 0;          ///< search nodes of all searches
   std::int64_t beam_cells = 0;     ///< beam cells of all views used for planning
-  /// Share of wrong cells among those with an occupancy < 0.1 or > 0.9, judged at the cell's
+  /// Share of wrong cells among cells with an occupancy < 0.1 or > 0.9, judged at the cell's
   /// centre.
   double wrong_share = 0.0;
   models::OccupancyBelief map;  ///< map at the end of the trial

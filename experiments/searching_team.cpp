@@ -9,7 +9,7 @@ namespace vantage::experiments {
 
 namespace {
 
-// Plans for one robot, given the plans of the listed others. Returns the gain of its plan, nats.
+// Plans for one robot, given the plans of `planned_robots`. Returns the gain of the plan, nats.
 double plan_robot(SearchingTeam& team, int robot, const std::vector<int>& planned_robots,
                   const SearchingTeam::Search& search) {
   planner::SearchProblem& problem = team.problems[index(robot)];

@@ -109,7 +109,8 @@ std::vector<CaseSamples> samples_of(const Tables& tables, std::size_t cases) {
   return samples;
 }
 
-// Mean factor between our values and the printed ones, in either direction: exp(mean |log ratio|).
+// Mean factor between our values and the printed values, in either direction: exp(mean |log
+// ratio|).
 class Factor {
  public:
   void add(double ours, double printed) { logs_.add(std::abs(std::log(ours / printed))); }

@@ -17,7 +17,7 @@ namespace vantage::experiments {
 WatchSetting two_targets_setting(int jammed_robot);
 
 /// Returns random starts, determined by `seed`: the first robot in the first target's half of the
-/// lab, the second in the other. The robots fly at 1 m and 2 m height, so they cannot collide.
+/// lab, the second in the other half. The robots fly at 1 m and 2 m height, so they cannot collide.
 std::vector<models::Viewpoint> two_targets_starts(const WatchSetting& setting, std::uint64_t seed);
 
 /// Targets visited by a robot.

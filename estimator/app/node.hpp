@@ -27,11 +27,11 @@ namespace vantage::estimator {
 /// neighbourhood, the node subscribes only to the teammates in it.
 ///
 /// A step belongs to the instant t = kτ of absolute time and is computed τ/10 later, so that the
-/// measurement of t has arrived. The robot's own observation may arrive later, because it needs a
-/// mocap frame, which has latency. The step then waits for this observation, and τ/100 more for the
-/// teammates' observations, but at most until t + τ/6. The published belief has `utime` = t, `step`
-/// = the number of steps since the start, and the names of all messages used. Later observations
-/// are used in the next step. The newest beliefs are used until they are stale.
+/// measurement of t has arrived. The robot's own observation may arrive later, because it is
+/// computed from a mocap frame, which has latency. The step then waits for this observation, and
+/// τ/100 more for the teammates' observations, but at most until t + τ/6. The published belief has
+/// `utime` = t, `step` = the number of steps since the start, and the names of all messages used.
+/// Later observations are used in the next step. The newest beliefs are used until they are stale.
 class EstimatorNode : public bus::Node {
  public:
   /// Returns the beliefs of the targets at time t, sorted by target_id, including the observations

@@ -153,8 +153,8 @@ void claim_directory(const std::string& directory, const SweepIdentity& identity
       throw StartupError(directory +
                          ": is not empty and has no manifest.json; choose another --out");
     }
-    // If several shards start at the same time, one creates the file; the others compare theirs
-    // with it.
+    // If several shards start at the same time, one creates the file; the others compare their
+    // manifest with this file.
     const std::filesystem::path written = write_beside(directory, manifest_json(identity, plan));
     const int linked = ::link(written.c_str(), manifest.c_str());
     const int why = errno;

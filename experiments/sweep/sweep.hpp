@@ -38,7 +38,7 @@ struct SweepPlan {
   int trials = 0;
   /// All inputs that affect a unit's rows, in addition to setting, seed and trial.
   std::map<std::string, std::string> parameters;
-  /// Columns of each table, by its name, without those of setting and trial.
+  /// Columns of each table, by table name, without the columns of setting and trial.
   std::map<std::string, std::string> tables;
 };
 

@@ -41,14 +41,15 @@ class PlannerNode : public bus::Node {
   void tick(Time now) override;
   void on_processor_wait(double wait_s) override { processor_wait_s_ = wait_s; }
   /// Returns the counters of the planner and these: slots_skipped; misaddressed (messages with a
-  /// robot name that differs from that of their channel); unusable_plans (of teammates: too long,
-  /// or too far in the future); proposals_refused (inconsistent, in a round of local search). With
-  /// an external planner: external_rounds (answered in time), external_missing (not answered),
-  /// external_late (answers after the deadline), external_unasked (answers without a request, or
-  /// duplicates), external_refused (not a valid plan of its slot; unsafe plans count as
-  /// plan_checks_failed). With shared slots: yielded_rounds. bodies_dropped: bodies in the way
-  /// beyond the number that a plan can avoid. rounds_short_of_processor: rounds in which a robot
-  /// with a driver brakes instead of searching, because its planner gets too little processor time.
+  /// robot name that differs from that of their channel); unusable_plans (plans of teammates that
+  /// are too long or too far in the future); proposals_refused (inconsistent proposals in a round
+  /// of local search). With an external planner: external_rounds (rounds answered in time),
+  /// external_missing (rounds without an answer), external_late (answers after the deadline),
+  /// external_unasked (answers without a request, or duplicates), external_refused (answers that
+  /// are not valid plans; unsafe plans count as plan_checks_failed). With shared slots:
+  /// yielded_rounds. bodies_dropped: bodies in the way beyond the number that a plan can avoid.
+  /// rounds_short_of_processor: rounds in which a robot with a driver brakes instead of searching,
+  /// because its planner gets too little processor time.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   [[nodiscard]] std::int64_t deadlines_missed() const override { return late_; }
 

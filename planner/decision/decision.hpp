@@ -12,7 +12,7 @@ namespace vantage::planner {
 struct TeamDecision {
   Choice choice;
   double value = 0.0;             ///< J, nats
-  std::int64_t oracle_calls = 0;  ///< excluding TeamOracle::calls() for single candidates
+  std::int64_t oracle_calls = 0;  ///< without those for single candidates (TeamOracle::calls())
   std::int64_t adopted = 0;       ///< adopted changes of the team's solution
   std::int64_t messages = 0;      ///< broadcasts of all robots, including empty proposals
   bool finished = true;           ///< false: the deadline expired first

@@ -102,7 +102,7 @@ class LocalSearchSession {
   const Candidate& teammate_candidate(const models::TeamChoice& choice);
 
   SessionSetup setup_;
-  std::map<std::int64_t, std::size_t> own_;                    ///< index by fingerprint
+  std::map<std::int64_t, std::size_t> own_;                    ///< candidate index by fingerprint
   using ChoiceKey = std::tuple<std::int64_t, double, double>;  ///< fingerprint, information, energy
   std::map<ChoiceKey, Candidate> teammate_candidates_;         ///< candidates of teammates' choices
   std::optional<models::TeamProposal> held_;

@@ -38,9 +38,9 @@ class PathsBound {
             InformationMeasure measure, const Deadline& deadline);
 
   /// Returns an upper bound of the information of any paths after the worst attack on `attacks_max`
-  /// robots. It is the bound for the other robots when those with the largest parts are attacked.
-  /// Half of `nodes` is spent on selecting the attacked robots. The answer's `parts` are the shares
-  /// of the other robots, by ascending index. `is_cancelled` is as in Deadline::unless.
+  /// robots. It is the bound for the other robots when the robots with the largest parts are
+  /// attacked. Half of `nodes` is spent on selecting the attacked robots. The answer's `parts` are
+  /// the shares of the other robots, by ascending index. `is_cancelled` is as in Deadline::unless.
   Answer under_attack(std::span<const SearchProblem> problems, int attacks_max,
                       InformationMeasure measure, std::int64_t nodes,
                       bool (*is_cancelled)() = nullptr);

@@ -11,10 +11,10 @@ namespace vantage::planner {
 /// One robot's search for a local operation with its own candidates, one oracle call at a time. It
 /// can be interrupted at any call, when a teammate's proposal arrives or the slot ends.
 ///
-/// Order: additions; then, for the robot's own trajectory and for each teammate's by number, the
-/// deletion and the swaps with it. Lazy mode (submodular J): candidates are tried by descending
-/// individual value until J({a}) is below the required gain. Later candidates cannot reach it
-/// either.
+/// Order of the operations: first all additions; then, for each trajectory (this robot's first,
+/// then those of teammates by number), its deletion and the swaps that replace it. Lazy mode
+/// (submodular J): candidates are tried by descending individual value until J({a}) is below the
+/// required gain. Later candidates cannot reach this gain either.
 /// Source: dissertation Alg. 8, with deletion proposed for d ≠ NOP only.
 class ProposalSearch {
  public:

@@ -9,7 +9,8 @@
 namespace vantage::planner {
 
 /// Returns the bait: the `attacks_max` robots with the plans of greatest individual value,
-/// ascending; all robots if the team has no more than `attacks_max`. Ties: the lower numbers.
+/// ascending; all robots if the team has no more than `attacks_max` robots. Ties: the lower
+/// numbers.
 std::vector<int> bait_robots(std::span<const double> individual_values, int attacks_max);
 
 /// Split of the team into bait and the others in a round of robust trajectory planning. The split
@@ -41,7 +42,7 @@ class ResilientRound {
 using PlanAlone = std::function<double(int robot)>;
 /// Plans `robots` (at least one) as if they were the whole team.
 using PlanTogether = std::function<void(const std::vector<int>& robots)>;
-/// Plans `robot` given the current plans of the listed others, keeps that plan, and returns its
+/// Plans `robot` given the current plans of `fixed_robots`, keeps that plan, and returns its
 /// information gain, nats.
 using PlanRobot = std::function<double(int robot, const std::vector<int>& fixed_robots)>;
 

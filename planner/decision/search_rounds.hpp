@@ -7,8 +7,8 @@
 
 namespace vantage::planner {
 
-/// One round of a local search: goes from `start`, without the candidates marked in `excluded`, to
-/// a local optimum, which it returns. Adds its effort to `decision`.
+/// One round of a local search: starts from `start`, uses no candidate marked in `excluded`, and
+/// returns a local optimum. Adds its effort to `decision`.
 using SearchRound = std::function<Choice(const Choice& start, std::span<const char> excluded,
                                          TeamDecision& decision)>;
 

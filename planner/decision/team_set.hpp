@@ -57,7 +57,8 @@ class TeamSet {
   /// Returns the information gain about `target` if it is measured by the robots of S without
   /// `left_out` and with `added`. `first` is the step of the earliest changed measurement.
   double value_of_target(int target, int left_out, const Observer& added, int first, bool keep);
-  /// Sums over targets and robots in their fixed order, with `id` added or `robot` left out.
+  /// Returns the sum over targets and robots in a fixed order, with `id` added or robot `left_out`
+  /// omitted.
   double sum_with(CandidateId id, int left_out);
   void change(CandidateId id, int left_out);
 

@@ -49,7 +49,7 @@ double piece_slack_m(const models::Trajectory& trajectory, double from_s, double
     speed_mps = std::copysign(slower_mps, segment.control.speed_mps);
     begin_s = end_s;
   }
-  jump_to(0.0, begin_s);  // after the motion, it hovers
+  jump_to(0.0, begin_s);  // the vehicle then hovers
   return kChordSlack * (0.125 * acceleration_mps2 * duration_s * duration_s + kinks_m);
 }
 

@@ -12,7 +12,7 @@ constexpr double kSamePlace_m = 1e-3;
 constexpr double kSameYaw_rad = 1e-3;
 constexpr double kRounding = 1e-9;  // relative tolerance for values from another program
 
-// True if `value` is in [0, most]; false for NaN.
+// True if 0 ≤ `value` ≤ `most` up to rounding; false for NaN.
 bool is_from_zero_to(double value, double most) {
   return value >= 0.0 && value <= most * (1.0 + kRounding);
 }

@@ -17,12 +17,12 @@ struct PlanInputs {
   std::optional<models::RobotMap> map;           ///< map of this robot, in a mapping scenario
   std::optional<models::MocapFrame> mocap;       ///< poses of all bodies
   /// An earlier frame; with `mocap` it gives the velocity of bodies other than robots. It is set
-  /// only if such a body is in the way. Without this frame, bodies are ignored.
+  /// only if such a body is in the way. Without an earlier frame, bodies are ignored.
   std::optional<models::MocapFrame> mocap_before;
   std::optional<models::RobotPlan> own_plan;                   ///< last published plan, own
   std::map<std::string, models::RobotPlan> team_plans;         ///< newest plan of each teammate
-  std::map<std::string, models::VehicleStatus> team_statuses;  ///< newest of each robot
-  std::map<std::string, models::PlanProposal> proposals;       ///< newest of each robot
+  std::map<std::string, models::VehicleStatus> team_statuses;  ///< newest status of each robot
+  std::map<std::string, models::PlanProposal> proposals;       ///< newest proposal of each robot
   std::optional<models::TeamProposal> solution;                ///< best known of the local search
   std::optional<models::AttackNotice> attack;
   std::optional<models::RobotPlan> answer;  ///< answer of the external planning process

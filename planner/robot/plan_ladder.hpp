@@ -37,7 +37,7 @@ class PlanLadder {
   /// the motion is not safe.
   [[nodiscard]] std::optional<models::RobotPlan> chosen(const models::Trajectory& motion);
   /// Returns the plan of the robot's own proposal; nullopt (not counted) if the proposal is not
-  /// from a search or is not safe now.
+  /// from a search or is not safe in this slot.
   [[nodiscard]] std::optional<models::RobotPlan> proposed(const models::RobotPlan& proposal) const;
   /// Returns the plan to stop and hover, marked as the result of a search; nullopt if stopping is
   /// not safe.

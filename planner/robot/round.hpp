@@ -43,7 +43,8 @@ class RoundSchedule {
   [[nodiscard]] Slot slot(std::int64_t round) const;
   /// Returns slot `slot_index` of round k. Precondition: 0 ≤ slot_index < slots().
   [[nodiscard]] Slot slot(std::int64_t round, int slot_index) const;
-  /// Returns slot `slot_index` of the first round after `round` in which it begins after `now`.
+  /// Returns slot `slot_index` of the first round after `round` in which this slot begins after
+  /// `now`.
   [[nodiscard]] Slot slot_after(std::int64_t round, Time now, int slot_index) const;
   [[nodiscard]] bool is_shared() const { return is_shared_; }
   [[nodiscard]] int slots() const { return slots_; }

@@ -16,8 +16,8 @@ namespace vantage::planner {
 /// One robot's decision problem in a slot, as a value.
 struct RoundProblem {
   SearchProblem search;  ///< search problem; its world belongs to the workspace
-  /// The first entries of search.teammates: those that contribute information. The later entries
-  /// are positions of waiting teammates, and bodies other than robots.
+  /// Teammates that contribute information: the first entries of search.teammates. The later
+  /// entries are positions of waiting teammates, and bodies other than robots.
   std::vector<FixedTeammate> teammates;
   models::CellCounts looks;           ///< look counts of the map; empty if none was received
   std::int64_t unusable_beliefs = 0;  ///< see PlannerCounts

@@ -19,7 +19,7 @@ struct SlotHolder {
 // It then takes a slot that no neighbour uses. Its first plan in the new slot is its committed
 // motion, which informs all neighbours of the new slot before the robot searches.
 //
-// So if two neighbours have received each other's last plan, at most one of them searches in a
+// If two neighbours have received each other's last plan, at most one of the two searches in a
 // slot. If every robot has fewer neighbours than there are slots, the colouring becomes permanent
 // once the graph stops changing: the robot of lowest index among those in a slot keeps the slot.
 // With fewer slots, the higher-numbered robots continue their committed motion, which is safe.

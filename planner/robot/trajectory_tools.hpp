@@ -25,8 +25,8 @@ bool is_stationary(const models::Trajectory& motion);
 /// stop, in horizons. Longer motions would take unbounded time to process.
 inline constexpr int kPlanHorizonsMax = 4;
 
-/// Returns the number of steps from now until every acceptable plan of `robots` has ended and a
-/// robot that then brakes has stopped.
+/// Returns the number of steps from the present until every acceptable plan of `robots` has ended
+/// and a robot that then brakes has stopped.
 int motion_steps_max(const scenario::PlannerSpec& planner,
                      const std::vector<scenario::RobotSpec>& robots);
 

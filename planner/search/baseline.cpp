@@ -97,7 +97,7 @@ SearchResult plan_through(const SearchProblem& problem,
   };
   const auto rank = [&](const Pose2& at, int /*depth*/, std::vector<int>& controls) {
     const Eigen::Vector2d goal_m = aim(at);
-    // Distance after this control and then the best second control: enough to turn around.
+    // Distance after this control and the best second one. Two controls suffice to turn around.
     const auto distance = [&](int c) {
       const Pose2 one =
           models::step_unicycle(at, problem.controls[static_cast<std::size_t>(c)], problem.step_s);

@@ -10,8 +10,8 @@
 
 namespace vantage::planner {
 
-/// Spatial index of the targets that may be seen near a position at a depth. With this index, the
-/// time to evaluate a node is independent of the number of targets elsewhere.
+/// Spatial index of the targets that may be visible near a position at a depth. With this index,
+/// the time to evaluate a node is independent of the number of targets elsewhere.
 ///
 /// At each depth only targets that may be in range from a reachable position are relevant. A square
 /// grid lists the targets in range of each cell. A cell's list is made at its first query, in

@@ -24,7 +24,7 @@ class CostOrder {
   /// Adds a node. Precondition: the queue is not full, and `cost` is not NaN.
   void add(double cost, NodeId id) { entries_[count_++] = {key_of(cost), id}; }
 
-  /// Sorts the entries added since clear(). Calls `go_on()` at least every kStep entries of work
+  /// Sorts the entries added since clear(). Calls `go_on()` at least once per kStep entries of work
   /// and returns false as soon as go_on() does; the order is then invalid until clear().
   template <class GoOn>
   [[nodiscard]] bool sort(GoOn&& go_on);

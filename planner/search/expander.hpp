@@ -52,7 +52,7 @@ class Expander {
   /// full (`out` is then empty).
   bool expand(Tree& tree, NodeId id, Children& out);
 
-  /// Computes and stores the blocks of `id` if they are missing. Its parent must have been
+  /// Computes and stores the blocks of `id` if they are missing. The parent of `id` must have been
   /// expanded.
   bool ensure_posterior(Tree& tree, NodeId id);
 

@@ -35,8 +35,8 @@ class InformationHeuristic {
   /// Tabulates `problem`. `beliefs` must belong to `problem`. Both must outlive the queries.
   void reset(const SearchProblem& problem, const BeliefTable& beliefs);
 
-  /// Returns h of a node at `at` and `depth` with these blocks; −∞ if the information is unbounded
-  /// (a bearing sensor without a minimum range). O(targets in reach · steps left).
+  /// Returns h of a node at `at` and `depth` with the belief `blocks`; −∞ if the information is
+  /// unbounded (a bearing sensor without a minimum range). O(targets in reach · steps left).
   [[nodiscard]] double cost_to_go(const Pose2& at, int depth, const Blocks& blocks) {
     return cost_to_go(at, depth, blocks, nullptr).all;
   }

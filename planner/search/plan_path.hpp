@@ -15,8 +15,8 @@ class HoverChoice {
  public:
   HoverChoice(Expander& expander, Tree& tree) : expander_(expander), tree_(tree) {}
 
-  /// Chooses `id` if stopping at it is safe and cheaper than at earlier offers. Its parent must
-  /// have been expanded. Costs one update per remaining step.
+  /// Chooses `id` if stopping at it is safe and cheaper than at earlier offers. The parent of `id`
+  /// must have been expanded. Costs one update per remaining step.
   void offer(NodeId id);
 
   /// Returns the chosen node; kNoNode if no offered node is suitable.

@@ -92,7 +92,8 @@ class SequencingBound : public PartialBound {
   }
   void fill_gains(int i);
   /// Returns the least cost from a state on if at most one region is measured per step: unit tasks
-  /// with release times, for which taking the greatest gain first is optimal. Only if schedules_.
+  /// with release times, for which taking the greatest gain first is optimal. Precondition:
+  /// schedules_ is true.
   [[nodiscard]] double schedule(const State& state) const;
   void open_controls(const Pose2& at, double cutoff);
   void open(const State& state);

@@ -42,7 +42,7 @@ struct TrackingSpec {
 /// with each other.
 class TrackingTask final : public TeamTask {
  public:
-  /// @throws UsageError for an invalid spec, with the rule.
+  /// @throws UsageError for an invalid spec; the text states the rule.
   explicit TrackingTask(const TrackingSpec& spec);
 
   [[nodiscard]] int actions() const override { return static_cast<int>(spec_.controls.size()); }

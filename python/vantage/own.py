@@ -1,4 +1,4 @@
-"""Target models, costs, filters and planners written in Python. Slow: for experiments with new ideas.
+"""Target models, costs, filters and planners written in Python. They are slow: use them to try new ideas.
 
 A target model is any object with transition(dt_s) and process_noise(dt_s), both (n, n), like
 vantage.TargetModel. If it also has expected(mean, dt_s), it may be nonlinear; transition(dt_s, mean=mean)
@@ -40,7 +40,7 @@ def _predict(model, mean, covariance, dt_s):
 class Filter:
     """Filter of one robot's target beliefs with a custom target model: for Trial(filters=…).
 
-    A Kalman filter of the scans that the robot receives. A target is known from its first detection on, with a
+    It is a Kalman filter of the scans that the robot receives. A target is known from its first detection on, with a
     velocity deviation of prior_velocity_sigma_mps.
     """
 

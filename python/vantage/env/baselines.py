@@ -37,8 +37,8 @@ class Planner:
 
     algorithm: in tracking a name of vantage.algorithms() ("beam", "arvi", "greedy", …) with a budget of
     `nodes` per robot and plan; in mapping "forward", an exhaustive search over its horizon, or "greedy", the best next
-    step. None: beam or forward.
-    A plan is followed for replan_steps. The planner uses the team's beliefs (snapshot()) instead of the
+    step. None: "beam" in tracking, "forward" in mapping.
+    A plan is followed for replan_steps steps. The planner uses the team's beliefs (snapshot()) instead of the
     observations, which contain less information. It never uses the truth.
     """
 
