@@ -28,11 +28,11 @@ enum class Tracker {
 struct MultiTargetSpec {
   scenario::EstimatorSpec estimator;
   models::World world;
-  models::DetectionModel detection;  ///< for update() without a DetectionModel
+  models::DetectionModel detection;  ///< default of update()
   double step_s = 0.5;
   int targets = 5;          ///< number of targets in the world, found or not
   int tracks_max = 10;      ///< greater than `targets`, because some tracks are false
-  int detections_max = 32;  ///< per observation; further ones are not used
+  int detections_max = 32;  ///< per observation; further detections are not used
   int components_max = 6;   ///< maximum per track; 1 for kJpda and kNearest
   Tracker tracker = Tracker::kLabelled;
   /// Gate, in σ: a detection farther than this from a track's prediction is not associated with it.
@@ -148,7 +148,7 @@ class MultiTargetFilter {
   std::vector<PositionMoments> found_;
   // Belief and weight by track and component, in the case that the track is not detected.
   std::vector<Component> missed_;
-  std::vector<double> missed_probability_;  ///< by track
+  std::vector<double> missed_probability_;  ///< probability of no detection, by track
   std::vector<double> fit_per_m2_;  ///< density of detection j given a component, by at(i, k), j
   Mixture mixture_;                 ///< a track's posterior before reduction
   std::vector<double> before_;      ///< P(n of the tracks before i exist), by i and n

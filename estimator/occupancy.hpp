@@ -16,7 +16,8 @@ namespace vantage::estimator {
 struct ScanCounts {
   std::int64_t hits = 0;    ///< hit a surface
   std::int64_t misses = 0;  ///< reached the maximum range, or left the grid
-  /// Not finite, negative beyond noise, too short, or the sensor is outside the grid.
+  /// Range is not finite or is too short even with noise, or the whole scan is invalid (pose
+  /// outside the grid, wrong number of ranges).
   std::int64_t ignored = 0;
 };
 

@@ -22,12 +22,12 @@ struct RangeProblem {
   std::span<const TakenRange> ranges;
   double outlier_span_m = 1.0;
   models::RangeCalibration prior;  ///< prior mean of the calibration
-  RangeFitSpec spec;               ///< 1σ of that prior
+  RangeFitSpec spec;               ///< 1σ of the prior of the calibration
 };
 
 struct RangeState {
   models::RangeCalibration calibration;
-  std::vector<Eigen::Vector2d> beacons_m;  ///< by beacon
+  std::vector<Eigen::Vector2d> beacons_m;  ///< positions, by beacon
   std::vector<RangeNoise> noise;           ///< by beacon
 };
 

@@ -23,8 +23,8 @@ struct MapInput {
 /// Counts of dropped inputs since construction.
 struct MapCounters {
   std::int64_t jammed_scans = 0;
-  std::int64_t malformed_scans = 0;  ///< not of the scenario's scanner, or made outside the grid
-  std::int64_t malformed_maps = 0;   ///< their grid differs from this map's
+  std::int64_t malformed_scans = 0;  ///< scans of another scanner or from outside the grid
+  std::int64_t malformed_maps = 0;   ///< maps with a grid that differs from this map's
 
   [[nodiscard]] std::vector<models::NamedCount> named() const;
 };

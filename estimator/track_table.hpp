@@ -58,7 +58,7 @@ class TargetTable {
 struct KnownTrack {
   int target_id = 0;
   Track track;
-  Samples samples = {};  ///< if not empty, track.information has the samples' moments
+  Samples samples = {};  ///< if not empty: track.information has their moments
 };
 using TrackTable = TargetTable<KnownTrack>;
 

@@ -24,7 +24,7 @@ struct EnergyTrialOptions {
 struct EnergyTrial {
   std::unique_ptr<models::World> world;        ///< referenced by the robots' problems
   std::vector<planner::SearchProblem> robots;  ///< by robot: the problem that its candidates solve
-  std::vector<planner::EnergyModel> energy;    ///< by robot
+  std::vector<planner::EnergyModel> energy;    ///< energy model, by robot
   planner::TeamProblem team;
 };
 

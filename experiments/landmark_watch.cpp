@@ -169,7 +169,7 @@ class LandmarkWatch {
   planner::ReducedValueIteration search_;
   std::vector<models::Gaussian> beliefs_;
   std::vector<int> steps_unseen_;           ///< by landmark
-  std::vector<Surroundings> surroundings_;  ///< by robot
+  std::vector<Surroundings> surroundings_;  ///< obstacles that block a robot, by robot
   SearchingTeam team_;
   std::vector<char> attacked_;
   std::vector<char> seen_;  ///< by landmark: nonzero if seen in the last observation

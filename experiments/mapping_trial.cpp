@@ -135,7 +135,7 @@ class MappingTrial {
   std::optional<planner::DriveMap> drive_;
   std::optional<planner::MappingSearch> search_;
   std::vector<MapRoute> routes_;
-  std::vector<bool> stopped_;  ///< by robot
+  std::vector<bool> stopped_;  ///< true: stopped by the bumper, by robot
   std::vector<int> attacked_;
   std::vector<int> chosen_before_;  ///< for kPreviousPlans: robots chosen from the previous plans
   MappingOutcome outcome_;

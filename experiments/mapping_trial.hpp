@@ -73,12 +73,12 @@ class MappedWorld {
 
 struct MappingStep {
   double entropy_nats = 0.0;  ///< entropy of the team's map, nats
-  std::vector<Pose2> poses;   ///< by robot
+  std::vector<Pose2> poses;   ///< poses, by robot
   std::vector<int> attacked;  ///< robots attacked in this step
 };
 
 struct MappingOutcome {
-  std::vector<MappingStep> steps;  ///< the first is after the scan at the start
+  std::vector<MappingStep> steps;  ///< first entry: after the scan at the start
   std::int64_t stopped = 0;        ///< steps cut short to avoid contact
   std::int64_t nodes = 0;          ///< search nodes of all searches
   std::int64_t beam_cells = 0;     ///< beam cells of all views used for planning

@@ -36,7 +36,7 @@ struct TrackingSetting {
   /// proportional to 1/r², but the target position is known only to decimetres. Without this limit
   /// robots would stay close to targets for information that no observation provides.
   double plan_range_min_m = 3.0;
-  BearingNoise bearing_noise = BearingNoise::kByRange;  ///< for the sensor and for the plans
+  BearingNoise bearing_noise = BearingNoise::kByRange;  ///< used by the sensor and by the plans
   bool beliefs_stay_inside = true;                      ///< see TargetSetting
 };
 

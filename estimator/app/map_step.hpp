@@ -41,7 +41,7 @@ class MapPublisher {
   std::string robot_;
   TeamMap map_;
   std::deque<NamedMessage<models::RangeScan>> scans_;             ///< scans not used in a step yet
-  std::map<std::string, NamedMessage<models::RobotMap>> newest_;  ///< by teammate, in range or not
+  std::map<std::string, NamedMessage<models::RobotMap>> newest_;  ///< newest map by teammate
   std::map<Run, NamedMessage<models::RobotMap>> in_range_;        ///< newest map in range, by run
   std::optional<NamedMessage<models::RobotMap>> own_;
   std::int64_t scans_overflowed_ = 0;
@@ -72,7 +72,7 @@ class MapReplayer {
   /// Teammates' maps used by the previous step, stored because the log may reference them again
   /// long after their reception.
   std::vector<std::pair<models::InputRef, models::RobotMap>> previous_maps_;
-  bus::ReplayQueue<models::RobotMap> logged_;  ///< not recomputed yet
+  bus::ReplayQueue<models::RobotMap> logged_;  ///< maps not recomputed yet
   std::int64_t incomplete_ = 0;
 };
 

@@ -63,7 +63,7 @@ class EstimatorReplayNode : public bus::Node {
   bus::InputStore<models::RobotMeasurement> measurements_;
   bus::InputStore<models::MocapFrame> frames_;
   bus::InputStore<models::RobotBelief> beliefs_;
-  bus::ReplayQueue<models::RobotBelief> logged_;  ///< not recomputed yet
+  bus::ReplayQueue<models::RobotBelief> logged_;  ///< beliefs not recomputed yet
   std::optional<models::Stamp> last_done_;
   std::int64_t last_step_ = -1;
   std::optional<Time> rebased_to_;  ///< instant at which the filter last continued from the log

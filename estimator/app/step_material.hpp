@@ -30,7 +30,7 @@ struct OwnPose {
 /// their results are equal.
 struct StepMaterial {
   std::vector<NamedMessage<models::RobotMeasurement>> measurements;
-  std::optional<NamedMessage<OwnPose>> pose;  ///< used if the step has no own observation
+  std::optional<NamedMessage<OwnPose>> pose;  ///< pose that is used without an own observation
   std::vector<NamedMessage<models::RobotBelief>> beliefs;
 };
 

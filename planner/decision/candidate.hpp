@@ -16,7 +16,7 @@ namespace vantage::planner {
 /// A trajectory that a team decision may assign to a robot.
 struct Candidate {
   std::vector<int> controls;  ///< indices into its SearchProblem::controls, one per step
-  std::vector<Pose2> poses;   ///< at the end of each step
+  std::vector<Pose2> poses;   ///< poses at the end of each step
   std::vector<PredictedMeasurement>
       measurements;          ///< sorted by target, then step; only those with nonzero information
   double energy_cost = 0.0;  ///< r_i C_i ≥ 0, nats

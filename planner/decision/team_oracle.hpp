@@ -22,7 +22,7 @@ using Choice = std::vector<CandidateId>;
 /// is largest.
 /// Source: dissertation Problem 4 (eq. 3.13).
 struct TeamProblem {
-  std::vector<SearchTarget> targets;  ///< in the order of PredictedMeasurement::target
+  std::vector<SearchTarget> targets;  ///< targets, indexed by PredictedMeasurement::target
   int horizon_steps = 10;
   double step_s = 0.5;
   InformationMeasure measure = InformationMeasure::kMutual;

@@ -21,7 +21,7 @@ std::vector<models::UnicycleControl> mapping_primitives();
 struct MapRoute {
   Pose2 start;
   std::vector<int> controls;    ///< indices into the primitives, one per step; empty: stay
-  std::vector<Pose2> poses;     ///< at the end of each step, where a scan is taken
+  std::vector<Pose2> poses;     ///< poses at the end of each step, where scans are taken
   double gain_nats = 0.0;       ///< information in addition to that of the fixed scans
   std::int64_t nodes = 0;       ///< nodes of the search tree
   double value_nats = 0.0;      ///< gain_nats minus the frontier penalty
@@ -106,11 +106,11 @@ class MappingSearch {
   MapCoverage coverage_;
   std::span<const MapRoute* const> fixed_;
   const Deadline* deadline_ = nullptr;
-  MapRoute path_;  ///< from the root to the current node
+  MapRoute path_;  ///< route from the root to the current node
   MapRoute best_;
   MapRoute stop_;  ///< longest route of fewer than T steps at whose end the robot may stop
   double best_value_nats_ = 0.0;
-  double farthest_m_ = 0.0;  ///< used as the distance if no frontier can be reached
+  double farthest_m_ = 0.0;  ///< upper limit of the distance to the frontier
 };
 
 }  // namespace vantage::planner

@@ -31,9 +31,9 @@ enum class BeamDependence {
 struct ViewOptions {
   BeamMeasure measure = BeamMeasure::kCsqmi;
   BeamDependence dependence = BeamDependence::kBestOfCell;
-  double dependent_share = 0.5;  ///< used by kDropBeams, in (0, 1]
+  double dependent_share = 0.5;  ///< share in (0, 1], for kDropBeams
   double cutoff_sigmas = 6.0;    ///< cutoff of Gaussian products; at 6 σ: e^−9 of the peak
-  models::InverseBeamModel inverse = {};  ///< used by kFsmi
+  models::InverseBeamModel inverse = {};  ///< inverse sensor model, for kFsmi
 };
 
 /// Information of one scan from one position. Information that several beams of the scan share is

@@ -77,8 +77,8 @@ class MotionTable {
 
   struct Primitive {
     Pose2 end;                             ///< body at start from body at end
-    Eigen::Vector2d piece_end_m[kPieces];  ///< in the body frame at the start
-    Pose2 along[kParts];                   ///< in the body frame, after k parts of kParts
+    Eigen::Vector2d piece_end_m[kPieces];  ///< ends of the pieces, in the body frame at the start
+    Pose2 along[kParts];                   ///< poses after k of kParts parts, in the body frame
     double length_m = 0.0;
     double sagitta_m = 0.0;  ///< m; deviation of one piece of the arc from its chord
     models::UnicycleControl control;

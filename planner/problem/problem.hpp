@@ -112,7 +112,7 @@ struct PassReport {
 struct SearchResult {
   bool found = false;         ///< false only if no plan at all is feasible
   std::vector<int> controls;  ///< indices into SearchProblem::controls, one per step
-  std::vector<Pose2> poses;   ///< at the end of each of the horizon's steps
+  std::vector<Pose2> poses;   ///< pose at the end of each step of the horizon
   double cost = 0.0;          ///< J_T
   /// Number of leading steps taken from `controls`. It is less than the horizon if no complete
   /// sequence was feasible; `controls` then has only these steps. After them the robot stops and

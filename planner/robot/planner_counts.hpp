@@ -8,7 +8,7 @@ namespace vantage::planner {
 struct PlannerCounts {
   std::int64_t fallbacks_shifted = 0;
   std::int64_t fallbacks_braking = 0;
-  std::int64_t off_plan = 0;       ///< vehicle farther from its plan than the tolerance
+  std::int64_t off_plan = 0;       ///< vehicle was farther from its plan than the tolerance
   std::int64_t checks_failed = 0;  ///< searched plans rejected by the closing check
   std::int64_t turns_away = 0;     ///< turns on the spot, because a teammate or wall is ahead
   std::int64_t bait_rounds = 0;    ///< rounds in which this robot was bait

@@ -32,7 +32,7 @@ class TeamExchange {
     /// The motion that stops and hovers. It is also a candidate, because it may gain information.
     models::Trajectory rest;
     std::vector<std::string> jammed;  ///< robots without sensing
-    /// As in SessionSetup.
+    /// Choices to which teammates are committed, as in SessionSetup.
     std::optional<std::vector<models::TeamChoice>> committed;
   };
   /// Candidates are the search results found by `deadline` that pass the closing check. They avoid

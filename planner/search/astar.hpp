@@ -106,7 +106,7 @@ class BestFirstSearch : private TreeSearch {
   ReservedArray<std::uint32_t> child_f_at_;  ///< per node: index into child_f_; 0: none
   ReservedArray<double> f_;                  ///< per node: lower bound of every plan through it
   std::vector<Entry> open_;                  ///< a heap, least key first
-  std::vector<Entry> floors_;  ///< w > 1: a heap of unweighted f, may contain outdated entries
+  std::vector<Entry> floors_;  ///< for w > 1: a heap of unweighted f; some entries may be outdated
   std::size_t open_peak_ = 0;
   std::size_t floors_peak_ = 0;
   std::vector<double> floor_sums_;  ///< Σ_{k ≤ t} L_k

@@ -104,7 +104,7 @@ class Expander {
   SightTable sight_;
   CandidateGrid grid_;
   std::vector<std::int32_t> slot_of_;   ///< per target: index into predicted_; −1: untouched
-  std::vector<std::uint16_t> touched_;  ///< by ascending target
+  std::vector<std::uint16_t> touched_;  ///< targets, ascending
   std::vector<double> predicted_;
   std::span<const std::uint16_t> candidates_;
   Views views_;  ///< views of the children under construction
