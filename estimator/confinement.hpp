@@ -26,9 +26,8 @@ models::World inset(const models::World& world, double radius_m);
 /// and for the cases that it leaves unchanged.
 ///
 /// Without confinement, the belief of a target that is unseen for a long time spreads over
-/// positions where the target cannot be, and its mean stays where the target was last seen. With
-/// confinement, the mean approaches the middle of the world, and the covariance the size of the
-/// world.
+/// impossible positions. Its mean stays where the target was last seen. With confinement, the mean
+/// approaches the middle of the world, and the covariance the size of the world.
 /// Cost: at most 343 rectangle tests per obstacle, no allocation.
 models::Gaussian confine(const models::Gaussian& belief, const models::World& world);
 

@@ -132,8 +132,8 @@ struct FilterCounters {
 /// is a single Gaussian, so later results differ from those of the filter that published the
 /// belief.
 ///
-/// With EstimatorSpec::samples, a target with a velocity is represented by Samples after a wall, a
-/// collision with another target (TargetCollisions) or a missed detection has changed its belief. A
+/// With EstimatorSpec::samples, Samples represent a target with a velocity after its belief was
+/// changed by a wall, a collision with another target (TargetCollisions) or a missed detection. A
 /// detection, or the belief of a teammate with a newer detection, makes it a Gaussian again.
 /// belief() contains the samples' moments, mixture() a mixture. After rebase(), only the moments
 /// remain.

@@ -24,7 +24,7 @@ constexpr int kDrawnReplan = 5;
 constexpr int kSmokeSteps = 20;
 constexpr double kSmokeDelta_m = 4.0;
 
-// Settings are in pairs: coordinate descent, then RAIN.
+// One setting of the sweep. Settings are in pairs: coordinate descent, then RAIN.
 struct WatchCase {
   NamedAttacker attacker;
   int replan_steps;

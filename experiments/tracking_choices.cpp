@@ -44,7 +44,7 @@ struct Choices {
 constexpr std::size_t kCombinations =
     kBearingNoise.size() * kChosenAttackers.size() * kBeliefs.size();
 
-// Settings are ordered by combination, then table row, then method.
+// One setting of the sweep. Settings are ordered by combination, then table row, then method.
 struct ChoiceCase {
   Choices choices;
   std::size_t row = 0;  ///< row of Table 4.1

@@ -20,7 +20,7 @@ WatchSetting two_targets_setting(int jammed_robot);
 /// lab, the second in the other half. The robots fly at 1 m and 2 m height, so they cannot collide.
 std::vector<models::Viewpoint> two_targets_starts(const WatchSetting& setting, std::uint64_t seed);
 
-/// Targets visited by a robot.
+/// Statistics of the visits of one robot to the two targets.
 struct Visits {
   int switches = 0;  ///< number of times that the robot came into range of another target
   /// Share of the steps in range of the target nearest to the robot's start, among all steps in

@@ -26,8 +26,8 @@ namespace vantage::estimator {
 /// permanently, or steps are missing from the log, the step is not published. The filter then
 /// continues from the logged belief (it is rebased), so that one loss does not affect all later
 /// steps. The filter is also rebased at the first step received, unless that is step 0. If a step
-/// uses an observation made at or before the last rebase, the filter is rebased again, because the
-/// steps into which the observation belongs are not available.
+/// uses an observation made at or before the last rebase, the filter is rebased again. The steps
+/// that would include the observation are then not available.
 class EstimatorReplayNode : public bus::Node {
  public:
   /// @throws UsageError when `scenario` has no such robot.

@@ -5,7 +5,7 @@
 
 namespace vantage::experiments {
 
-/// Progress of a process with its units.
+/// Progress of one process: its units and the elapsed time.
 struct SweepProgress {
   std::size_t units = 0;        ///< number of units of this process's share
   std::size_t done = 0;         ///< number of finished units of the share

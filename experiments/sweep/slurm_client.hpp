@@ -19,7 +19,8 @@ struct SlurmJobs {
   [[nodiscard]] std::string subject_and_verb() const;
 };
 
-/// States of both jobs in Slurm. Slurm reports them until a few minutes after the jobs' end.
+/// States of the array job and of the collecting job in Slurm. Slurm reports the states until a few
+/// minutes after the jobs' end.
 struct SlurmQueue {
   std::map<int, std::string> tasks;  ///< state by shard
   std::string collector;             ///< state; empty: unknown
@@ -40,7 +41,7 @@ Result<SlurmQueue> query_queue(const SlurmJobs& jobs);
 /// Cancels the job on its cluster, with additional options for scancel. Errors are ignored: the job
 /// may have ended already.
 void cancel_job(const std::string& job, const std::vector<std::string>& options = {});
-/// Returns the command that cancels both jobs.
+/// Returns the command that cancels the array job and the collecting job.
 std::string cancel_command(const SlurmJobs& jobs);
 
 }  // namespace vantage::experiments

@@ -10,7 +10,7 @@
 
 namespace vantage::experiments {
 
-/// Scripts of both jobs.
+/// Scripts of the array job and of the collecting job.
 struct SlurmScripts {
   std::string shards;   ///< script of the array's tasks: task k runs shard k
   std::string collect;  ///< script of the collecting job: the command without a shard

@@ -18,11 +18,10 @@
 
 namespace vantage::planner {
 
-/// Connects a RobotPlanner to the bus. Inputs: BELIEF_R with its MIXTURE_R (and MAP_R in mapping),
-/// VICON, teammates' PLAN_* and ATTACK. Output: PLAN_R, once per round in this robot's slot. If the
-/// team expects attacks, it also receives and publishes PROPOSAL_*; with local search,
-/// TEAM_PROPOSAL_*. With planner.algorithm `external` it publishes EXTERNAL_REQUEST_R and receives
-/// EXTERNAL_PLAN_R.
+/// Bus node of a RobotPlanner. Inputs: BELIEF_R with its MIXTURE_R (and MAP_R in mapping), VICON,
+/// teammates' PLAN_* and ATTACK. Output: PLAN_R, once per round in this robot's slot. If the team
+/// expects attacks, it also receives and publishes PROPOSAL_*; with local search, TEAM_PROPOSAL_*.
+/// With planner.algorithm `external` it publishes EXTERNAL_REQUEST_R and receives EXTERNAL_PLAN_R.
 ///
 /// With a neighbourhood (network.neighbourhood_m) the node subscribes only to teammates within that
 /// distance. If the clock is not real time, the search budget is planner.node_budget nodes.

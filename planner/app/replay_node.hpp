@@ -14,9 +14,9 @@
 
 namespace vantage::planner {
 
-/// Computes the plans of a log again. Each logged PLAN_R (and, with local search, each
-/// TEAM_PROPOSAL_R) names its inputs and its node budget, so the same planner must give the same
-/// result. Publishes its results under the bus's prefix and counts the differences.
+/// Bus node that computes the plans of a log again. Each logged PLAN_R (and, with local search,
+/// each TEAM_PROPOSAL_R) names its inputs and its node budget, so the same planner must give the
+/// same result. Publishes its results under the bus's prefix and counts the differences.
 class PlannerReplayNode : public bus::Node {
  public:
   PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,

@@ -16,7 +16,7 @@ namespace {
 // Packed covariances of all targets at the end of a trajectory.
 using LastBlocks = std::vector<double>;
 
-// Makes candidates for one problem; computes the problem's predicted means once.
+// Maker of the candidates for one problem; computes the problem's predicted means only once.
 class CandidateMaker {
  public:
   CandidateMaker(const SearchProblem& problem, const EnergyModel& energy)

@@ -26,9 +26,9 @@ class CandidatePlanner : public SlotPlanner {
                                          std::optional<std::vector<models::TeamChoice>> committed,
                                          const Deadline& deadline);
 
-  /// Returns a turn on the spot to a heading from which a motion can begin, if the robot would stay
-  /// and no motion can begin at its present heading. nullopt otherwise, because staying may then be
-  /// optimal. `own`: the robot's assigned motion, or null.
+  /// Returns a turn on the spot to a heading from which a motion can begin. The turn is needed if
+  /// the robot would stay and its present heading allows no motion. Otherwise returns nullopt,
+  /// because staying may then be optimal. `own`: the robot's assigned motion, or null.
   [[nodiscard]] std::optional<models::RobotPlan> turned(SlotTask& task,
                                                         const models::TeamChoice* own) const;
 

@@ -16,7 +16,7 @@ namespace vantage::planner {
 models::RobotPlan blank_plan(const scenario::PlannerSpec& planner, const std::string& robot,
                              const RoundSchedule::Slot& slot);
 
-/// Chooses the motion to publish in a slot: a found motion if it passes the closing check;
+/// Chooser of the motion to publish in a slot: a found motion if it passes the closing check;
 /// otherwise the last plan, shifted and checked again; otherwise braking to a hover. Functions
 /// return nullopt if their motion is not feasible; fall_back() always succeeds. Each choice is
 /// counted.

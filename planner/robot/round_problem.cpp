@@ -80,7 +80,7 @@ const models::MocapBody* seen_body(const PlanInputs& inputs, const std::string& 
   return body != nullptr && !body->occluded ? body : nullptr;
 }
 
-// Builds the problem of one round.
+// Builder of the problem of one round.
 class Builder {
  public:
   Builder(Workspace& workspace, std::size_t robot, const PlanInputs& inputs)

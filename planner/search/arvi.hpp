@@ -32,9 +32,10 @@ struct ReducedOptions {
 ///
 /// The node sets S, O and C of the dissertation persist between passes, so each child is computed
 /// once. The nodes of a depth are considered by ascending accumulated cost J. A node is excluded
-/// from O if an opened node with J' ≤ J lies within δ and ε-dominates it (a test by a single node,
-/// which is safe). At δ = 0 both nodes must have the same position and heading, independent of the
-/// yaw weight. Leaves are never pruned: the best leaf that can stop safely is the plan.
+/// from O if an opened node with J' ≤ J lies within δ and ε-dominates the node. This test compares
+/// single nodes, which is safe. At δ = 0 both nodes must have the same position and heading,
+/// independent of the yaw weight. Leaves are never pruned: the best leaf that can stop safely is
+/// the plan.
 ///
 /// Guarantees: a plan exists as soon as one depth-T node has been generated; its cost never
 /// increases; a completed pass at (ε, δ) satisfies the bound (6.1); a completed pass at ε = δ = 0

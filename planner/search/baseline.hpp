@@ -14,8 +14,8 @@ namespace vantage::planner {
 
 struct RandomWalkOptions {};
 
-/// Chooses a uniformly random feasible control at each step, seeded by the problem; backtracks from
-/// dead ends. Allocates; ignores deadlines (5000 tries at most).
+/// Planner that chooses a uniformly random feasible control at each step, seeded by the problem;
+/// backtracks from dead ends. Allocates; ignores deadlines (5000 tries at most).
 class RandomWalk {
  public:
   explicit RandomWalk(const SearchCapacity& /*capacity*/) {}
@@ -32,9 +32,10 @@ struct SweepShare {
   int count = 1;
 };
 
-/// Follows the waypoints of a lawn-mower sweep with a two-step look-ahead; rows are 1.6 ranges of
-/// the first sensor apart. Stores its progress, so each robot needs its own object. Allocates;
-/// ignores deadlines (5000 tries at most). plan() throws UsageError when the problem has no world.
+/// Planner that follows the waypoints of a lawn-mower sweep with a two-step look-ahead; rows are
+/// 1.6 ranges of the first sensor apart. Stores its progress, so each robot needs its own object.
+/// Allocates; ignores deadlines (5000 tries at most). plan() throws UsageError when the problem has
+/// no world.
 class LawnMower {
  public:
   explicit LawnMower(const SearchCapacity& /*capacity*/) {}

@@ -31,9 +31,9 @@ struct Children {
   }
 };
 
-/// Expands nodes: collision-free motion, information of every sensor about every visible target,
-/// accumulated cost. All searches use this class; they differ in the nodes that they expand and
-/// prune.
+/// Expander of nodes: computes collision-free motions, the information of every sensor about every
+/// visible target, and the accumulated cost. All searches use this class; they differ in the nodes
+/// that they expand and prune.
 ///
 /// A parent is predicted once for all children. For a child, one small determinant per visible
 /// target is computed; its covariances are computed only when it is expanded or compared. Allocates

@@ -24,8 +24,8 @@ namespace vantage::planner {
 /// b, else ((a + b + E)/2)². For all other planar targets the direction-averaged block
 /// (AveragedBlock) gives a second bound; the larger is used.
 ///
-/// For targets not yet measured on the path to the node, values are stored in a table by distance
-/// (rings of a quarter step, rounded inwards), filled on demand. Targets out of reach need no
+/// For targets not yet measured on the path to the node, a table stores values by distance (rings
+/// of a quarter step, rounded inwards). The table is filled on demand. Targets out of reach need no
 /// computation. Allocates nothing after construction.
 /// Source: dissertation Thm 6 and app. G; the rank-one bound is ours (interlacing and Fiedler).
 class InformationHeuristic {

@@ -8,9 +8,9 @@
 
 namespace vantage::planner {
 
-/// Selects the cheapest node at which a robot can stop and hover for the rest of the horizon. This
-/// is the plan of a search that finds no complete sequence. All offered nodes have the same depth;
-/// allocates nothing.
+/// Selector of the cheapest node at which a robot can stop and hover for the rest of the horizon.
+/// This is the plan of a search that finds no complete sequence. All offered nodes have the same
+/// depth; allocates nothing.
 class HoverChoice {
  public:
   HoverChoice(Expander& expander, Tree& tree) : expander_(expander), tree_(tree) {}
