@@ -22,7 +22,7 @@ void on_signal(int signal) {
 }
 
 // A closing terminal sends SIGHUP more than once, to its shell and to the programs in it. All these
-// signals count as one stop request; otherwise the second one would mean an urgent stop.
+// signals count as one stop request; otherwise the second signal would request an urgent stop.
 void on_hang_up(int signal) {
   last_signal = signal;
   int none = 0;

@@ -287,7 +287,7 @@ void end_rotation(const std::string& folder, std::optional<Role> role) {
                        folder);
   }
   for (const KeyUse use :
-       {KeyUse::kSigns, KeyUse::kNext}) {  // in this order: never two signing keys
+       {KeyUse::kSigns, KeyUse::kNext}) {  // this order of renames never leaves two signing keys
     for (const Key& key : keyring.keys()) {
       if (key.use == use && is_meant(key, role) && has_next(key.role)) {
         const fs::path path = path_of(folder, key);

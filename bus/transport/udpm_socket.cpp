@@ -139,7 +139,7 @@ void MulticastSocket::open_receiver(const UdpmAddress& address) {
   // must share it as well.
   require_option(fd, SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
   require_option(fd, SOL_SOCKET, SO_REUSEPORT, 1, "SO_REUSEPORT");
-  // SO_RCVBUFFORCE needs privileges and may exceed net.core.rmem_max; SO_RCVBUF is limited to it.
+  // SO_RCVBUFFORCE needs privileges and may exceed net.core.rmem_max; that value limits SO_RCVBUF.
   if (!set_option(fd, SOL_SOCKET, SO_RCVBUFFORCE, address.recv_buf_bytes)) {
     require_option(fd, SOL_SOCKET, SO_RCVBUF, address.recv_buf_bytes, "SO_RCVBUF");
   }
@@ -167,7 +167,7 @@ void MulticastSocket::open_sender(const UdpmAddress& address) {
 
 bool MulticastSocket::send(std::span<const std::uint8_t> head,
                            std::span<const std::uint8_t> payload) {
-  // sendmsg() only reads through these pointers, but its C interface requires non-const ones.
+  // sendmsg() only reads through these pointers, but its C interface requires non-const pointers.
   std::array<iovec, 2> pieces{
       iovec{const_cast<std::uint8_t*>(head.data()), head.size()},         // NOLINT
       iovec{const_cast<std::uint8_t*>(payload.data()), payload.size()}};  // NOLINT
