@@ -24,7 +24,7 @@ constexpr Row kRows[] = {
     {1, 5, 0, 4},  {9, 5, 0, 2},  {25, 5, 0, 2},  {100, 5, 0, 1}, {1000, 5, 0, 0},
     {25, 3, 0, 2}, {25, 4, 0, 2}, {25, 5, 20, 2}, {25, 5, 60, 2}, {1, 5, 60, 4},
 };
-constexpr std::uint64_t kProblems = 8;
+constexpr std::uint64_t kDenseProblems = 8;
 
 template <class Work>
 double least_cpu_s(int repetitions, const Work& work) {
@@ -43,7 +43,7 @@ void print_row(const Row& row, planner::ReducedValueIteration& search) {
   double engine_s = 0.0;
   double nodes = 0.0;
   double bytes = 0.0;
-  for (std::uint64_t seed = 0; seed < kProblems; ++seed) {
+  for (std::uint64_t seed = 0; seed < kDenseProblems; ++seed) {
     const planner::OwnedProblem owned =
         obstructed_problem(row.targets, row.steps, row.obstacles, seed);
     engine_s += least_cpu_s(15, [&] { search.plan(owned.problem, exhaustive, Deadline::never()); });
@@ -52,8 +52,8 @@ void print_row(const Row& row, planner::ReducedValueIteration& search) {
     bytes += static_cast<double>(result.peak_bytes);
   }
   std::fprintf(stderr, "%5d %2d %4d %9.0f %8.2f %7.1f %7.1f %8.2f", row.targets, row.steps,
-               row.obstacles, nodes / kProblems, 1e3 * engine_s / kProblems, 1e9 * engine_s / nodes,
-               bytes / nodes, 1e-6 * nodes / engine_s);
+               row.obstacles, nodes / kDenseProblems, 1e3 * engine_s / kDenseProblems,
+               1e9 * engine_s / nodes, bytes / nodes, 1e-6 * nodes / engine_s);
   if (row.dense_steps == 0) {
     std::fprintf(stderr, "        –\n");
     return;

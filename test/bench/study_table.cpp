@@ -33,7 +33,7 @@ StudyRow row_of(int targets, const std::string& method, double budget_s,
     row.mean_gap += run.cost - run.lower_bound;
     gaps.push_back((run.cost - run.lower_bound) / std::abs(run.cost));
     row.mean_cpu_s += run.cpu_s;
-    row.within_a_hundredth += excess.back() <= 0.01 ? 1 : 0;
+    row.within_a_hundredth += excess.back() <= 0.01 ? 1U : 0U;
   }
   if (!excess.empty()) {
     const auto count = static_cast<double>(excess.size());
