@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string_view>
 
@@ -32,7 +31,5 @@ class TargetKind {
 /// Returns all kinds that scenarios may name, in display order. A new kind needs a file in
 /// models/target/kinds and a line in kinds.cpp.
 std::span<const TargetKind> all_target_kinds();
-/// Returns the kind with that scenario name; nullopt if unknown.
-std::optional<TargetKind> find_target_kind(std::string_view name);
 
 }  // namespace vantage::models

@@ -9,7 +9,16 @@
 namespace vantage::scenario {
 namespace {
 
-thread_local MistakeCollector* t_collector = nullptr;
+// Mistakes found so far; null outside mistakes_of_scenario().
+thread_local std::vector<std::string>* t_mistakes = nullptr;
+
+/// While an object exists, tolerate() stores errors in `mistakes`.
+struct Collection {
+  explicit Collection(std::vector<std::string>& mistakes) { t_mistakes = &mistakes; }
+  ~Collection() { t_mistakes = nullptr; }
+  Collection(const Collection&) = delete;
+  Collection& operator=(const Collection&) = delete;
+};
 
 // Returns the line of "file:line: …"; 0 if there is none.
 int line_of(const std::string& mistake, const std::string& path) {
@@ -22,35 +31,26 @@ int line_of(const std::string& mistake, const std::string& path) {
 
 }  // namespace
 
-MistakeCollector::MistakeCollector() {
-  require(t_collector == nullptr, "mistakes: another collector exists");
-  t_collector = this;
-}
-
-MistakeCollector::~MistakeCollector() { t_collector = nullptr; }
-
-void MistakeCollector::add(const std::string& mistake) {
-  if (std::ranges::find(mistakes_, mistake) == mistakes_.end()) {
-    mistakes_.push_back(mistake);
-  }
-}
-
 void tolerate(const std::function<void()>& read) {
-  if (t_collector == nullptr) {
+  if (t_mistakes == nullptr) {
     read();
     return;
   }
   try {
     read();
   } catch (const StartupError& error) {
-    t_collector->add(error.what());
+    if (std::ranges::find(*t_mistakes, error.what()) == t_mistakes->end()) {
+      t_mistakes->emplace_back(error.what());
+    }
   }
 }
 
 std::vector<std::string> mistakes_of_scenario(const std::string& path) {
-  MistakeCollector collector;
-  tolerate([&] { load_scenario(path); });
-  std::vector<std::string> mistakes = collector.mistakes();
+  std::vector<std::string> mistakes;
+  {
+    const Collection scope(mistakes);
+    tolerate([&] { load_scenario(path); });
+  }
   std::ranges::stable_sort(mistakes, {},
                            [&](const std::string& mistake) { return line_of(mistake, path); });
   return mistakes;

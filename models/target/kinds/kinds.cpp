@@ -1,6 +1,5 @@
 #include "models/target/kinds/kinds.hpp"
 
-#include <algorithm>
 #include <array>
 
 namespace vantage::models {
@@ -18,13 +17,6 @@ std::span<const TargetKind> all_target_kinds() {
       TargetKind(target_kinds::damped_oscillator),
   };
   return kAll;
-}
-
-std::optional<TargetKind> find_target_kind(std::string_view name) {
-  const auto all = all_target_kinds();
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](TargetKind kind) { return kind.name() == name; });
-  return found == all.end() ? std::nullopt : std::optional(*found);
 }
 
 std::string_view TargetKind::name() const { return law_->name; }

@@ -1,7 +1,6 @@
 #include "scenario/reader/mistakes.hpp"
 
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -9,23 +8,11 @@
 
 #include "core/check.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
+#include "test/support/lab_text.hpp"
 #include "test/support/temporary_folder.hpp"
 
 namespace vantage::scenario {
 namespace {
-
-std::string lab_with(const std::vector<std::pair<std::string, std::string>>& edits) {
-  std::ifstream file(VANTAGE_SOURCE_DIR "/config/lab.yaml");
-  std::ostringstream read;
-  read << file.rdbuf();
-  std::string text = read.str();
-  for (const auto& [from, to] : edits) {
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    text.replace(at, from.size(), to);
-  }
-  return text;
-}
 
 std::vector<std::string> mistakes_in(const std::string& text) {
   const test::TemporaryFolder folder;
@@ -39,19 +26,21 @@ std::vector<std::string> mistakes_in(const std::string& text) {
   return out;
 }
 
-TEST(MistakesOfScenario, AreEmptyForAValidFile) { EXPECT_TRUE(mistakes_in(lab_with({})).empty()); }
+TEST(MistakesOfScenario, AreEmptyForAValidFile) {
+  EXPECT_TRUE(mistakes_in(test::lab_with({})).empty());
+}
 
 // Two mistakes of one section, one of a list item, an unknown word, an unknown key and a missing
 // key are all reported, in the order of their lines.
 TEST(MistakesOfScenario, ListsEveryMistakeByLine) {
   const std::vector<std::string> mistakes =
-      mistakes_in(lab_with({{"duration_s: 300", "duration_s: -3"},
-                            {"brake_mps2: 2 ", "brake_mps2: fast "},
-                            {"range_max_m: 1 ", "range_maxi_m: 1 "},
-                            {"height_m: 1.5", "height_m: 9"},
-                            {"algorithm: arvi", "algorithm: avri"},
-                            {"step_s: 0.5", "step_s: 0"},
-                            {"horizon_steps: 12", "horizon_steps: 1000"}}));
+      mistakes_in(test::lab_with({{"duration_s: 300", "duration_s: -3"},
+                                  {"brake_mps2: 2 ", "brake_mps2: fast "},
+                                  {"range_max_m: 1 ", "range_maxi_m: 1 "},
+                                  {"height_m: 1.5", "height_m: 9"},
+                                  {"algorithm: arvi", "algorithm: avri"},
+                                  {"step_s: 0.5", "step_s: 0"},
+                                  {"horizon_steps: 12", "horizon_steps: 1000"}}));
   ASSERT_EQ(mistakes.size(), 7U);
   const char* const expected[] = {"duration_s: must be above 0",
                                   "robot_defaults.limits.brake_mps2",
@@ -71,7 +60,7 @@ TEST(MistakesOfScenario, ListsEveryMistakeByLine) {
 
 // Each row of a file with one mistake: the list contains the error of load_scenario().
 TEST(MistakesOfScenario, BeginWithTheErrorOfTheReader) {
-  const std::string text = lab_with({{"team_budget_s: 0.5", "team_budget_s: 2"}});
+  const std::string text = test::lab_with({{"team_budget_s: 0.5", "team_budget_s: 2"}});
   std::string error;
   try {
     parse_scenario(text, "f");

@@ -1,7 +1,5 @@
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -11,6 +9,7 @@
 #include "core/check.hpp"
 #include "core/utf8.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
+#include "test/support/lab_text.hpp"
 
 namespace vantage::scenario {
 namespace {
@@ -26,11 +25,6 @@ struct BadEdit {
 
 void PrintTo(const BadEdit& edit, std::ostream* out) { *out << edit.name; }
 
-std::string lab_text() {
-  std::ifstream file(std::string(VANTAGE_SOURCE_DIR) + "/config/lab.yaml", std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 std::string refusal_of(const std::string& text) {
   try {
     static_cast<void>(parse_scenario(text, "lab.yaml"));
@@ -43,11 +37,7 @@ std::string refusal_of(const std::string& text) {
 class BadScenario : public testing::TestWithParam<BadEdit> {};
 
 TEST_P(BadScenario, IsRefusedWithLineAndReason) {
-  std::string text = lab_text();
-  const std::string was = GetParam().was;
-  const std::size_t at = text.find(was);
-  ASSERT_NE(at, std::string::npos) << "lab.yaml has changed: no '" << was << "'";
-  text.replace(at, was.size(), GetParam().becomes);
+  std::string text = test::lab_with({{GetParam().was, GetParam().becomes}});
   const std::size_t mark = text.find('@');
   ASSERT_NE(mark, std::string::npos);
   text.erase(mark, 1);

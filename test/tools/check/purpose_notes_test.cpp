@@ -1,40 +1,21 @@
 #include "tools/check/purpose_notes.hpp"
 
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "scenario/reader/scenario_yaml.hpp"
+#include "test/support/lab_text.hpp"
 
 namespace vantage::tools {
 namespace {
 
-std::string lab_text() {
-  std::ifstream file(VANTAGE_SOURCE_DIR "/config/lab.yaml");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-void replace(std::string& text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  ASSERT_NE(at, std::string::npos) << from;
-  text.replace(at, from.size(), to);
-}
-
-struct Edit {
-  std::string from;
-  std::string to;
-};
-
-/// A legal scenario that cannot do what it is for: config/lab.yaml with `edits`. The only note must
+/// A legal scenario that cannot do what it is for: config/lab.yaml with `edits`. A note must
 /// contain `words`.
 struct Row {
   const char* name;
-  std::vector<Edit> edits;
+  std::vector<test::TextEdit> edits;
   const char* words;
 };
 
@@ -143,10 +124,7 @@ const Row kRows[] = {
 class FoolishScenario : public ::testing::TestWithParam<Row> {};
 
 TEST_P(FoolishScenario, IsLegalAndNoted) {
-  std::string text = lab_text();
-  for (const Edit& edit : GetParam().edits) {
-    replace(text, edit.from, edit.to);
-  }
+  const std::string text = test::lab_with(GetParam().edits);
   const std::vector<std::string> notes = purpose_notes(scenario::parse_scenario(text, "lab.yaml"));
   ASSERT_FALSE(notes.empty());
   bool is_noted = false;
