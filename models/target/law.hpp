@@ -20,7 +20,7 @@ struct TargetLaw {
   /// The state never changes: A = I and W = 0 for all times.
   bool is_constant = false;
   bool uses_q = false;           ///< W is proportional to TargetModel::q
-  bool uses_oscillator = false;  ///< TargetModel::oscillator are parameters of the kind
+  bool uses_oscillator = false;  ///< the kind has the parameters TargetModel::oscillator
   /// Returns A, dim × dim; null: A = I.
   StateMatrix (*transition)(const TargetModel&, double dt_s) = nullptr;
   /// Returns W, dim × dim. `steps_unseen`: steps since the target was last seen, at the start of

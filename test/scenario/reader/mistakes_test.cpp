@@ -58,8 +58,17 @@ TEST(MistakesOfScenario, ListsEveryMistakeByLine) {
   EXPECT_EQ(next, std::size(expected)) << "not found in this order: " << expected[next];
 }
 
-// Each row of a file with one mistake: the list contains the error of load_scenario().
-TEST(MistakesOfScenario, BeginWithTheErrorOfTheReader) {
+// A rule about several keys ends the reading of its section; its unknown keys are reported as well.
+TEST(MistakesOfScenario, IncludeUnknownKeysOfASectionThatBreaksARule) {
+  const std::vector<std::string> mistakes =
+      mistakes_in(test::lab_with({{"team_budget_s: 0.5", "team_budget_s: 2\n  pace_s: 3"}}));
+  ASSERT_EQ(mistakes.size(), 2U);
+  EXPECT_EQ(mistakes[0].find("planner.team_budget_s: must fit"), 0U) << mistakes[0];
+  EXPECT_EQ(mistakes[1].find("planner.pace_s: unknown key"), 0U) << mistakes[1];
+}
+
+// For a file with one mistake the list is the error of load_scenario().
+TEST(MistakesOfScenario, EqualTheErrorOfTheReaderForOneMistake) {
   const std::string text = test::lab_with({{"team_budget_s: 0.5", "team_budget_s: 2"}});
   std::string error;
   try {
@@ -72,7 +81,7 @@ TEST(MistakesOfScenario, BeginWithTheErrorOfTheReader) {
   EXPECT_EQ("f" + error.substr(1, error.find(": ") + 1) + mistakes[0], error);
 }
 
-TEST(MistakesOfScenario, IsTheErrorOfTheParserForTextThatIsNotYaml) {
+TEST(MistakesOfScenario, HaveOneEntryForTextThatIsNotYaml) {
   EXPECT_EQ(mistakes_in("name: [").size(), 1U);
 }
 
