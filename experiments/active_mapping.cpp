@@ -51,14 +51,14 @@ struct Searches {
 
   const SearchResult& plan(const std::string& method, const SearchProblem& problem,
                            const Deadline& deadline) {
-    if (method == "arvi") {
-      return reduced.plan(problem, {}, deadline);
-    }
-    if (method == "rvi") {
+    if (method == "arvi" || method == "rvi") {
       planner::ReducedOptions options;
-      options.search = planner::ReducedSearch::kSinglePass;
-      options.epsilon = kEpsilon;
-      options.delta_m = kDelta_m;
+      options.keeps_leaves = true;  // for the picture of the tree
+      if (method == "rvi") {
+        options.search = planner::ReducedSearch::kSinglePass;
+        options.epsilon = kEpsilon;
+        options.delta_m = kDelta_m;
+      }
       return reduced.plan(problem, options, deadline);
     }
     planner::BestFirstOptions options;

@@ -201,6 +201,7 @@ std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
   pass.epsilon = options.epsilon;
   pass.delta_m = options.delta_m;
   pass.yaw_weight_m_per_rad = options.yaw_weight_m_per_rad;
+  pass.keeps_leaves = true;
   search.plan(problem, pass, deadline);
 
   MotionTable motion(static_cast<int>(problem.controls.size()), problem.horizon_steps,

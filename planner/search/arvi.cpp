@@ -46,6 +46,7 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
   fresh_peak_ = 0;
   index_peak_ = 0;
   best_leaf_ = kNoNode;
+  keeps_leaves_ = options.keeps_leaves;
   result_.reset();
   result_.lower_bound = root_bound_.of_any_plan(problem, expander_.beliefs());
   double moving_bound = result_.lower_bound;
@@ -144,6 +145,14 @@ ReducedValueIteration::Progress ReducedValueIteration::expand_level(int t, bool 
     parents.unexpanded = tree_[parent].next;
     ++result_.nodes_expanded;
     for (int i = 0; i < children_.count; ++i) {
+      if (is_last) {
+        if (!offer_leaf(i, parent)) {
+          return Progress::kMemory;
+        }
+        ++result_.nodes_generated;
+        ++result_.work_nodes;
+        continue;
+      }
       const Node child = children_.node(i, parent, t);
       const NodeId id = tree_.add(child);
       if (id == kNoNode) {
@@ -151,9 +160,7 @@ ReducedValueIteration::Progress ReducedValueIteration::expand_level(int t, bool 
       }
       ++result_.nodes_generated;
       ++result_.work_nodes;
-      if (is_last) {
-        offer_leaf(id);
-      } else if (prune) {
+      if (prune) {
         fresh_.add(child.cost, id);
       } else {
         open_node(level, id);
@@ -272,16 +279,28 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
   return progress;
 }
 
-void ReducedValueIteration::offer_leaf(NodeId id) {
-  const Node& leaf = tree_[id];
-  if (leaf.cost >= result_.cost && best_leaf_ != kNoNode) {
-    return;
+bool ReducedValueIteration::offer_leaf(int i, NodeId parent) {
+  const int t = problem_->horizon_steps;
+  NodeId id = keeps_leaves_ ? tree_.add(children_.node(i, parent, t)) : best_leaf_;
+  if (keeps_leaves_ && id == kNoNode) {
+    return false;
   }
-  if (!expander_.motion().can_stop(leaf.world_from_body, leaf.control, leaf.depth)) {
-    return;
+  const bool is_best = best_leaf_ == kNoNode || children_.cost[i] < result_.cost;
+  if (!is_best ||
+      !expander_.motion().can_stop(children_.world_from_body[i], children_.control[i], t)) {
+    return true;
+  }
+  if (id == kNoNode) {
+    id = tree_.add(children_.node(i, parent, t));
+    if (id == kNoNode) {
+      return false;
+    }
+  } else if (!keeps_leaves_) {
+    tree_[id] = children_.node(i, parent, t);
   }
   best_leaf_ = id;
-  result_.cost = leaf.cost;
+  result_.cost = children_.cost[i];
+  return true;
 }
 
 void ReducedValueIteration::fall_back_to_hover() {

@@ -26,6 +26,8 @@ struct ReducedOptions {
   double delta_m = 1.0;
   int halvings = 12;  ///< number of finite passes before (0, 0); each halves ε and δ
   double yaw_weight_m_per_rad = 0.3;
+  /// Stores all nodes of depth T in tree(), not only the best one: for candidates and plots.
+  bool keeps_leaves = false;
 };
 
 /// Forward, reduced and anytime reduced value iteration (FVI, RVI, ARVI) over one persistent tree.
@@ -74,7 +76,9 @@ class ReducedValueIteration : private TreeSearch {
   Progress open_level(int t, double epsilon, double delta_m);
   /// Sets `pruned` if an opened node makes `id` redundant; kDeadline or kMemory end the search.
   Progress is_pruned(NodeId id, double epsilon, double delta_m, const Level& level, bool& pruned);
-  void offer_leaf(NodeId id);
+  /// Makes child `i` of `parent`, of depth T, the plan if it is the best so far and can stop safely.
+  /// False if the arena is full.
+  bool offer_leaf(int i, NodeId parent);
   /// Sets the plan if no depth-T node can stop safely: stop at the deepest safe node and hover.
   void fall_back_to_hover();
   void open_node(Level& level, NodeId id);
@@ -89,6 +93,7 @@ class ReducedValueIteration : private TreeSearch {
   std::size_t index_peak_ = 0;
   PoseMetric metric_;
   NodeId best_leaf_ = kNoNode;
+  bool keeps_leaves_ = false;
 };
 
 }  // namespace vantage::planner

@@ -173,6 +173,7 @@ TEST(Reduced, ReportsPeakMemory) {
     const OwnedProblem owned = test::smooth_problem(seed);
     const int horizon = owned.problem.horizon_steps;
     ReducedOptions how;
+    how.keeps_leaves = true;
     how.search = ReducedSearch::kExhaustive;
     const SearchResult all = search.plan(owned.problem, how, Deadline::never());
     EXPECT_EQ(all.peak_bytes, search.tree().bytes_used());
@@ -210,6 +211,35 @@ TEST(Reduced, ReportsPeakMemory) {
                   std::count(has_children.begin(), has_children.end(), std::uint8_t{1})));
   }
   EXPECT_GT(pruned, 20);
+}
+
+// Without keeps_leaves the tree has one node of depth T, that of the plan. The plan is the same.
+TEST(Reduced, StoresOnlyTheBestLeafUnlessAllAreRequested) {
+  ReducedValueIteration search(small_capacity());
+  for (const ReducedSearch kind :
+       {ReducedSearch::kExhaustive, ReducedSearch::kSinglePass, ReducedSearch::kAnytime}) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+      const OwnedProblem owned = test::smooth_problem(seed);
+      ReducedOptions how;
+      how.search = kind;
+      how.keeps_leaves = true;
+      const SearchResult with = search.plan(owned.problem, how, Deadline::nodes(5'000));
+      const std::size_t nodes_with_leaves = search.tree().node_count();
+      how.keeps_leaves = false;
+      const SearchResult& without = search.plan(owned.problem, how, Deadline::nodes(5'000));
+      EXPECT_EQ(without.controls, with.controls);
+      EXPECT_EQ(without.cost, with.cost);
+      EXPECT_EQ(without.lower_bound, with.lower_bound);
+      EXPECT_EQ(without.work_nodes, with.work_nodes);
+      EXPECT_EQ(without.nodes_generated, with.nodes_generated);
+      EXPECT_LE(search.tree().node_count(), nodes_with_leaves);
+      int leaves = 0;
+      for (NodeId id = 0; id < search.tree().node_count(); ++id) {
+        leaves += search.tree()[id].depth == owned.problem.horizon_steps ? 1 : 0;
+      }
+      EXPECT_LE(leaves, 1);
+    }
+  }
 }
 
 // If no complete path can stop safely, the plan hovers as late as possible, at the cheapest node
