@@ -89,4 +89,9 @@ bool grants_fifo(int priority) {
   return is_granted;
 }
 
+bool runs_in_real_time() {
+  const int policy = sched_getscheduler(0);  // includes SCHED_RESET_ON_FORK
+  return policy == SCHED_FIFO || policy == SCHED_RR;
+}
+
 }  // namespace vantage

@@ -22,4 +22,8 @@ void apply(const RealTime& real_time);
 /// temporary thread.
 bool grants_fifo(int priority);
 
+/// True if the calling thread has a real-time policy (SCHED_FIFO or SCHED_RR) that its child
+/// processes inherit.
+bool runs_in_real_time();
+
 }  // namespace vantage

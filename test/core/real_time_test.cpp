@@ -71,6 +71,19 @@ TEST(GrantsFifo, AgreesWithApply) {
   EXPECT_FALSE(grants_fifo(1'000)) << "no such priority";
 }
 
+TEST(RunsInRealTime, IsTrueOnlyWithARealTimePolicy) {
+  std::thread([] {
+    sched_param parameters{};
+    pthread_setschedparam(pthread_self(), SCHED_OTHER, &parameters);
+    EXPECT_FALSE(runs_in_real_time());
+    parameters.sched_priority = 1;
+    for (const int policy : {SCHED_FIFO, SCHED_RR}) {
+      const bool is_set = pthread_setschedparam(pthread_self(), policy, &parameters) == 0;
+      EXPECT_EQ(runs_in_real_time(), is_set);
+    }
+  }).join();
+}
+
 TEST(TakeRealTime, RefusesInvalidValues) {
   EXPECT_THROW(take({"program", "--fifo"}), UsageError);
   EXPECT_THROW(take({"program", "--fifo", "0"}), UsageError);

@@ -65,7 +65,7 @@ std::optional<double> free_processors(const ProcessorTimes& before, const Proces
 }
 
 std::optional<std::string> host_fault(const HostReadiness& host) {
-  if (host.grants_priority || !host.free_processors ||
+  if (host.has_priority || !host.free_processors ||
       *host.free_processors >= kFreeProcessorsMin) {
     return std::nullopt;
   }
@@ -94,10 +94,11 @@ UpOptions with_priority(const scenario::Scenario& scenario, UpOptions options,
   }
   const bool is_granted = grants_fifo(kDriverPriority);
   options.driver_priority = is_granted ? kDriverPriority : 0;
-  if (!is_granted && options.ignore_others) {  // otherwise run_up() has listened for this time
+  const bool has_priority = is_granted || runs_in_real_time();
+  if (!has_priority && options.ignore_others) {  // otherwise run_up() has listened for this time
     std::this_thread::sleep_for(trial::kListenTime);
   }
-  const auto fault = is_granted ? std::nullopt : host_fault({false, load.free_processors()});
+  const auto fault = has_priority ? std::nullopt : host_fault({false, load.free_processors()});
   if (fault && options.fly && !options.ignore_load) {
     throw StartupError(*fault + ", or fly anyway with --ignore-load");
   }

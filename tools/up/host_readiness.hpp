@@ -21,7 +21,8 @@ std::optional<ProcessorTimes> processor_times(std::string_view stat);
 
 /// Ability of a host to run drivers in time: by a real-time priority or by free processors.
 struct HostReadiness {
-  bool grants_priority = false;  ///< the system grants SCHED_FIFO with kDriverPriority
+  /// The system grants SCHED_FIFO with kDriverPriority, or drivers inherit a real-time policy.
+  bool has_priority = false;
   /// Mean number of processors that were free while `vantage up` listened; nullopt: not measured.
   std::optional<double> free_processors;
 };

@@ -32,7 +32,7 @@ TEST(FreeProcessors, IsTheFreeShareOfAll) {
 }
 
 struct Row {
-  bool grants_priority;
+  bool has_priority;
   std::optional<double> free_processors;
   bool is_fault;
 };
@@ -45,9 +45,9 @@ TEST(HostFault, RequiresPriorityOrFreeProcessors) {
                                          {false, 0.49, true},
                                          {false, 0.0, true},
                                          {false, std::nullopt, false}}) {
-    const auto fault = host_fault({row.grants_priority, row.free_processors});
+    const auto fault = host_fault({row.has_priority, row.free_processors});
     EXPECT_EQ(fault.has_value(), row.is_fault)
-        << row.grants_priority << " " << row.free_processors.value_or(-1.0);
+        << row.has_priority << " " << row.free_processors.value_or(-1.0);
     if (fault) {
       for (const char* part : {"free processors", "SCHED_FIFO 50", "ulimit -r", "CAP_SYS_NICE"}) {
         EXPECT_NE(fault->find(part), std::string::npos) << *fault;
