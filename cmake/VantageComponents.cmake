@@ -7,48 +7,85 @@ set(vantage_components core models wire scenario planner estimator scenario_read
 
 # vantage_<component>_libraries: libraries of the component. If no library has the component's name,
 # an interface library with that name links all of them. …_needs: components that it needs.
-# …_packages: packages that it needs (vantage_find_package()).
+# …_packages: packages that it needs (vantage_find_package()). …_public: its public headers without
+# the ending .hpp; only these and the headers that they include are installed.
 set(vantage_core_libraries core)
 set(vantage_core_needs)
 set(vantage_core_packages Eigen3)
+set(vantage_core_public
+  core/angle core/check core/deadline core/pose core/result core/time)
 
 set(vantage_models_libraries models mapping_models)
 set(vantage_models_needs core)
 set(vantage_models_packages)
+set(vantage_models_public
+  models/belief/gaussian models/belief/mixture models/exchange/messages models/mapping/beam
+  models/mapping/mapping_spec models/mapping/occupancy_belief models/motion/unicycle
+  models/motion/vehicle_limits models/plan/plan models/sensor/kind models/sensor/kinds/kinds
+  models/sensor/law models/sensor/sensor models/target/kind models/target/law
+  models/target/target_model models/world/grid models/world/world)
 
 set(vantage_wire_libraries autopilot_parameters mavlink rover_wire sitl_wire vicon_wire)
 set(vantage_wire_needs models)
 set(vantage_wire_packages fmt SODIUM)
+set(vantage_wire_public
+  wire/mavlink/frame wire/mavlink/messages wire/mavlink/parser wire/mavlink/signing
+  wire/rover/packet wire/sitl/json_physics wire/vicon/datastream wire/vicon/object_stream
+  wire/vicon/vrpn)
 
 set(vantage_scenario_libraries scenario)
 set(vantage_scenario_needs models)
 set(vantage_scenario_packages)
+set(vantage_scenario_public
+  scenario/mocap_protocol scenario/scenario scenario/team_algorithm scenario/vehicle_kinds)
 
 set(vantage_planner_libraries planner)
 set(vantage_planner_needs scenario)
 set(vantage_planner_packages)
+set(vantage_planner_public
+  planner/decision/catalogue planner/decision/decision planner/decision/team_oracle
+  planner/mapping/map_planner planner/problem/owned_problem planner/problem/problem
+  planner/robot/robot_planner planner/robot/searching_planner planner/search/arvi
+  planner/search/astar planner/search/beam planner/search/catalogue planner/search/plan_path)
 
 set(vantage_estimator_libraries estimator)
 set(vantage_estimator_needs scenario)
 set(vantage_estimator_packages)
+set(vantage_estimator_public
+  estimator/central_filter estimator/distributed_filter estimator/occupancy estimator/team_map)
 
 set(vantage_scenario_reader_libraries scenario_reader)
 set(vantage_scenario_reader_needs scenario)
 set(vantage_scenario_reader_packages yaml-cpp fmt)
+set(vantage_scenario_reader_public
+  scenario/reader/overrides scenario/reader/scenario_yaml)
 
 set(vantage_drivers_libraries
   quadrotor_driver rover_driver safety sensor_driver vehicle_port vicon_driver)
 set(vantage_drivers_needs scenario wire)
 set(vantage_drivers_packages fmt)
+set(vantage_drivers_public
+  drivers/quadrotor/driver drivers/rover/driver drivers/safety/guard drivers/safety/inputs
+  drivers/safety/limits drivers/safety/setpoint drivers/sensor/pose_sensor
+  drivers/sensor/range_scanner drivers/vehicle/port drivers/vicon/driver drivers/vicon/session
+  drivers/vicon/session_table)
 
 set(vantage_bus_libraries lcm bus)
 set(vantage_bus_needs scenario)
 set(vantage_bus_packages LCM Threads SODIUM fmt)
+set(vantage_bus_public
+  bus/convert/channels bus/convert/convert bus/node/bus bus/node/clock bus/node/node
+  bus/transport/transport bus/transport/url)
 
 set(vantage_logs_libraries
   appearance foxglove log_analysis log_export log_file log_play metrics record)
 set(vantage_logs_needs bus scenario_reader)
 set(vantage_logs_packages nlohmann_json fmt ZSTD)
+set(vantage_logs_public
+  logs/analysis/log_analysis logs/edit/edit logs/export/csv_export logs/export/mcap_export
+  logs/file/log_event logs/file/log_index logs/file/log_scan logs/file/mapped_file
+  logs/file/message_visit logs/file/seekable_log logs/metrics/ospa logs/metrics/trial_metrics
+  logs/play/player logs/record/recorder)
 
 # vantage_with_needs(<variable> <component>…): sets <variable> to the components and all components
 # that these need, in the order of vantage_components.

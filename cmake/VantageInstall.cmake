@@ -45,21 +45,52 @@ foreach(component IN LISTS built_components)
     DESTINATION ${cmake_folder} COMPONENT dev)
 endforeach()
 
-# --- dev: headers, with the include paths of other projects ---
+# --- dev: public headers and the headers that they include, with the include paths of other projects ---
 list(REMOVE_DUPLICATES installed_headers)
-set(relative_headers)
+set(all_headers)
 foreach(header IN LISTS installed_headers)
   file(RELATIVE_PATH relative ${PROJECT_SOURCE_DIR} ${header})
-  list(APPEND relative_headers ${relative})
+  list(APPEND all_headers ${relative})
 endforeach()
+set(public_headers)
+foreach(component IN LISTS built_components)
+  list(TRANSFORM vantage_${component}_public APPEND .hpp OUTPUT_VARIABLE headers)
+  list(APPEND public_headers ${headers})
+endforeach()
+set(relative_headers)
+set(installed_headers)
+set(waiting ${public_headers})
+while(waiting)
+  list(POP_FRONT waiting header)
+  if(header IN_LIST relative_headers)
+    continue()
+  endif()
+  if(NOT header IN_LIST all_headers)
+    message(FATAL_ERROR "public header ${header}: no installed library has it; correct "
+      "vantage_<component>_public in cmake/VantageComponents.cmake")
+  endif()
+  list(APPEND relative_headers ${header})
+  list(APPEND installed_headers ${PROJECT_SOURCE_DIR}/${header})
+  file(STRINGS ${header} includes REGEX "^#include \"")
+  foreach(line IN LISTS includes)
+    string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" included "${line}")
+    if(included IN_LIST all_headers)
+      list(APPEND waiting ${included})
+    endif()
+  endforeach()
+endwhile()
 list(JOIN relative_headers "\n" lines)
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/headers.txt CONTENT "${lines}\n" @ONLY)
+list(JOIN public_headers "\n" lines)
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/public_headers.txt CONTENT "${lines}\n" @ONLY)
 add_custom_command(
   OUTPUT ${PROJECT_BINARY_DIR}/headers.stamp
   COMMAND ${CMAKE_COMMAND} -D SOURCE=${PROJECT_SOURCE_DIR} -D OUTPUT=${PROJECT_BINARY_DIR}/include
-    -D LIST=${PROJECT_BINARY_DIR}/headers.txt -P ${PROJECT_SOURCE_DIR}/cmake/WriteHeaders.cmake
+    -D LIST=${PROJECT_BINARY_DIR}/headers.txt -D PUBLIC=${PROJECT_BINARY_DIR}/public_headers.txt
+    -P ${PROJECT_SOURCE_DIR}/cmake/WriteHeaders.cmake
   COMMAND ${CMAKE_COMMAND} -E touch ${PROJECT_BINARY_DIR}/headers.stamp
   DEPENDS ${installed_headers} ${PROJECT_BINARY_DIR}/headers.txt
+    ${PROJECT_BINARY_DIR}/public_headers.txt
     ${PROJECT_SOURCE_DIR}/cmake/WriteHeaders.cmake
   COMMENT "headers for installation"
   VERBATIM)

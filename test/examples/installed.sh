@@ -4,6 +4,7 @@
 #    package is searched for, included or linked;
 #  - with any compiler flags they print the same to the last digit, and every type of the public headers
 #    has the same layout;
+#  - the examples of earlier versions build unchanged (test/data/releases);
 #  - examples of bus and logs build with the packages that these components need; a missing component is
 #    named.
 set -euo pipefail
@@ -75,6 +76,17 @@ if pkg-config --exists lcm; then
   "$work/everything/read_log" "$work/sample.lcmlog" > "$work/read_log.out" || fail "read_log"
   grep -q 'last belief contains' "$work/read_log.out" || fail "read_log found no beliefs"
 fi
+for earlier in "$source"/test/data/releases/*/examples.tar.xz; do
+  name=$(basename "$(dirname "$earlier")")
+  mkdir "$work/$name.source"
+  tar -xJf "$earlier" -C "$work/$name.source"
+  "$cmake" -S "$work/$name.source/examples" -B "$work/$name" -DCMAKE_PREFIX_PATH="$prefix" > "$work/$name.log" 2>&1 ||
+    { cat "$work/$name.log"; fail "configure the examples of $name"; }
+  make "$name"
+  for program in plan_a_path own_search own_sensor follow_targets; do
+    "$work/$name/$program" > "$work/$name/$program.out" || fail "$name: $program"
+  done
+done
 mkdir "$work/wrong"
 cat > "$work/wrong/CMakeLists.txt" << 'END'
 cmake_minimum_required(VERSION 3.25)

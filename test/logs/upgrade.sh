@@ -51,6 +51,7 @@ judge_scenario() {  # judge_scenario FILE: accepted, or refused with the text of
 logs=0 scenarios=0
 for release in "$releases"/*/; do
   for packed in "$release"*.lcmlog.xz; do
+    [[ -f "$packed" ]] || continue
     name=$(basename "$packed" .xz)
     xz --decompress --stdout "$packed" > "$name"
     read_log "$name"
@@ -58,6 +59,7 @@ for release in "$releases"/*/; do
     logs=$((logs + 1))
   done
   for scenario in "$release"*.yaml; do
+    [[ -f "$scenario" ]] || continue
     judge_scenario "$scenario"
     scenarios=$((scenarios + 1))
   done
