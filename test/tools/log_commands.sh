@@ -45,6 +45,20 @@ exits_with 2 "$vantage" log info missing.lcmlog
 
 "$vantage" log metrics flight.lcmlog
 "$vantage" log metrics flight.lcmlog flight.lcmlog | grep "NEES of a robot" > /dev/null
+# Several planners and seeds are compared; their logs are averaged by planner.
+"$vantage" trial "$scenario" --planner greedy,random_walk --seeds 1-2 --duration-s 4 --nodes 300 --jobs 2 \
+  --log trials --svg compared.svg > compared.txt
+grep -q "^difference to greedy" compared.txt || fail "trial --planner: no differences"
+grep -q "random_walk" compared.svg || fail "trial --planner: no figure"
+[[ $(ls trials) == $'greedy_1.lcmlog\ngreedy_2.lcmlog\nrandom_walk_1.lcmlog\nrandom_walk_2.lcmlog' ]] ||
+  fail "trial --log"
+exits_with 2 "$vantage" trial "$scenario" --planner greedy --seeds 1-2 --duration-s 4 --nodes 300 --log trials
+exits_with 2 "$vantage" trial "$scenario" --seeds 2-1
+"$vantage" log metrics trials/*.lcmlog > grouped.txt
+grep -q "differ in planner.algorithm" grouped.txt || fail "metrics does not name the difference"
+[[ $(grep "^RMSE of a robot" grouped.txt) == $(grep "^RMSE of a robot" compared.txt) ]] ||
+  fail "metrics and trial differ"
+"$vantage" log metrics --pool trials/*.lcmlog | grep -q "^trials  *4$" || fail "metrics --pool"
 "$vantage" log metrics flight.lcmlog --json | json 'd["rounds"]' > /dev/null
 "$vantage" log fit-motion flight.lcmlog | grep "target_model: {kind: damped_oscillator" > /dev/null
 "$vantage" log fit-motion flight.lcmlog --json | json 'len(d["models"])' | grep -q 3 || fail "fit-motion"

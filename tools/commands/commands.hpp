@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -43,8 +44,9 @@ void run_on_scenario(CLI::App& command, Runner& chosen, std::shared_ptr<Argument
 /// Adds the required argument `scenario` for run_on_scenario().
 void add_scenario_option(CLI::App& command, std::string& scenario);
 /// Adds --seed, --duration-s, --planner, --communication-range-m and --nodes, which all commands
-/// that run a trial share.
-void add_override_options(CLI::App& command, scenario::Overrides& overrides);
+/// that run a trial share. With `planners`, --planner is a list of names, which is stored there.
+void add_override_options(CLI::App& command, scenario::Overrides& overrides,
+                          std::vector<std::string>* planners = nullptr);
 /// Adds the options of the web server: --port, --bind, --host, --origin and --page.
 void add_web_options(CLI::App& command, WebOptions& web);
 /// Prints the address of the viewer.

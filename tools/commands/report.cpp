@@ -52,7 +52,8 @@ void add_scenario_option(CLI::App& command, std::string& scenario) {
       ->required();
 }
 
-void add_override_options(CLI::App& command, scenario::Overrides& overrides) {
+void add_override_options(CLI::App& command, scenario::Overrides& overrides,
+                          std::vector<std::string>* planners) {
   std::vector<std::string> words = scenario::search_names();
   words.emplace_back(scenario::kExternalSearch);
   command.add_option("--seed", overrides.seed, "random seed (default: the scenario's)")
@@ -61,9 +62,14 @@ void add_override_options(CLI::App& command, scenario::Overrides& overrides) {
       .add_option("--duration-s", overrides.duration_s,
                   "duration in seconds (default: the scenario's)")
       ->check(positive_number());
-  command
-      .add_option("--planner", overrides.planner, "planning algorithm (default: the scenario's)")
-      ->check(CLI::IsMember(words));
+  const std::string what = "planning algorithm (default: the scenario's)";
+  CLI::Option* planner =
+      planners == nullptr ? command.add_option("--planner", overrides.planner, what)
+                          : command
+                                .add_option("--planner", *planners,
+                                            what + "; several, such as arvi,greedy, are compared")
+                                ->delimiter(',');
+  planner->check(CLI::IsMember(words));
   command
       .add_option("--communication-range-m", overrides.communication_range_m,
                   "communication range in metres (default: the scenario's); 0: none")

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -11,10 +12,10 @@
 #include "core/process.hpp"
 #include "core/utf8.hpp"
 #include "core/write_file.hpp"
-#include "experiments/sweep/compare.hpp"
-#include "experiments/sweep/sample.hpp"
 #include "logs/analysis/log_analysis.hpp"
+#include "scenario/reader/differences.hpp"
 #include "scenario/search_name.hpp"
+#include "tools/compare/comparison.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/live/status_table.hpp"
 #include "tools/log/log_commands.hpp"
@@ -29,6 +30,7 @@ struct MetricsArguments {
   std::string output;
   bool as_json = false;
   bool is_of_latency = false;
+  bool pools = false;
 };
 
 std::string row(const std::string& name, const logs::Spread& spread) {
@@ -84,57 +86,73 @@ void print_hops(const logs::LogAnalysis& analysis) {
   }
 }
 
-// Returns the quantities that are compared between trials, in the order of printing.
-std::vector<std::pair<std::string, std::optional<double>>> figures_of(
-    const logs::LogAnalysis& analysis) {
-  const logs::TrialSummary& summary = analysis.summary;
-  const logs::RobotMeans& robot = summary.per_robot;
-  std::vector<std::pair<std::string, std::optional<double>>> out = {
-      {"RMSE of the team, m", summary.rmse_m},
-      {"RMSE of a robot, m", robot.rmse_m},
-      {"entropy of the team, nat", summary.entropy_nats},
-      {"entropy of a robot's beliefs, nat", robot.entropy_nats},
-      {"NEES of a robot", robot.consistency.mean_nees},
-      {"median NEES of a robot", robot.consistency.median_nees},
-      {"share in the 95 % ellipse", robot.consistency.coverage_95}};
-  for (std::size_t i = 0; i < logs::kAgeClasses; ++i) {
-    out.emplace_back("NEES if unseen for " + logs::age_name(i) + " s",
-                     robot.consistency_by_age[i].mean_nees);
+/// Logs whose scenarios have the same values of all keys that differ between the logs.
+struct LogGroups {
+  std::vector<std::string> keys;                 ///< keys that differ, except the seed
+  std::vector<std::vector<std::string>> values;  ///< by group and key
+  std::vector<TrialGroup> groups;
+};
+
+LogGroups grouped(const std::vector<scenario::Scenario>& scenarios,
+                  const std::vector<logs::LogAnalysis>& analyses, bool pools) {
+  std::vector<std::string> texts;
+  for (const scenario::Scenario& scenario : scenarios) {
+    texts.push_back(scenario.source_text);
   }
-  if (analysis.sets) {
-    out.emplace_back("OSPA of a robot, m", analysis.sets->ospa_m);
-    out.emplace_back("swaps of a robot, 1/min", analysis.sets->swaps_per_min);
+  std::map<std::string, std::vector<std::string>> differing;
+  if (!pools) {
+    differing = scenario::differing_keys(texts);
+    differing.erase("seed");
+  }
+  LogGroups out;
+  for (const auto& [key, column] : differing) {
+    out.keys.push_back(key);
+  }
+  for (std::size_t i = 0; i < analyses.size(); ++i) {
+    std::vector<std::string> values;
+    for (const auto& [key, column] : differing) {
+      values.push_back(column[i]);
+    }
+    const auto found = std::find(out.values.begin(), out.values.end(), values);
+    const auto g = static_cast<std::size_t>(found - out.values.begin());
+    if (found == out.values.end()) {
+      out.values.push_back(values);
+      out.groups.push_back(
+          {out.keys.size() == 1 ? values.front() : fmt::format("group {}", g + 1), {}});
+    }
+    out.groups[g].trials.push_back({scenarios[i].seed, quantities_of(analyses[i])});
   }
   return out;
 }
 
-// Prints means with confidence bands over trials. Steps of one trial are correlated; only trials
-// are independent samples.
-void print_bands(const std::vector<logs::LogAnalysis>& analyses) {
-  std::map<std::string, experiments::Sample> samples;
-  for (const logs::LogAnalysis& analysis : analyses) {
-    for (const auto& [name, value] : figures_of(analysis)) {
-      if (value) {
-        samples[name].add(*value);
-      }
+/// Prints means with confidence intervals over logs, one column per group. Steps of one trial are
+/// correlated; only trials are independent samples.
+void print_groups(LogGroups logs) {
+  if (logs.keys.empty()) {
+    logs.groups.front().name = "all logs";
+  } else {
+    print_line(fmt::format("the scenarios differ in {}: one column per value; --pool averages all",
+                           fmt::join(logs.keys, ", ")));
+  }
+  for (std::size_t g = 0; logs.keys.size() > 1 && g < logs.groups.size(); ++g) {
+    for (std::size_t k = 0; k < logs.keys.size(); ++k) {
+      print_line(fmt::format("{:<10} {}: {}", k == 0 ? logs.groups[g].name : "", logs.keys[k],
+                             readable(logs.values[g][k])));
     }
   }
-  print_line(
-      fmt::format("mean of {} logs ± 95 % confidence interval (Student's t)", analyses.size()));
-  for (const auto& [name, value] : figures_of(analyses.front())) {
-    const experiments::Sample& sample = samples[name];
-    print_line(sample.size() == 0 ? fmt::format("{:<28} -", name)
-                                  : fmt::format("{:<28} {:>8.3f} ± {:.3f}", name, sample.mean(),
-                                                sample.half_interval()));
+  for (const std::string& line : comparison_table(logs.groups)) {
+    print_line(line);
   }
 }
 
 int metrics(const MetricsArguments& arguments) {
   const DefaultSignalScope reading;
   std::vector<logs::LogAnalysis> analyses;
+  std::vector<scenario::Scenario> scenarios;
   for (const std::string& path : arguments.logs) {
     const logs::IndexedLog log(path, progress_line("reading"));
-    const scenario::Scenario scenario = scenario_of(log);
+    scenarios.push_back(scenario_of(log));
+    const scenario::Scenario& scenario = scenarios.back();
     logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("evaluating"));
     if (arguments.as_json) {
       print_json(logs::to_json(analysis));
@@ -146,7 +164,7 @@ int metrics(const MetricsArguments& arguments) {
     analyses.push_back(std::move(analysis));
   }
   if (!arguments.as_json && !arguments.is_of_latency && analyses.size() > 1) {
-    print_bands(analyses);
+    print_groups(grouped(scenarios, analyses, arguments.pools));
   }
   return 0;
 }
@@ -182,12 +200,15 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
       "Evaluate a log: RMSE, OSPA, swaps, entropy, NEES, discovery, deadlines, loss, latencies.");
   metrics_command
       ->add_option("log", arguments->logs,
-                   "LCM event log; several logs give means with confidence intervals")
+                   "LCM event log; several logs give means with confidence intervals, one column "
+                   "for each difference between their scenarios")
       ->required();
   metrics_command->add_flag("--json", arguments->as_json, "print one JSON object per log");
   metrics_command->add_flag(
       "--latency", arguments->is_of_latency,
       "print only the latency of each driver between motion-capture frame and set-point");
+  metrics_command->add_flag("--pool", arguments->pools,
+                            "average all logs together, also if their scenarios differ");
   metrics_command->footer(
       "A latency is the time from the validity of the input to the moment when the output is\n"
       "finished or logged; 'look' is the newest measurement that was used. The margin of a plan\n"

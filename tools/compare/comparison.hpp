@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "experiments/sweep/sample.hpp"
+#include "logs/analysis/log_analysis.hpp"
+#include "logs/metrics/trial_summary.hpp"
+
+namespace vantage::tools {
+
+/// One value of a trial that is compared between trials.
+struct Quantity {
+  std::string name;             ///< with its unit
+  std::optional<double> value;  ///< nullopt: the trial has none
+};
+
+/// Returns the compared values of a trial, in the order of printing.
+std::vector<Quantity> quantities_of(const logs::TrialSummary& summary);
+/// Returns those of a log, which include OSPA and swaps.
+std::vector<Quantity> quantities_of(const logs::LogAnalysis& analysis);
+
+/// One trial of a group.
+struct ComparedTrial {
+  std::uint64_t seed = 0;
+  std::vector<Quantity> quantities;
+};
+
+/// Trials that differ only by their seed.
+struct TrialGroup {
+  std::string name;
+  std::vector<ComparedTrial> trials;
+};
+
+/// Returns the values of quantity `i` in a group; trials without a value are left out.
+experiments::Sample sample_of(const TrialGroup& group, std::size_t i);
+
+/// Returns the differences `group` minus `base` of quantity `i` for each seed that both have.
+/// Differences of equal seeds vary less than means, because both trials have the same targets.
+experiments::Sample paired_differences(const TrialGroup& group, const TrialGroup& base,
+                                       std::size_t i);
+
+/// Returns a table with one column per group: means with 95 % confidence intervals (Student's t),
+/// then the paired differences to the first group. Precondition: a group, and at least one trial in
+/// each.
+std::vector<std::string> comparison_table(const std::vector<TrialGroup>& groups);
+/// Returns the same as JSON, with the values of each trial.
+nlohmann::ordered_json comparison_json(const std::vector<TrialGroup>& groups);
+/// Returns an SVG picture: for each main quantity, the trials of each group as points, and the mean
+/// with its interval.
+std::string comparison_figure(const std::vector<TrialGroup>& groups, const std::string& title);
+
+}  // namespace vantage::tools
