@@ -94,6 +94,9 @@ class Analyst {
         analysis_.lost[name] = channel.messages_lost;
         lost += channel.messages_lost;
       }
+      if (channel.has_two_publishers) {
+        analysis_.contested.push_back(name);
+      }
     }
     analysis_.summary = metrics_.finish(survey.end);
     analysis_.sets = sets_.means();

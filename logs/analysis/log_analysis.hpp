@@ -73,8 +73,9 @@ struct LogAnalysis {
   std::map<std::string, std::vector<Hop>> hops;     ///< by process
   std::map<std::string, DeadlineRecord> deadlines;  ///< by robot
   std::map<std::string, std::int64_t> lost;         ///< messages missing in the log, by channel
-  std::int64_t times_outlying = 0;  ///< events with outlying times, ignored (UsualTimes)
-  std::vector<CoursePoint> course;  ///< one point per evaluated estimator step
+  std::vector<std::string> contested;  ///< channels on which two processes published at a time
+  std::int64_t times_outlying = 0;     ///< events with outlying times, ignored (UsualTimes)
+  std::vector<CoursePoint> course;     ///< one point per evaluated estimator step
   std::vector<PlanPoint> plans;
 };
 

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::uint64_t kFormat = 0x564C494E44455803ULL;  // "VLINDEX" and format version 3
+constexpr std::uint64_t kFormat = 0x564C494E44455804ULL;  // "VLINDEX" and format version 4
 constexpr std::size_t kEndBytes = 4096;
 constexpr std::size_t kHashBytes = 8;  ///< hash of all preceding bytes, at the end of the index
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bus/convert/channels.hpp"
+#include "bus/node/publisher_watch.hpp"
 #include "bus/node/stream_monitor.hpp"
 #include "logs/file/wire_check.hpp"
 
@@ -28,6 +29,7 @@ models::Stamp stamp_of(std::span<const std::uint8_t> data) {
 
 struct SurveyPass::Streams {
   std::map<std::string, bus::SharedStreamMonitor> by_channel;
+  bus::PublisherWatch publishers;
 };
 
 SurveyPass::SurveyPass(std::span<const std::uint8_t> log)
@@ -68,6 +70,9 @@ void SurveyPass::finish() {
   survey_.stretches = scan_.stretches();
   for (const auto& [name, monitor] : streams_->by_channel) {
     survey_.channels[name].messages_lost = monitor.counts().lost;
+  }
+  for (const std::string& name : streams_->publishers.contested()) {
+    survey_.channels[name].has_two_publishers = true;
   }
 }
 
@@ -127,7 +132,9 @@ void SurveyPass::add_to_channel(const LocatedEvent& event) {
   channel.in_block.resize(block / 8 + 1);
   channel.in_block[block / 8] |= static_cast<std::uint8_t>(1U << (block % 8));
   if (schema != nullptr && stamp_of(event.data).sequence >= 0) {
-    static_cast<void>(streams_->by_channel[name].judge(stamp_of(event.data)));
+    const models::Stamp stamp = stamp_of(event.data);
+    static_cast<void>(streams_->by_channel[name].judge(stamp));
+    streams_->publishers.on_run(name, stamp.run_id);
   }
 }
 

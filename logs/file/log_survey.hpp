@@ -25,9 +25,10 @@ struct ChannelSurvey {
   Time last{};   ///< time of the last event, clamped likewise
   /// Longest time between two consecutive events. Gaps of a day or more are ignored.
   Duration gap_max{};
-  Time gap_at{};                   ///< start of that gap
-  std::int64_t messages_lost = 0;  ///< missing sequence numbers of vantage messages
-  std::int64_t other_types = 0;    ///< events of another type than the first
+  Time gap_at{};                    ///< start of that gap
+  std::int64_t messages_lost = 0;   ///< missing sequence numbers of vantage messages
+  std::int64_t other_types = 0;     ///< events of another type than the first
+  bool has_two_publishers = false;  ///< see bus::PublisherWatch
   /// Bit b % 8 of byte b / 8 is 1 if an event of this channel begins in block b. The last byte is
   /// that of the channel's last block.
   std::vector<std::uint8_t> in_block;

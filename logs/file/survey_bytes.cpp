@@ -82,7 +82,7 @@ class Reader {
   bool is_good_ = true;
 };
 
-constexpr std::size_t kChannelNumbers = 11;  ///< including the lengths of texts and bit fields
+constexpr std::size_t kChannelNumbers = 12;  ///< including the lengths of texts and bit fields
 constexpr std::size_t kBlockNumbers = 4;
 constexpr std::size_t kStretchNumbers = 3;
 
@@ -97,14 +97,16 @@ void append_channel(const std::string& name, const ChannelSurvey& channel, Write
   out.time(channel.gap_at);
   out.number(channel.messages_lost);
   out.number(channel.other_types);
+  out.number(channel.has_two_publishers ? 1 : 0);
   out.bytes(channel.in_block);
 }
 
 // Braced initialisation reads the values in the order of the members.
 std::pair<std::string, ChannelSurvey> read_channel(Reader& in) {
   std::string name = in.text();
-  ChannelSurvey channel{in.text(),     in.integer(), in.number(),  in.time(),    in.time(),
-                        in.duration(), in.time(),    in.integer(), in.integer(), {}};
+  ChannelSurvey channel{in.text(),    in.integer(),     in.number(), in.time(),
+                        in.time(),    in.duration(),    in.time(),   in.integer(),
+                        in.integer(), in.number() != 0, {}};
   const auto bits = in.bytes();
   channel.in_block.assign(bits.begin(), bits.end());
   return {std::move(name), std::move(channel)};

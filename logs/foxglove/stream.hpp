@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "bus/node/publisher_watch.hpp"
 #include "core/time.hpp"
 #include "logs/foxglove/scene.hpp"
 #include "logs/foxglove/schema.hpp"
@@ -88,6 +89,8 @@ class Stream {
   void put(const std::string& topic, Schema schema, Time received_at, const auto& make,
            bool is_state = false);
   void put_event(const std::optional<Event>& event, Time received_at);
+  /// Makes an event when a second process publishes on `channel`.
+  void note_publisher(const std::string& channel, const models::Stamp& stamp, Time received_at);
   void put_robots(Time received_at, Time time);
   void put_estimates(const std::string& topic, const std::string& prefix,
                      const std::vector<EstimateView>& views, Time received_at);
@@ -112,6 +115,7 @@ class Stream {
   std::optional<models::AttackNotice> attack_;
   std::map<std::string, models::VehicleStatus> vehicles_;
   std::map<std::string, HealthStory> processes_;
+  bus::PublisherWatch publishers_;
   std::map<std::string, models::HostReport> hosts_;
   std::map<std::string, Track> tracks_;
   std::optional<Time> next_tracks_;

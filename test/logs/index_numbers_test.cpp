@@ -55,8 +55,8 @@ TEST(IndexedLog, RestoresEveryNumber) {
   made.times_backward = 23;
   made.backward_max = Duration{24};
   made.stretches = {{31, 32, false}, {33, 34, true}};
-  made.channels["A"] = {"a_t", 41, 42, time(), time(), Duration{45}, time(), 47, 48, {1, 2}};
-  made.channels["B"] = {"b_t", 51, 52, time(), time(), Duration{55}, time(), 57, 58, {3}};
+  made.channels["A"] = {"a_t", 41, 42, time(), time(), Duration{45}, time(), 47, 48, true, {1, 2}};
+  made.channels["B"] = {"b_t", 51, 52, time(), time(), Duration{55}, time(), 57, 58, false, {3}};
   made.blocks = {{61, 62, time(), time()}, {63, 64, time(), time()}};
   ASSERT_TRUE(save_index(path, log, made));
   const auto read = load_index(path, log);
@@ -78,7 +78,7 @@ TEST(IndexedLog, RestoresEveryNumber) {
     const ChannelSurvey& b = read->channels.at(name);
     const auto all = [](const ChannelSurvey& of) {
       return std::tuple(of.type, of.events, of.data_bytes, of.first, of.last, of.gap_max, of.gap_at,
-                        of.messages_lost, of.other_types, of.in_block);
+                        of.messages_lost, of.other_types, of.has_two_publishers, of.in_block);
     };
     EXPECT_EQ(all(b), all(a)) << name;
   }

@@ -392,6 +392,7 @@ TEST(IndexedLog, RestoresItsSurvey) {
     EXPECT_EQ(read.gap_at, channel.gap_at);
     EXPECT_EQ(read.messages_lost, channel.messages_lost);
     EXPECT_EQ(read.other_types, channel.other_types);
+    EXPECT_EQ(read.has_two_publishers, channel.has_two_publishers);
     EXPECT_EQ(read.in_block, channel.in_block);
   }
   ASSERT_EQ(second.blocks.size(), first.blocks.size());

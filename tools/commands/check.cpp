@@ -12,8 +12,11 @@
 #include "bus/auth/authenticator.hpp"
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
+#include "bus/node/publisher_watch.hpp"
 #include "bus/transport/transport.hpp"
 #include "core/process.hpp"
+#include "core/utf8.hpp"
+#include "logs/file/wire_check.hpp"
 #include "logs/record/append_file.hpp"
 #include "logs/record/log_space.hpp"
 #include "scenario/reader/mistakes.hpp"
@@ -49,12 +52,26 @@ void listen(const scenario::Scenario& scenario, double listen_s,
   bus.use_clock(clock);
   bus.secure(std::move(authenticator), clock);
   const ArmingWatch watch(bus, scenario);
+  const auto raw = bus::open_transport(scenario.network.url);
+  bus::PublisherWatch publishers;
+  raw->subscribe("*", [&](std::string_view channel, const bus::Payload& bytes) {
+    if (logs::type_of(bytes) != nullptr) {
+      publishers.on_run(channel, bus::run_id_of(bytes));
+    }
+  });
   const Time end = clock.now() + from_seconds(listen_s);
   while (clock.now() < end && !stop_requested()) {
     bus.handle(std::chrono::milliseconds(20));
+    raw->handle(std::chrono::milliseconds(0));
   }
   for (const std::string& block : watch.blocks()) {
     faults.push_back(block);
+  }
+  for (const std::string& channel : publishers.contested()) {
+    faults.push_back(fmt::format(
+        "{}: two processes publish; end one of them, or set `device: external` if yours replaces a "
+        "process of vantage",
+        readable(channel)));
   }
 }
 

@@ -112,6 +112,9 @@ std::vector<std::string> describe_damage(const logs::LogSurvey& survey) {
       out.push_back(
           fmt::format("{}: {} messages lost before they were logged", name, channel.messages_lost));
     }
+    if (channel.has_two_publishers) {
+      out.push_back(name + ": two processes published at the same time");
+    }
     if (channel.other_types > 0) {
       out.push_back(
           channel.type.empty()
@@ -145,7 +148,8 @@ nlohmann::ordered_json to_json(const std::string& path, const logs::LogSurvey& s
                                 {"gap_max_s", to_seconds(channel.gap_max)},
                                 {"gap_at_s", since_start_s(survey, channel.gap_at)},
                                 {"messages_lost", channel.messages_lost},
-                                {"other_types", channel.other_types}};
+                                {"other_types", channel.other_types},
+                                {"two_publishers", channel.has_two_publishers}};
   }
   return {{"log", path},
           {"bytes", survey.size_bytes},

@@ -70,6 +70,15 @@ void print(const scenario::Scenario& scenario, const logs::LogAnalysis& analysis
   }
 }
 
+void warn_of_two_publishers(const std::string& path, const logs::LogAnalysis& analysis) {
+  for (const std::string& channel : analysis.contested) {
+    print_line(fmt::format("vantage: {}: two processes published {} at the same time; the results "
+                           "mix both",
+                           path, readable(channel)),
+               stderr);
+  }
+}
+
 void print_hops(const logs::LogAnalysis& analysis) {
   if (analysis.hops.empty()) {
     print_line(
@@ -154,6 +163,7 @@ int metrics(const MetricsArguments& arguments) {
     scenarios.push_back(scenario_of(log));
     const scenario::Scenario& scenario = scenarios.back();
     logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("evaluating"));
+    warn_of_two_publishers(path, analysis);
     if (arguments.as_json) {
       print_json(logs::to_json(analysis));
     } else if (arguments.is_of_latency) {
