@@ -79,6 +79,7 @@ ExportCounts export_mcap(const IndexedLog& log, const std::string& path, Channel
       writer.write(topic, event.time, valid, dumped(*json));
     }
     if (with_scene) {
+      scene.on_publisher(event.channel, bus::run_id_of(event.data), event.time);
       visit_message(event, [&](const auto& message) { scene.on(message, event.time); });
     }
   });

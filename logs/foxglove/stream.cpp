@@ -48,11 +48,10 @@ void Stream::put_event(const std::optional<Event>& event, Time received_at) {
   }
 }
 
-void Stream::note_publisher(const std::string& channel, const models::Stamp& stamp,
-                            Time received_at) {
-  if (publishers_.on_run(channel, stamp.run_id)) {
-    put_event(Event{stamp.time, LogLevel::kError, "two_publishers",
-                    channel + ": two processes publish; only one is used"},
+void Stream::on_publisher(std::string_view channel, std::int64_t run_id, Time received_at) {
+  if (publishers_.on_run(channel, run_id)) {
+    put_event(Event{received_at, LogLevel::kError, "two_publishers",
+                    fmt::format("{}: two processes publish; only one of them is used", channel)},
               received_at);
   }
 }
@@ -100,7 +99,6 @@ void Stream::put_robots(Time received_at, Time time) {
 }
 
 void Stream::on(const models::MocapFrame& frame, Time received_at) {
-  note_publisher(bus::kVicon.name, frame.stamp, received_at);
   last_mocap_ = frame.stamp.time;
   put("/transforms", Schema::kFrameTransforms, received_at,
       [&] { return frame_transforms(frame); });
@@ -132,7 +130,6 @@ void Stream::on(const models::TruthFrame& truth, Time received_at) {
 }
 
 void Stream::on(const models::RobotMeasurement& detections, Time received_at) {
-  note_publisher(bus::measurement_channel(detections.robot).name, detections.stamp, received_at);
   captures_.add(reference_to(bus::measurement_channel(detections.robot).name, detections.stamp),
                 detections.stamp.time);
   const scenario::RobotSpec* robot = scenario_ ? scenario_->find_robot(detections.robot) : nullptr;
@@ -145,7 +142,6 @@ void Stream::on(const models::RobotMeasurement& detections, Time received_at) {
 }
 
 void Stream::on(const models::RobotBelief& belief, Time received_at) {
-  note_publisher(bus::belief_channel(belief.robot).name, belief.stamp, received_at);
   put_grid(belief, received_at);
   if (const auto capture = captures_.newest(belief.inputs)) {
     captures_of_beliefs_.add(reference_to(bus::belief_channel(belief.robot).name, belief.stamp),
@@ -260,7 +256,6 @@ void Stream::on(const models::RobotMap& map, Time received_at) {
 }
 
 void Stream::on(const models::RobotPlan& plan, Time received_at) {
-  note_publisher(bus::plan_channel(plan.robot).name, plan.stamp, received_at);
   if (metrics_) {
     metrics_->on_plan(plan);
   }

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -80,6 +81,10 @@ class Stream {
   /// Operator commands. Heartbeats are ignored.
   void on(const models::OperatorCommand& command, Time received_at);
 
+  /// Adds the publisher of a message of any type, before a Bus chooses between two publishers.
+  /// Makes an event when a channel has two.
+  void on_publisher(std::string_view channel, std::int64_t run_id, Time received_at);
+
   /// Returns the number of scenarios that could not be read.
   [[nodiscard]] std::int64_t scenarios_refused() const { return scenarios_refused_; }
 
@@ -89,8 +94,6 @@ class Stream {
   void put(const std::string& topic, Schema schema, Time received_at, const auto& make,
            bool is_state = false);
   void put_event(const std::optional<Event>& event, Time received_at);
-  /// Makes an event when a second process publishes on `channel`.
-  void note_publisher(const std::string& channel, const models::Stamp& stamp, Time received_at);
   void put_robots(Time received_at, Time time);
   void put_estimates(const std::string& topic, const std::string& prefix,
                      const std::vector<EstimateView>& views, Time received_at);

@@ -11,6 +11,19 @@
 namespace vantage::logs::foxglove {
 namespace {
 
+TEST(Stream, ReportsAChannelWithTwoPublishersOnce) {
+  Notebook notebook;
+  Stream stream(notebook);
+  for (int k = 0; k < 12; ++k) {
+    stream.on_publisher("MEASUREMENT_Q1", 5 + k % 2, from_utime(100 + k));
+    stream.on_publisher("MEASUREMENT_Q2", 5, from_utime(100 + k));
+  }
+  ASSERT_EQ(notebook.of("/events").size(), 1U);
+  const Json event = notebook.of("/events")[0];
+  EXPECT_EQ(event.at("name"), "two_publishers");
+  EXPECT_EQ(event.at("message"), "MEASUREMENT_Q1: two processes publish; only one of them is used");
+}
+
 TEST(Stream, RecoloursRobotsWhenJammingChanges) {
   Notebook notebook;
   Stream stream(notebook);

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "bus/node/publisher_watch.hpp"
+#include "logs/file/wire_check.hpp"
 #include "logs/json/wire_json.hpp"
 
 namespace vantage::tools {
@@ -43,6 +45,9 @@ void Feed::listen(const bus::Channel<Message>& channel) {
 }
 
 void Feed::pass_on(std::string_view channel, std::span<const std::uint8_t> data) {
+  if (logs::type_of(data) != nullptr) {
+    stream_.on_publisher(channel, bus::run_id_of(data), clock_.now());
+  }
   // Any host on the network can invent channel names, so their number is bounded.
   const bool is_new = !raw_channels_.contains(channel);
   if (is_new) {
