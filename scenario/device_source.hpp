@@ -7,4 +7,8 @@ namespace vantage::scenario {
 /// device.
 enum class DeviceSource { kDirect, kWire, kReal };
 
+/// Publisher of the messages of a robot's sensor, estimator or planner: a process of vantage, or a
+/// process of the user that replaces it.
+enum class Publisher { kVantage, kExternal };
+
 }  // namespace vantage::scenario

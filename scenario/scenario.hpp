@@ -76,7 +76,8 @@ struct RobotSpec {
   std::vector<models::UnicycleControl> primitives;
   models::VehicleLimits limits;
   models::SensorModel sensor;
-  models::DetectionModel detection;  ///< detection statistics of `sensor`
+  models::DetectionModel detection;                  ///< detection statistics of `sensor`
+  Publisher sensor_publisher = Publisher::kVantage;  ///< of MEASUREMENT and SCAN
   EnergySpec energy;
   DeviceSource device = DeviceSource::kDirect;
   std::optional<AutopilotSpec> autopilot;
@@ -107,6 +108,7 @@ struct TargetTruthSpec {
 };
 
 struct EstimatorSpec {
+  Publisher publisher = Publisher::kVantage;  ///< of BELIEF, MIXTURE and MAP
   models::TargetModel target_model;
   double prior_position_sigma_m = 1.0;  ///< 1σ at first detection, in unmeasured directions
   double prior_velocity_sigma_mps = 0.5;
@@ -143,6 +145,7 @@ inline constexpr std::array<std::string_view, 10> kSearchNames = {
     "astar", "wastar", "aegis", "random_walk", "lawn_mower"};
 
 struct PlannerSpec {
+  Publisher publisher = Publisher::kVantage;  ///< of PLAN
   PlanObjective objective = PlanObjective::kTracking;
   std::string algorithm = "arvi";  ///< one of search_names(), or kExternalSearch
   int horizon_steps = 12;          ///< T: number of steps of a plan

@@ -1,5 +1,6 @@
 #include "trial/recipe.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -44,6 +45,10 @@ std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario) {
       planners_of(scenario)};
   for (std::size_t i = 0; i < makes.size(); ++i) {
     for (const scenario::RobotSpec& robot : scenario.robots) {
+      const std::vector<std::string> own = own_processes(scenario, robot);
+      if (std::find(own.begin(), own.end(), kRobotProcesses[i]) == own.end()) {
+        continue;
+      }
       out.push_back({node_name(process_name(kRobotProcesses[i], robot.name)),
                      [make = makes[i], name = robot.name](bus::Bus& bus, const bus::Clock& clock) {
                        return make(bus, clock, name);

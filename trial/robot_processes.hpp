@@ -2,12 +2,25 @@
 
 #include <array>
 #include <string>
+#include <vector>
+
+#include "scenario/scenario.hpp"
 
 namespace vantage::trial {
 
 /// Processes that every robot has, by the last part of their program name (vantage-sensor). Nodes
 /// that are due at the same instant are executed in this order.
 inline constexpr std::array<const char*, 3> kRobotProcesses = {"sensor", "estimator", "planner"};
+
+/// Returns the processes of kRobotProcesses that vantage runs for `robot`: those that no process of
+/// the user replaces (`device: external`).
+std::vector<std::string> own_processes(const scenario::Scenario& scenario,
+                                       const scenario::RobotSpec& robot);
+
+/// Refuses a scenario in which a process of the user replaces one of vantage, because a trial
+/// within one process has no others.
+/// @throws StartupError that names the key
+void require_own_processes(const scenario::Scenario& scenario);
 
 /// Returns the display name of a process: "planner Q1".
 std::string process_name(const std::string& word, const std::string& robot);

@@ -305,8 +305,10 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   from.section("limits", [&](Mapping& limits) { read_limits(limits, robot.limits); });
   read_primitives(from, robot.limits, robot.primitives);
   from.require("sensor");
-  from.section("sensor",
-               [&](Mapping& sensor) { read_sensor(sensor, robot.sensor, robot.detection); });
+  from.section("sensor", [&](Mapping& sensor) {
+    read_publisher(sensor, robot.sensor_publisher);
+    read_sensor(sensor, robot.sensor, robot.detection);
+  });
   from.section("energy",
                [&](Mapping& energy) { read_energy(energy, scenario.world, robot.energy); });
   read_device(from, robot.device);
@@ -408,6 +410,11 @@ void read_device(Mapping& from, DeviceSource& device) {
               {{"direct", DeviceSource::kDirect},
                {"wire", DeviceSource::kWire},
                {"real", DeviceSource::kReal}});
+}
+
+void read_publisher(Mapping& from, Publisher& publisher) {
+  from.choice("device", publisher,
+              {{"vantage", Publisher::kVantage}, {"external", Publisher::kExternal}});
 }
 
 void read_robots(Mapping& top, Scenario& scenario) {

@@ -14,6 +14,8 @@ inline constexpr double kLengthMaxM = 10'000.0;
 bool is_channel_suffix(const std::string& name);
 
 void read_device(Mapping& from, DeviceSource& device);
+/// Reads the key `device` of a sensor, an estimator or a planner.
+void read_publisher(Mapping& from, Publisher& publisher);
 
 /// Reads `robots`, with missing keys from `robot_defaults`. Checks each robot against the world,
 /// the planner's distances and the previous robots in the list. Precondition: scenario.world and

@@ -156,6 +156,7 @@ void check_grid(Mapping& from, const Scenario& scenario) {
 
 void read_estimator(Mapping& from, Scenario& scenario) {
   EstimatorSpec& estimator = scenario.estimator;
+  read_publisher(from, estimator.publisher);
   from.section("target_model", [&](Mapping& model) {
     read_target_model(model, scenario.world, estimator.target_model);
   });
@@ -219,6 +220,7 @@ void check_team(Mapping& from, const PlannerSpec& planner) {
 }
 
 void read_planner(Mapping& from, PlannerSpec& planner) {
+  read_publisher(from, planner.publisher);
   from.choice("objective", planner.objective,
               {{"tracking", PlanObjective::kTracking}, {"mapping", PlanObjective::kMapping}});
   std::vector<std::pair<std::string_view, std::string>> searches;

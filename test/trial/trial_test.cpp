@@ -18,6 +18,7 @@
 #include "core/check.hpp"
 #include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
+#include "test/support/lab_text.hpp"
 #include "test/support/temporary_folder.hpp"
 #include "trial/robot_processes.hpp"
 
@@ -53,6 +54,39 @@ TEST(TrialRecipes, HaveTheNamesOfTheirNodes) {
     const auto transport = hub.connect();
     bus::Bus bus(*transport, 1);
     EXPECT_EQ(recipe.make(bus, clock)->name(), recipe.name);
+  }
+}
+
+struct ExternalRow {
+  const char* was;
+  const char* becomes;
+  std::vector<std::string> own;  ///< processes of each robot that vantage runs
+};
+
+// `device: external` in a section: a process of the user replaces that process of vantage.
+TEST(TrialRecipes, LeaveOutExternalProcesses) {
+  for (const ExternalRow& row :
+       {ExternalRow{
+            "kind: range_bearing", "kind: range_bearing", {"sensor", "estimator", "planner"}},
+        ExternalRow{"kind: range_bearing",
+                    "device: external\n    kind: range_bearing",
+                    {"estimator", "planner"}},
+        ExternalRow{"\nestimator:\n", "\nestimator:\n  device: external\n", {"sensor", "planner"}},
+        ExternalRow{"\nplanner:\n", "\nplanner:\n  device: external\n", {"sensor", "estimator"}},
+        ExternalRow{"\nplanner:\n",
+                    "\nplanner:\n  device: vantage\n",
+                    {"sensor", "estimator", "planner"}}}) {
+    const scenario::Scenario scenario =
+        scenario::parse_scenario(test::lab_with({{row.was, row.becomes}}), "f");
+    for (const scenario::RobotSpec& robot : scenario.robots) {
+      EXPECT_EQ(own_processes(scenario, robot), row.own) << row.becomes;
+    }
+    EXPECT_EQ(trial_recipes(scenario).size(), 1 + row.own.size() * scenario.robots.size());
+    if (row.own.size() == kRobotProcesses.size()) {
+      require_own_processes(scenario);
+    } else {
+      EXPECT_THROW(require_own_processes(scenario), StartupError);
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 #include "tools/live/screen.hpp"
 #include "tools/view/live_view.hpp"
 #include "trial/recipe.hpp"
+#include "trial/robot_processes.hpp"
 #include "trial/scenario/config_folder.hpp"
 
 namespace vantage::tools {
@@ -43,6 +44,7 @@ int run(const DemoArguments& arguments) {
       return view;
     };
   }
+  trial::require_own_processes(scenario);
   const DemoResult result =
       run_demo(scenario, trial::trial_recipes(scenario), options, stop_requested);
   if (!arguments.as_json) {

@@ -15,6 +15,7 @@
 #include "tools/compare/trial_batch.hpp"
 #include "tools/live/screen.hpp"
 #include "trial/recipe.hpp"
+#include "trial/robot_processes.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -110,6 +111,7 @@ int run(const TrialArguments& arguments) {
     overrides.node_budget = scenario::kDefaultNodeBudget;
     scenario = scenario::load_scenario_with(arguments.scenario, overrides);
   }
+  trial::require_own_processes(scenario);
   if (!arguments.svg_path.empty()) {
     require_writable(arguments.svg_path);
   }

@@ -14,6 +14,7 @@
 #include "experiments/sweep/worker_pool.hpp"
 #include "scenario/node_budget.hpp"
 #include "trial/recipe.hpp"
+#include "trial/robot_processes.hpp"
 #include "trial/trial.hpp"
 
 namespace vantage::tools {
@@ -87,7 +88,8 @@ BatchResult run_batch(const TrialBatch& batch, const std::function<bool()>& stop
   for (std::size_t trial = 0; trial < batch.seeds.size(); ++trial) {
     for (std::size_t planner = 0; planner < batch.planners.size(); ++planner) {
       units.push_back({planner, static_cast<int>(trial)});
-      scenario_for(batch, batch.planners[planner], batch.seeds[trial]);  // refused before any trial
+      trial::require_own_processes(  // refused before any trial
+          scenario_for(batch, batch.planners[planner], batch.seeds[trial]));
     }
   }
   if (!batch.log_folder.empty()) {

@@ -263,7 +263,8 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
   }
   for (const char* const program : trial::kRobotProcesses) {
     for (const scenario::RobotSpec& robot : scenario.robots) {
-      if (runs(robot.name)) {
+      const std::vector<std::string> own = trial::own_processes(scenario, robot);
+      if (runs(robot.name) && std::find(own.begin(), own.end(), program) != own.end()) {
         add_for(program, robot.name);
       }
     }

@@ -54,6 +54,18 @@ TEST(ProcessPlan, GivesDriversTheGrantedPriority) {
   }
 }
 
+TEST(ProcessPlan, StartsNoProcessThatTheUserReplaces) {
+  scenario::Scenario scenario = two_robots();
+  scenario.robots[0].sensor_publisher = scenario::Publisher::kExternal;
+  scenario.planner.publisher = scenario::Publisher::kExternal;
+  std::vector<std::string> names;
+  for (const ProcessSpec& process :
+       process_plan(scenario, {"/opt/bin", "s.yaml", "udpm://x", ""})) {
+    names.push_back(process.name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"sim", "sensor Q2", "estimator Q1", "estimator Q2"}));
+}
+
 TEST(ProcessPlan, StartsNoSimulatorWhenEveryDeviceIsReal) {
   scenario::Scenario scenario = two_robots();
   scenario.mocap.device = scenario::DeviceSource::kReal;
