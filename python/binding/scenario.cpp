@@ -1,6 +1,8 @@
 #include "python/binding/scenario.hpp"
 
+#include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include <pybind11/stl.h>
@@ -46,20 +48,25 @@ raises StartupError with line, key, rule, value and a probable correction.)")
           "replace",
           [](const Scenario& self, std::optional<std::uint64_t> seed,
              std::optional<double> duration_s, std::optional<std::string> planner,
-             std::optional<double> communication_range_m, std::optional<std::int64_t> node_budget) {
+             std::optional<double> communication_range_m, std::optional<std::int64_t> node_budget,
+             std::map<std::string, std::string> keys) {
             scenario::Overrides overrides;
             overrides.seed = seed;
             overrides.duration_s = duration_s;
             overrides.planner = std::move(planner);
             overrides.communication_range_m = communication_range_m;
             overrides.node_budget = node_budget;
+            overrides.keys = std::move(keys);
             return parsed(scenario::apply_overrides(self.value.source_text, overrides),
                           overrides.is_empty() ? self.source : self.source + " with options");
           },
           py::kw_only(), py::arg("seed") = py::none(), py::arg("duration_s") = py::none(),
           py::arg("planner") = py::none(), py::arg("communication_range_m") = py::none(),
           py::arg("node_budget") = py::none(),
-          "Returns a copy with these options changed, as the flags of `vantage trial` do.")
+          py::arg("keys") = std::map<std::string, std::string>(),
+          "Returns a copy with these options changed, as the flags of `vantage trial` do. `keys` maps "
+          "full paths of other keys to values in YAML: "
+          "{\"robot_defaults.sensor.range_sigma_m\": \"0.3\"}.")
       .def_property_readonly("name", [](const Scenario& self) { return self.value.name; })
       .def_property_readonly("source", [](const Scenario& self) { return self.source; })
       .def_property_readonly(

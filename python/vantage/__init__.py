@@ -28,4 +28,12 @@ __all__ = [
     "Decision", "Log", "Plan", "Planner", "Problem", "Scenario", "SensorModel", "StartupError", "TargetModel", "Trial",
     "UsageError", "World", "algorithms", "confine", "decide", "entropy_nats", "lab_primitives", "live", "log_det",
     "logs", "measure", "miss", "own", "plan", "predict", "standard_primitives", "step_unicycle", "sweep",
-    "team_algorithms"]
+    "env", "team_algorithms"]
+
+
+def __getattr__(name):
+    if name == "env":  # imported at its first use, because it needs numpy's random generators
+        import importlib
+
+        return importlib.import_module(".env", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,6 +1,7 @@
 """Trials over combinations of scenario options and seeds."""
 import concurrent.futures
 import itertools
+import json
 import os
 import threading
 
@@ -19,7 +20,8 @@ def sweep(scenario, parameters, seeds, *, threads=None, progress=None):
     """Runs a trial for every combination of values and seeds; returns columns of numpy arrays.
 
     sweep(scenario, {"node_budget": [200, 2000]}, seeds=range(10)): `scenario` as for Trial. The keys of
-    `parameters` are options of Scenario.replace(), the values are lists. Seeds vary fastest. The result is a
+    `parameters` are options of Scenario.replace() or full paths of scenario keys
+    ("robot_defaults.sensor.range_sigma_m"), the values are lists. Seeds vary fastest. The result is a
     dict with one row per trial in each column: the keys, seed, and every number of Trial.metrics under its
     name ("rmse_m", "per_robot.entropy", …), nan if absent; lists are omitted. The result is bit-identical
     for any number of `threads` (default: one per core). The calling thread calls progress(share) after
@@ -37,7 +39,7 @@ def sweep(scenario, parameters, seeds, *, threads=None, progress=None):
     if not isinstance(scenario, Scenario):
         scenario = Scenario(scenario)
     rows = _rows(parameters, seeds)
-    scenarios = [scenario.replace(**row) for row in rows]
+    scenarios = [_scenario_of(scenario, row) for row in rows]
     threads = len(os.sched_getaffinity(0)) if threads is None else threads
     if threads < 1:
         raise UsageError(f"threads: must be ≥ 1, got {threads}")
@@ -71,11 +73,22 @@ def sweep(scenario, parameters, seeds, *, threads=None, progress=None):
     return _columns(parameters, rows, [flight.result() for flight in flights])
 
 
+def _scenario_of(scenario, row):
+    """Returns the scenario of one trial. JSON values are valid YAML."""
+    options = {key: value for key, value in row.items() if "." not in key}
+    return scenario.replace(**options, keys={key: json.dumps(_plain(value)) for key, value in row.items() if "." in key})
+
+
+def _plain(value):
+    return value.tolist() if isinstance(value, (numpy.generic, numpy.ndarray)) else value
+
+
 def _rows(parameters, seeds):
-    """Returns the options of Scenario.replace() for each trial."""
+    """Returns the option or key and its value, for each trial."""
     for key, values in parameters.items():
-        if key not in _KEYS:
-            raise UsageError(f"parameters: unknown key {key}; valid keys are {', '.join(_KEYS)}")
+        if key not in _KEYS and "." not in key:
+            raise UsageError(f"parameters: unknown key {key}; valid keys are {', '.join(_KEYS)} and full paths such as "
+                             "planner.separation_m")
         if isinstance(values, str) or not numpy.iterable(values):
             raise UsageError(f"parameters: {key}: must be a list of values, got {values}")
     if not numpy.iterable(seeds):

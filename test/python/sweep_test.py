@@ -37,6 +37,16 @@ class Sweep(unittest.TestCase):
         self.assertTrue(numpy.isnan(self.columns["map_entropy"]).all())  # no robot maps
         self.assertNotIn("discovery_time_s", self.columns)  # a list
 
+    def test_takes_the_full_path_of_any_scenario_key(self):
+        columns = vantage.sweep(LAB, {"planner.separation_m": [0.6, 0.7],
+                                      "robot_defaults.sensor.range_sigma_m": numpy.array([0.1])}, [1], threads=2)
+        self.assertEqual(columns["planner.separation_m"].tolist(), [0.6, 0.7])
+        text = LAB.replace(keys={"planner.separation_m": "0.7", "network.url": '"memq://"'}).text
+        self.assertIn("separation_m: 0.7", text)
+        for refused in ({"planner.separation_m": [-1]}, {"planner.no_such_key": [1]}):
+            with self.assertRaisesRegex(vantage.StartupError, next(iter(refused)).split(".")[1]):
+                vantage.sweep(LAB, refused, [1])
+
     def test_is_the_same_whatever_the_number_of_threads(self):
         for threads in (1, 5):
             columns = vantage.sweep(LAB, PARAMETERS, SEEDS, threads=threads)

@@ -22,6 +22,7 @@ void add_check_command(CLI::App& root, Runner& run);
 void add_config_command(CLI::App& root, Runner& run);
 void add_console_command(CLI::App& root, Runner& run);
 void add_plan_command(CLI::App& root, Runner& run);
+void add_python_command(CLI::App& root, Runner& run);
 void add_doctor_command(CLI::App& root, Runner& run);
 void add_experiment_command(CLI::App& root, Runner& run);
 void add_view_command(CLI::App& root, Runner& run);

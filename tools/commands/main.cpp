@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
     vantage::tools::add_view_command(app, run);
     vantage::tools::add_log_command(app, run);
     vantage::tools::add_keys_command(app, run);
+    vantage::tools::add_python_command(app, run);
     const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
     try {
       if (const std::string unknown = vantage::tools::unknown_command(app, words);
