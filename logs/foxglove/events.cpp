@@ -13,9 +13,6 @@ std::string reasons_of(const models::VehicleStatus& status) {
   return status.reasons.empty() ? "" : fmt::format(": {}", fmt::join(status.reasons, ", "));
 }
 
-// Rounds are counted from 1970, so their last five digits are shown to distinguish them.
-std::int64_t shown_round(const models::RobotPlan& plan) { return plan.round % 100'000; }
-
 }  // namespace
 
 Event event_of(const models::CollisionReport& contact) {
@@ -28,14 +25,15 @@ Event event_of(const models::CollisionReport& contact) {
 
 std::optional<Event> event_of(const models::RobotPlan& plan) {
   if (plan.late) {
-    return Event{plan.finish, LogLevel::kWarning, "late",
-                 fmt::format("{}: plan of round {} was {:.1f} ms late", plan.robot,
-                             shown_round(plan), 1e3 * to_seconds(plan.finish - plan.deadline))};
+    return Event{
+        plan.finish, LogLevel::kWarning, "late",
+        fmt::format("{}: plan of round {} was {:.1f} ms late", plan.robot,
+                    models::round_text(plan.round), 1e3 * to_seconds(plan.finish - plan.deadline))};
   }
   if (plan.source != models::PlanSource::kSearched) {
     return Event{plan.finish, LogLevel::kWarning, "fallback",
-                 fmt::format("{}: plan of round {} is {}", plan.robot, shown_round(plan),
-                             name_of(plan.source))};
+                 fmt::format("{}: plan of round {} is {}", plan.robot,
+                             models::round_text(plan.round), name_of(plan.source))};
   }
   return std::nullopt;
 }

@@ -219,7 +219,7 @@ Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_r
   out["lines"].push_back(line(LineType::kStrip, points, 2.5, colour));
   out["spheres"].push_back(
       cube({points.back(), Quaternion::Identity()}, Eigen::Vector3d::Constant(0.12), colour));
-  out["metadata"].push_back(metadata("round", std::to_string(plan.round)));
+  out["metadata"].push_back(metadata("round", models::round_text(plan.round)));
   out["metadata"].push_back(metadata("source", name_of(plan.source)));
   out["metadata"].push_back(metadata("late", plan.late ? "yes" : "no"));
   return scene_update({std::move(out)});
@@ -243,7 +243,7 @@ Json proposal_scene(const models::TeamProposal& proposal, const scenario::Scenar
     }
     moved.push_back(choice.robot);
   }
-  out["metadata"].push_back(metadata("round", std::to_string(proposal.round)));
+  out["metadata"].push_back(metadata("round", models::round_text(proposal.round)));
   out["metadata"].push_back(metadata("value_nat", fmt::format("{:.2f}", proposal.value_nats)));
   out["metadata"].push_back(metadata("moves", fmt::format("{}", fmt::join(moved, ", "))));
   return scene_update({std::move(out)});

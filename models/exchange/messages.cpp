@@ -14,6 +14,11 @@ const MocapBody* MocapFrame::find(const std::string& name, std::size_t hint) con
   return hint < bodies.size() && bodies[hint].name == name ? &bodies[hint] : find(name);
 }
 
+std::string round_text(std::int64_t round) {
+  constexpr std::int64_t kShown = 100'000;
+  return round < 0 ? "-" : std::to_string(round % kShown);
+}
+
 const char* name_of(FlightState state) {
   switch (state) {
     case FlightState::kIdle:

@@ -208,6 +208,10 @@ struct TeamProposal {
   [[nodiscard]] const TeamChoice* find(const std::string& of_robot) const;
 };
 
+/// Returns the number of a planning round as every program shows it: its last five digits, because
+/// rounds are counted from 1970; "-" for no round (negative).
+std::string round_text(std::int64_t round);
+
 enum class FlightState { kIdle, kFollow, kHold, kLand, kKilled };
 
 /// Returns "idle", "follow", "hold", "land" or "killed".

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/utf8.hpp"
 #include "logs/record/log_space.hpp"
@@ -71,8 +72,11 @@ class ConsoleSession {
  private:
   void handle(const std::string& input) {
     if (terminal_.is_interactive()) {
+      const bool was_typing = !keys_.prompt().empty();
       if (const auto request = keys_.on_key(input, sender_.robots(), selected_)) {
         handle(*request);
+      } else if (!was_typing && keys_.prompt().empty()) {
+        show("unknown key; ? lists the keys");
       }
       next_redraw_ = {};
       return;
@@ -282,6 +286,26 @@ std::vector<std::string> OrderSender::robots() const {
   return out;
 }
 
+std::string OrderSender::without_effect(Time now, models::OperatorAction action,
+                                        const std::string& robot) const {
+  std::map<std::string, std::vector<std::string>> robots_by_reason;
+  for (const auto& [name, received] : vehicles_) {
+    const bool is_recent = to_seconds(now - received.at) <= kSilentAfterS;
+    if (!is_recent || (!robot.empty() && robot != name)) {
+      continue;
+    }
+    if (const std::string_view reason = obstacle(action, received.status.state); !reason.empty()) {
+      robots_by_reason[std::string(reason)].push_back(readable(name));
+    }
+  }
+  std::string out;
+  for (const auto& [reason, robots] : robots_by_reason) {
+    out += fmt::format("{}no effect on {}: {}", out.empty() ? "" : "; ", fmt::join(robots, ", "),
+                       reason);
+  }
+  return out;
+}
+
 std::vector<std::string> OrderSender::vehicle_table(Time now, const std::string& selected) const {
   std::vector<std::string> out;
   out.push_back(fmt::format("  {:<8} {:>8} {:>8} {:>8} {:>7}  {}", "robot", "state", "battery",
@@ -297,7 +321,7 @@ std::vector<std::string> OrderSender::vehicle_table(Time now, const std::string&
     out.push_back(fmt::format(
         "{} {:<8} {:>8} {:>6.0f} % {:>8} {:>5.1f} s  {}", is_selected ? '>' : ' ', readable(name),
         is_silent ? "SILENT" : name_of(status.state), 100.0 * status.battery_share,
-        status.plan_round, to_seconds(now - received.at), reasons));
+        models::round_text(status.plan_round), to_seconds(now - received.at), reasons));
   }
   if (vehicles_.empty()) {
     out.emplace_back("  no vehicle received yet");

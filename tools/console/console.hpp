@@ -72,6 +72,11 @@ class OrderSender {
   /// Returns the offset of the vehicles' clock from this station's clock; 0 if small or unknown.
   [[nodiscard]] Duration vehicles_ahead(Time now) const;
   [[nodiscard]] std::vector<std::string> robots() const;
+  /// Returns why vehicles will not obey an order in their newest state, such as "no effect on Q1:
+  /// not in operation, arm and take off first"; empty if all will, or if none was received
+  /// recently.
+  [[nodiscard]] std::string without_effect(Time now, models::OperatorAction action,
+                                           const std::string& robot) const;
   /// True if a process that records reported within kLogReportS that the log cannot be written.
   [[nodiscard]] bool is_log_lost(Time now) const;
   /// Returns a heading and one line per vehicle, in which the selected ones are marked. A vehicle

@@ -59,6 +59,27 @@ std::string word_for(OperatorAction action) {
   return word == kWords.end() ? "heartbeat" : std::string(word->text);
 }
 
+std::string_view obstacle(OperatorAction action, models::FlightState state) {
+  using models::FlightState;
+  const bool needs_ground = action == OperatorAction::kArm || action == OperatorAction::kTakeOff;
+  switch (state) {
+    case FlightState::kIdle:
+      return action == OperatorAction::kFollow ? "not in operation, arm and take off first" : "";
+    case FlightState::kFollow:
+    case FlightState::kHold:
+      return needs_ground ? "already in operation" : "";
+    case FlightState::kLand:
+      return needs_ground || action == OperatorAction::kFollow || action == OperatorAction::kHold
+                 ? "is landing"
+                 : "";
+    case FlightState::kKilled:
+      return action == OperatorAction::kTakeOff || action == OperatorAction::kFollow
+                 ? "stopped, arm it first"
+                 : "";
+  }
+  return "";
+}
+
 std::optional<OperatorRequest> KeyInput::on_name_key(char key,
                                                      const std::vector<std::string>& robots) {
   constexpr std::size_t kNameBytesMax = 64;

@@ -23,7 +23,9 @@ std::string OrderQueue::send(const Order& order, Time now) {
   if (!sender_.send(now, order.action, order.robot)) {
     return refuse(std::string("not sent: ") + explain(sender_.station().role()));
   }
-  return "sent " + word_for(order.action) + " to " + (order.robot.empty() ? "all" : order.robot);
+  const std::string ignored = sender_.without_effect(now, order.action, order.robot);
+  return "sent " + word_for(order.action) + " to " + (order.robot.empty() ? "all" : order.robot) +
+         (ignored.empty() ? "" : "; " + ignored);
 }
 
 std::string OrderQueue::check_unknown(const Order& order, Time now) {

@@ -65,7 +65,7 @@ std::string robot_row(const std::string& name, const logs::RobotStatus& robot, b
   const double used_s = to_seconds(plan.finish - plan.slot_start);
   const bool is_searched = plan.source == models::PlanSource::kSearched;
   return fmt::format(
-      "{:<8} {} {:>7} {} {:>9.2f} {:>9} {}", name, state, plan.round % 100'000,
+      "{:<8} {} {:>7} {} {:>9.2f} {:>9} {}", name, state, models::round_text(plan.round),
       word(fmt::format("{:>9}", name_of(plan.source)),
            is_searched ? std::nullopt : std::optional(Emphasis::kWarning), in_colour),
       plan.cost, plan.nodes,

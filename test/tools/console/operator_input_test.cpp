@@ -182,5 +182,32 @@ TEST(Keys, KeepEmergencyStopAfterPartialSequence) {
   EXPECT_EQ(keys_of(""), Keys{});
 }
 
+// Every order and state: an order without effect has a reason, an order that is obeyed has none.
+TEST(Obstacle, NamesOrdersThatAVehicleIgnores) {
+  using models::FlightState;
+  const std::string not_flying = "not in operation, arm and take off first";
+  const std::string in_operation = "already in operation";
+  const std::string landing = "is landing";
+  const std::string stopped = "stopped, arm it first";
+  struct Row {
+    OperatorAction action;
+    std::vector<std::string> by_state;  ///< idle, follow, hold, land, killed
+  };
+  for (const Row& row :
+       {Row{OperatorAction::kArm, {"", in_operation, in_operation, landing, ""}},
+        Row{OperatorAction::kTakeOff, {"", in_operation, in_operation, landing, stopped}},
+        Row{OperatorAction::kFollow, {not_flying, "", "", landing, stopped}},
+        Row{OperatorAction::kHold, {"", "", "", landing, ""}},
+        Row{OperatorAction::kLand, {"", "", "", "", ""}},
+        Row{OperatorAction::kEmergencyStop, {"", "", "", "", ""}}}) {
+    const FlightState states[] = {FlightState::kIdle, FlightState::kFollow, FlightState::kHold,
+                                  FlightState::kLand, FlightState::kKilled};
+    for (std::size_t i = 0; i < std::size(states); ++i) {
+      EXPECT_EQ(obstacle(row.action, states[i]), row.by_state[i])
+          << word_for(row.action) << " in " << name_of(states[i]);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vantage::tools

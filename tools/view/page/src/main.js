@@ -481,7 +481,7 @@ const toggle_follow = () => follow(world.followed ? null : (state.picked ?? "tea
 function rows_of(record, left_out) {
   return Object.entries(record)
     .filter(([key, value]) => !["timestamp", "robot", "process", ...left_out].includes(key) && (value === null || typeof value !== "object" || Array.isArray(value)))
-    .map(([key, value]) => [key.replaceAll("_", " "), Array.isArray(value) ? value.map((each) => (typeof each === "object" ? "…" : each)).join(", ") || "none" : typeof value === "number" ? (key.endsWith("round") ? `…${String(value).slice(-5)}` : digits(value)) : String(value)]);
+    .map(([key, value]) => [key.replaceAll("_", " "), Array.isArray(value) ? value.map((each) => (typeof each === "object" ? "…" : each)).join(", ") || "none" : typeof value === "number" ? (key.endsWith("round") ? (value < 0 ? "none" : String(value % 100000)) : digits(value)) : String(value)]);
 }
 
 const metadata_of = (found) => (found?.entity.metadata ?? []).map(({ key, value }) => [key.replaceAll("_", " "), value]);
