@@ -109,7 +109,9 @@ IndexedLog::IndexedLog(const std::string& path, const std::function<void(double)
     return;
   }
   survey_ = survey_log(bytes(), progress);
-  static_cast<void>(save_index(path, bytes(), survey_));
+  if (survey_.scan.events > 0) {  // not next to a file that is no log
+    static_cast<void>(save_index(path, bytes(), survey_));
+  }
 }
 
 LogScan IndexedLog::scan() const { return LogScan(bytes(), check_wire_data); }

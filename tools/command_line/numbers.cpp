@@ -1,11 +1,13 @@
 #include "tools/command_line/numbers.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "scenario/reader/value.hpp"
 
@@ -76,6 +78,15 @@ CLI::Validator non_negative_number() {
 CLI::Validator number_between(double min, double max) {
   return number_that(fmt::format("from {:.15g} to {:.15g}", min, max),
                      [min, max](double value) { return value >= min && value <= max; });
+}
+
+CLI::Validator one_of(const std::vector<std::string>& words) {
+  return CLI::Validator(
+      [words](const std::string& text) -> std::string {
+        const bool is_known = std::find(words.begin(), words.end(), text) != words.end();
+        return is_known ? "" : "unknown value '" + text + "'; " + meant(text, words);
+      },
+      fmt::format("{{{}}}", fmt::join(words, ",")));
 }
 
 CLI::Validator seed_number() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -17,6 +18,8 @@ CLI::Validator positive_number();
 CLI::Validator non_negative_number();
 /// Accepts a number in [min, max].
 CLI::Validator number_between(double min, double max);
+/// Accepts one of `words`; the error suggests the nearest one.
+CLI::Validator one_of(const std::vector<std::string>& words);
 /// Accepts an integer in [0, 2⁶⁴ − 1].
 CLI::Validator seed_number();
 

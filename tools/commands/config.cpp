@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -40,15 +41,31 @@ int copy(const CopyArguments& arguments) {
   return 0;
 }
 
-// Prints each name with the first line of its file, which describes it.
+/// Returns the first sentence of the comment at the start of a file.
+std::string first_sentence(const std::string& path) {
+  std::ifstream file(path);
+  std::string text;
+  for (std::string line; std::getline(file, line) && line.starts_with('#');) {
+    const std::size_t begin = line.find_first_not_of("# ");
+    text += begin == std::string::npos ? "" : (text.empty() ? "" : " ") + line.substr(begin);
+  }
+  return text.substr(0, text.find(". ")) + (text.find(". ") == std::string::npos ? "" : ".");
+}
+
+// Prints each name with the first sentence of its file, which describes it.
 int list() {
+  constexpr std::size_t kColumns = 80;
   for (const std::string& name : trial::config_names()) {
-    std::ifstream file(trial::config_path(name));
-    std::string first;
-    std::getline(file, first);
-    const std::size_t begin = first.find_first_not_of("# ");
-    print_line(fmt::format("{:14} {}", name,
-                           begin == std::string::npos ? std::string() : first.substr(begin)));
+    std::string line = fmt::format("{:14}", name);
+    std::istringstream words(first_sentence(trial::config_path(name)));
+    for (std::string word; words >> word;) {
+      if (line.size() + 1 + word.size() > kColumns) {
+        print_line(line);
+        line = std::string(14, ' ');
+      }
+      line += " " + word;
+    }
+    print_line(line);
   }
   return 0;
 }

@@ -207,7 +207,7 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
   }
   command->add_option("name", arguments->name, "experiment, see the list below")
       ->required()
-      ->check(CLI::IsMember(names));
+      ->check(one_of(names));
   command
       ->add_option("--trials", arguments->extent.trials,
                    "trials per setting (default: the number that the dissertation used)")

@@ -8,6 +8,7 @@
 
 #include "bus/auth/keyring.hpp"
 #include "core/check.hpp"
+#include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
 
@@ -99,7 +100,7 @@ void add_keys_command(CLI::App& root, Runner& chosen) {
                        [](const KeysArguments& given) { return rotate(given); });
   turn->add_option("--role", arguments->role,
                    "rotate only the key of this role (default: all roles)")
-      ->check(CLI::IsMember({"mocap", "planner", "vehicle", "operator", "node"}));
+      ->check(one_of({"mocap", "planner", "vehicle", "operator", "node"}));
   turn->add_flag(
       "--sign", arguments->is_signing,
       "sign with the keys that an earlier rotate created; the current keys stay accepted");

@@ -68,7 +68,7 @@ void add_plan_command(CLI::App& root, Runner& chosen) {
   command
       ->add_option("--algorithm", arguments->request.algorithm,
                    "search algorithm, see the list below")
-      ->check(CLI::IsMember(names))
+      ->check(one_of(names))
       ->capture_default_str();
   auto* budget =
       command

@@ -20,7 +20,7 @@ std::string package_folder() {
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   const auto folder = program.parent_path().parent_path() / "python";
   return !error && std::filesystem::exists(folder / "vantage" / "__init__.py") ? folder.string()
-                                                                              : std::string();
+                                                                               : std::string();
 }
 
 bool has_module(const std::filesystem::path& package) {
@@ -68,9 +68,8 @@ void add_python_command(CLI::App& root, Runner& chosen) {
       "  vantage python                      # interactive\n"
       "  vantage python -m vantage           # overview of the package\n"
       "  vantage python my_experiment.py");
-  command->callback([&chosen, command] {
-    chosen = [words = command->remaining()] { return run(words); };
-  });
+  command->callback(
+      [&chosen, command] { chosen = [words = command->remaining()] { return run(words); }; });
 }
 
 }  // namespace vantage::tools

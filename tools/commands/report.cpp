@@ -69,7 +69,7 @@ void add_override_options(CLI::App& command, scenario::Overrides& overrides,
                                 .add_option("--planner", *planners,
                                             what + "; several, such as arvi,greedy, are compared")
                                 ->delimiter(',');
-  planner->check(CLI::IsMember(words));
+  planner->check(one_of(words));
   command
       .add_option("--communication-range-m", overrides.communication_range_m,
                   "communication range in metres (default: the scenario's); 0: none")

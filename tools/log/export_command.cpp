@@ -9,6 +9,7 @@
 #include "core/write_file.hpp"
 #include "logs/export/csv_export.hpp"
 #include "logs/export/mcap_export.hpp"
+#include "tools/command_line/numbers.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 
@@ -106,7 +107,7 @@ void add_log_export_command(CLI::App& log, Runner& chosen) {
   command->add_option("log", arguments->log, "LCM event log")->required();
   command->add_option("--to", arguments->format, "output format: csv or mcap")
       ->required()
-      ->check(CLI::IsMember({"csv", "mcap"}));
+      ->check(one_of({"csv", "mcap"}));
   command
       ->add_option("--out", arguments->output,
                    "csv: folder for the tables CHANNEL.csv; mcap: file to write")
@@ -119,7 +120,7 @@ void add_log_export_command(CLI::App& log, Runner& chosen) {
           "--profile", arguments->profile,
           "mcap: foxglove (all messages as JSON) or ros2 (messages that have a ROS 2 type, as CDR; "
           "see docs/guide/ros2.md)")
-      ->check(CLI::IsMember({"foxglove", "ros2"}))
+      ->check(one_of({"foxglove", "ros2"}))
       ->capture_default_str();
   command->add_flag("--messages-only", arguments->messages_only,
                     "mcap: leave out the drawings and events in Foxglove's schemas");

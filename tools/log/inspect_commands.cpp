@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "core/check.hpp"
 #include "core/process.hpp"
 #include "logs/file/log_index.hpp"
 #include "tools/live/screen.hpp"
@@ -23,6 +24,10 @@ std::string flown_by(const logs::IndexedLog& log) {
 int info(const LookArguments& arguments) {
   const DefaultSignalScope reading;
   const logs::IndexedLog log(arguments.log, progress_line("reading"));
+  if (log.survey().scan.events == 0 && log.survey().size_bytes > 0) {
+    throw StartupError(arguments.log +
+                       ": contains no event of an LCM log; vantage reads LCM event logs");
+  }
   if (arguments.as_json) {
     nlohmann::ordered_json json = to_json(arguments.log, log.survey());
     json["flown_by"] = flown_by(log);

@@ -235,7 +235,8 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
 
   CLI::App* plot_command =
       log.add_subcommand("plot", "Plot a trial over time as PNG, SVG or PDF (needs gnuplot).");
-  plot_command->add_option("log", arguments->logs, "LCM event log")->required()->expected(1);
+  arguments->logs.resize(1);
+  plot_command->add_option("log", arguments->logs.front(), "LCM event log")->required();
   plot_command
       ->add_option(
           "--out", arguments->output,
