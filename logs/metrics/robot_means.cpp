@@ -82,6 +82,7 @@ RobotMeans RobotSums::means(double duration_s) const {
   RobotMeans out;
   const auto robots = static_cast<double>(robots_.size());
   int with_error = 0;
+  int discovered = 0;
   double rmse_m = 0.0;
   for (const auto& [robot, sums] : robots_) {
     if (sums.steps_with_error > 0) {
@@ -91,10 +92,11 @@ RobotMeans RobotSums::means(double duration_s) const {
     out.entropy_nats += sums.entropy_nats / static_cast<double>(sums.steps) / robots;
     out.undiscovered_share += sums.unknown_share / static_cast<double>(sums.steps) / robots;
     for (const std::optional<double>& first_s : sums.first_known_s) {
-      out.discovered += first_s ? 1.0 / robots : 0.0;
+      discovered += first_s ? 1 : 0;
       out.discovery_time_s += first_s.value_or(duration_s) / (robots * targets_);
     }
   }
+  out.discovered = robots > 0.0 ? discovered / robots : 0.0;
   if (with_error > 0) {
     out.rmse_m = rmse_m / with_error;
   }
