@@ -19,8 +19,8 @@ struct HostAndPort {
 /// Error: "a port from 1 to 65535 is expected after the last ':'".
 Result<HostAndPort> split_address(std::string_view text);
 
-/// Returns the IPv4 address of `host`, a name or a number, with `port` in [0, 65535]. Blocks while
-/// the name service resolves a name; does not block for a number.
+/// Returns the IPv4 address of `host` (a name or a numeric address) with `port` in [0, 65535].
+/// Blocks while the name service resolves a name; a numeric address does not block.
 /// Error: "no such host: HOST (message of the name service)".
 Result<sockaddr_in> find_host(const std::string& host, int port);
 /// As find_host(), at start-up. @throws StartupError with the message of the Error.

@@ -22,7 +22,7 @@ AssignmentSolver::AssignmentSolver(int rows_max, int columns_max) {
   distance_.reserve(columns);
 }
 
-// long: finds the shortest path to a free column for each row.
+// Finds the shortest path to an unassigned column for each row. This function is long: one loop.
 std::span<const int> AssignmentSolver::solve(std::span<const double> cost, int rows, int columns) {
   demand(rows >= 0 && rows <= columns && cost.size() == index(rows) * index(columns),
          "an assignment needs as many columns as rows, and a cost for each pair");
@@ -60,7 +60,7 @@ std::span<const int> AssignmentSolver::solve(std::span<const double> cost, int r
       row = row_of_column_[index(nearest)];
       free_column = row < 0 ? nearest : -1;
     }
-    // Update the prices so that every reduced cost stays ≥ 0 and those of the assignment stay 0.
+    // Keep every reduced cost ≥ 0, and the reduced costs of assigned pairs at 0.
     row_price_[index(first)] += reached;
     for (int j = 0; j < columns; ++j) {
       if (is_done_[index(j)] != 0 && j != free_column) {

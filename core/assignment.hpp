@@ -16,8 +16,8 @@ class AssignmentSolver {
 
   /// Returns the column of each row; valid until the next call. Ties are resolved in the same way
   /// on every machine.
-  /// @param cost  rows × columns, row-major, finite. Give a forbidden pair a cost above the sum of
-  ///         all others.
+  /// @param cost  rows × columns, row-major, finite. A forbidden pair needs a cost above the sum of
+  ///         all other costs.
   /// Precondition: 0 ≤ rows ≤ columns. Cost: O(rows² · columns).
   /// Source: Jonker, Volgenant, A shortest augmenting path algorithm for dense and sparse linear
   /// assignment problems (1987); Crouse, On implementing 2D rectangular assignment algorithms
@@ -26,7 +26,7 @@ class AssignmentSolver {
 
  private:
   std::vector<int> column_of_row_;
-  std::vector<int> row_of_column_;    // −1: free
+  std::vector<int> row_of_column_;    // −1: not assigned to a row
   std::vector<int> predecessor_row_;  // by column: row from which the column was reached
   std::vector<char> is_done_;
   std::vector<double> row_price_;

@@ -18,7 +18,7 @@ struct ChildOptions {
   std::string folder;        ///< working folder; empty: inherited
   int end_signal = SIGTERM;  ///< signal that the kernel sends if the supervisor dies
   std::vector<std::string> environment = {};  ///< "NAME=value"; added to this process's environment
-  std::vector<int> keep_open = {};            ///< inherited descriptors; the numbers do not change
+  std::vector<int> keep_open = {};  ///< descriptors that the child inherits with the same numbers
   /// True: stop signals are blocked until the process handles them (run_process). They then cannot
   /// kill the process during its start.
   bool blocks_stop_signals = false;
@@ -69,7 +69,7 @@ struct CommandOutput {
   ChildExit exit;
   std::string text;  ///< stdout and stderr in order of arrival
 };
-/// Runs `arguments` and waits for the end. Error as for Child::start().
+/// Runs the command `arguments` and waits until it ends. Error as for Child::start().
 Result<CommandOutput> run_command(const std::vector<std::string>& arguments);
 
 }  // namespace vantage

@@ -15,22 +15,22 @@ std::int64_t monotonic_ns();
 ///
 /// With a node budget alone the computation is a pure function of its inputs. A computation that
 /// the clock stopped after N nodes stops at the same point under Deadline::nodes(N). This requires
-/// that it calls expired() at the same points and does at least one node of work between two calls.
-/// Exact replay of a flight depends on this.
+/// that the computation calls expired() at the same points and processes at least one node between
+/// two calls. Exact replay of a flight depends on this property.
 class Deadline {
  public:
   /// Expires when `budget_nodes` nodes have been processed, independent of the clock.
   static Deadline nodes(std::int64_t budget_nodes) { return {budget_nodes, kNever}; }
   /// Expires when monotonic_ns() reaches `instant_ns`.
   static Deadline at(std::int64_t instant_ns) { return {kNever, instant_ns}; }
-  /// Expires at the earlier of both.
+  /// Expires at the budget or at the instant, whichever comes first.
   static Deadline either(std::int64_t budget_nodes, std::int64_t instant_ns) {
     return {budget_nodes, instant_ns};
   }
   static Deadline never() { return {kNever, kNever}; }
   /// Returns this deadline with cancellation: it also expires when `is_cancelled` returns true, for
-  /// example when a user aborts. `is_cancelled` is called as often as the clock is read. It must be
-  /// cheap and, once true, stay true.
+  /// example when a user aborts. `is_cancelled` is called whenever the clock is read. The function
+  /// must be cheap; after the first true result, all further results must be true.
   [[nodiscard]] Deadline with_cancellation(bool (*is_cancelled)()) const {
     Deadline out = *this;
     out.is_cancelled_ = is_cancelled;

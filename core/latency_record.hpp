@@ -14,7 +14,7 @@ class LatencyRecord {
   static constexpr std::size_t kBins = 10'000;
 
   /// Adds a latency. Negative values count as 0; values beyond the last bin are counted in the last
-  /// bin, and exactly in the maximum.
+  /// bin. The maximum is exact.
   void add(Duration latency);
   [[nodiscard]] std::int64_t count() const { return count_; }
   /// Returns the quantile `share` (0 to 1), rounded up to the edge of its bin; 0 if nothing was

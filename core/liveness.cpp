@@ -40,7 +40,7 @@ int inherited_descriptor() {
   int descriptor = -1;
   const char* const end = given + std::strlen(given);
   const auto parsed = std::from_chars(given, end, descriptor);
-  ::unsetenv(LivenessSender::kDescriptorVariable);  // children of this process must not use it
+  ::unsetenv(LivenessSender::kDescriptorVariable);  // not for children of this process
   struct stat what {};
   const bool is_pipe = parsed.ec == std::errc() && parsed.ptr == end &&
                        descriptor > STDERR_FILENO && ::fstat(descriptor, &what) == 0 &&

@@ -10,8 +10,9 @@ namespace vantage {
 /// Flight state of a driver's vehicle (in the air or moving), as far as the driver knows.
 enum class InFlight { kUnknown, kNo, kYes };
 
-/// Process end of the pipe by which a process shows its supervisor that it is alive. It writes at
-/// most one byte per loop and per kPeriod. The byte also contains the flight state. Never blocks.
+/// Write end of the pipe by which a process shows its supervisor that the process is alive. Writes
+/// one byte per kPeriod, and one when the flight state changes; at most one byte per loop. The byte
+/// contains the flight state. Writing never blocks.
 class LivenessSender {
  public:
   static constexpr Duration kPeriod = std::chrono::milliseconds(100);
@@ -51,9 +52,9 @@ class LivenessReceiver {
   /// Opens a new pipe. Both ends are non-blocking and closed by exec. Returns false if the system
   /// cannot open a pipe.
   [[nodiscard]] bool open();
-  /// Returns the end for the process; −1 after close_child_end().
+  /// Returns the write end, for the child process; −1 after close_child_end().
   [[nodiscard]] int child_end() const { return write_; }
-  /// Closes the process's end in the supervisor, so that only the process has it open.
+  /// Closes the write end in the supervisor. Only the child process then has the write end open.
   void close_child_end();
 
   /// Content of the bytes received since the last call of take().

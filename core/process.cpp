@@ -21,8 +21,8 @@ void on_signal(int signal) {
   ++stop_count;
 }
 
-// A closing terminal sends SIGHUP more than once, to its shell and to the programs in it. All these
-// signals count as one stop request; otherwise the second signal would request an urgent stop.
+// A program can receive SIGHUP more than once when its terminal closes. All these signals count as
+// one stop request; otherwise the second signal would request an urgent stop.
 void on_hang_up(int signal) {
   last_signal = signal;
   int none = 0;

@@ -26,9 +26,9 @@ int stop_requests();
 void request_stop();
 
 /// Scope in which SIGINT, SIGTERM and SIGHUP end the process immediately, as without a handler. A
-/// signal received before the scope has the same effect. For work that can be interrupted without
-/// clean-up: reading, preparation, name resolution. Scopes must not be nested and must be created
-/// and destroyed in the main thread.
+/// signal received before the scope has the same effect. Use this scope for work that can be
+/// interrupted without clean-up: reading, preparation, name resolution. Scopes must not be nested
+/// and must be created and destroyed in the main thread.
 class DefaultSignalScope {
  public:
   DefaultSignalScope();

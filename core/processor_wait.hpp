@@ -14,8 +14,9 @@ class ProcessorWait {
  public:
   static constexpr Duration kWindow = std::chrono::seconds(1);
 
-  /// Adds a reading of the counter at `now`. A reading with a lower value than the previous one, or
-  /// not later, is from another counter: all previous readings are discarded.
+  /// Adds a reading of the counter at `now`. If `now` is not later than at the previous reading, or
+  /// the value is lower, the counter is assumed to be a new one: all previous readings are
+  /// discarded.
   /// @param waited_us waiting time since the start of the thread, µs
   void add(Time now, std::int64_t waited_us);
 

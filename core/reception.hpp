@@ -17,7 +17,7 @@ namespace vantage {
 template <class Ancillary>
 class Reception {
  public:
-  /// Receives into `buffer`. `flags` and the mode of the socket determine whether it blocks.
+  /// Receives into `buffer`. `flags` and the mode of the socket determine whether the call blocks.
   Reception(int fd, std::span<std::uint8_t> buffer, int flags)
       : piece_{buffer.data(), buffer.size()} {
     message_.msg_name = &from_;

@@ -7,7 +7,8 @@
 namespace vantage {
 
 /// Address space of a fixed size. It reads as zeros, and the system commits a page at the first
-/// write to the page. So memory that is reserved for the worst case costs only the part in use.
+/// write to the page. So a reservation for the worst case uses physical memory only for pages that
+/// were written.
 class ReservedBytes {
  public:
   ReservedBytes() = default;

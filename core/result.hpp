@@ -6,7 +6,7 @@
 
 namespace vantage {
 
-/// Reason why an operation returned no value, as a text that tells the reader of a log how to
+/// Reason why an operation returned no value. The text explains to the reader of a log how to
 /// react.
 struct Error {
   std::string message;

@@ -7,8 +7,8 @@
 namespace vantage {
 
 /// Clock of the stack: microseconds since the Unix epoch, as in the `utime` field of every LCM
-/// message. It has no now(): library code receives a Time as argument, so it computes the same for
-/// a replayed log as on a live robot.
+/// message. The clock has no now(): library code receives a Time as argument, so that it computes
+/// the same results for a replayed log as on a live robot.
 struct StackClock {
   using rep = std::int64_t;
   using period = std::micro;

@@ -12,8 +12,8 @@ namespace vantage {
 /// unchanged
 void write_file(const std::string& path, std::string_view text);
 
-/// Checks that write_file() can create or replace the file at `path`, as far as this can be known.
-/// To be called before long work.
+/// Checks, without writing, that write_file() is likely to succeed for `path`. Call this function
+/// before long computations.
 /// @throws StartupError "PATH: cannot be written: REASON"
 void require_writable(const std::string& path);
 

@@ -1,5 +1,5 @@
-# vantage_libm.o: sin, exp, log, … of musl as part of vantage_core, taken from Debian's musl-dev,
-# which is compiled for any processor of the architecture. Results are bit-identical for every
+# vantage_libm.o: musl's sin, exp, log, … as part of vantage_core. They come from Debian's package
+# musl-dev, which runs on any processor of the architecture. Results are bit-identical for every
 # compiler, flag, processor and C library of a program (docs/decisions/0014).
 find_file(MUSL_LIBRARY libc.a
   PATHS /usr/lib/${CMAKE_SYSTEM_PROCESSOR}-linux-musl /usr/lib/musl/lib NO_DEFAULT_PATH)
