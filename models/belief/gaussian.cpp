@@ -29,7 +29,7 @@ std::optional<StateMatrix> inverse_spd(const StateMatrix& X) {
   return symmetrised(inverse);
 }
 
-// The same formula as in the general case, with sizes that allow the compiler to unroll loops.
+// Computes the formula of update_covariance() with fixed sizes, so that the compiler unrolls loops.
 template <int N, int P>
 StateMatrix update_fixed(const StateMatrix& covariance, const PositionMatrix& M_position) {
   const Eigen::Matrix<double, N, N> S = covariance;

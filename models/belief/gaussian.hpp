@@ -26,8 +26,8 @@ struct Information {
   StateMatrix matrix;
 };
 
-/// Convert between covariance and information form; nullopt when the matrix cannot be inverted (not
-/// positive definite by Cholesky). Do not allocate.
+/// Convert between covariance and information form; nullopt if the matrix cannot be inverted (not
+/// positive definite by Cholesky). These functions do not allocate.
 std::optional<Information> to_information(const Gaussian& belief);
 std::optional<Gaussian> to_gaussian(const Information& belief);
 

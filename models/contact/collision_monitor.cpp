@@ -119,8 +119,8 @@ double CollisionMonitor::check_distance_m() const {
   double radius_m = 0.0;
   double travelled_m = 0.0;
   int robots = 0;
-  // Distance between some pair of robots: an upper bound of the smallest distance, so the first
-  // call does not have to check all pairs.
+  // Distance between an arbitrary pair of robots: an upper bound of the smallest distance. With it
+  // the first call does not have to check all pairs.
   double some_pair_m = min_separation_m_;
   std::size_t last = 0;
   for (std::size_t i = 0; i < new_m_.size(); ++i) {

@@ -18,11 +18,11 @@ namespace vantage::models {
 /// Detects contacts between spheres, boxes, walls and a ceiling, and robots that are nearer to each
 /// other than allowed.
 ///
-/// Two methods check every pair at every step: the FCL library at the current positions, and closed
-/// forms over the straight motion since the last step. These forms detect contacts that begin and
-/// end within a step. Either method can report a collision; differences between the two are
-/// counted. A contact is reported once, when it begins. It is reported again only after the two
-/// bodies have been more than kReleaseM apart.
+/// Two methods check every pair at every step: the FCL library at the current positions, and
+/// closed-form distances over the straight motion since the last step. The closed forms detect
+/// contacts that begin and end within a step. Either method can report a collision; differences
+/// between the two are counted. A contact is reported once, when it begins. The same two bodies are
+/// reported again only after they have been more than kReleaseM apart.
 ///
 /// Positions come from the simulator's truth or from the cameras. FCL objects are created in the
 /// constructor and by add(). Not copyable, not thread-safe.
@@ -45,14 +45,14 @@ class CollisionMonitor {
 
   /// Adds a body at the end of the order. Precondition: radius_m > 0.
   void add(const Body& body);
-  /// Makes the next update() check positions only, without the motion since the last update(). For
-  /// use after a time in which the bodies were not observed.
+  /// Makes the next update() check positions only, without the motion since the last update(). Call
+  /// this function after a time in which the bodies were not observed.
   void forget_motion() { old_m_.clear(); }
 
   /// Checks the bodies' centres at `now`, in the order in which the bodies were added. Appends the
   /// contacts that began since the last call to `new_contacts`. A centre that is not finite is
-  /// counted and excluded, because FCL reports some such poses as free. The first call checks
-  /// positions only.
+  /// counted and excluded, because FCL reports some such poses as collision-free. The first call
+  /// checks positions only.
   void update(Time now, std::span<const Eigen::Vector3d> centres_m,
               std::vector<CollisionReport>& new_contacts);
 

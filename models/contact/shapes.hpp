@@ -22,8 +22,8 @@ double signed_distance_m(const Box3& box, const Eigen::Vector3d& p_m);
 /// the minimum.
 double swept_distance_m(const Box3& box, const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m);
 
-/// Returns the distance from a point inside to the nearest wall or the ceiling; negative outside.
-/// The floor is excluded, because bodies rest and land on it.
+/// Returns the distance from a point inside the bounds to the nearest wall or the ceiling; negative
+/// outside. The floor is excluded, because bodies may touch the floor.
 double distance_to_bounds_m(const World& world, const Eigen::Vector3d& p_m);
 
 }  // namespace vantage::models

@@ -50,7 +50,7 @@ struct MocapFrame {
   std::vector<MocapBody> bodies;
 
   [[nodiscard]] const MocapBody* find(const std::string& name) const;
-  /// As above, but checks index `hint` first, where the body was in a previous frame.
+  /// As above, but checks index `hint` first: the index of the body in a previous frame.
   [[nodiscard]] const MocapBody* find(const std::string& name, std::size_t hint) const;
 };
 
@@ -81,7 +81,7 @@ struct RobotMeasurement {
 struct TargetBelief {
   int target_id = 0;        ///< target id, or a track's label (≥ kTrackLabelMin)
   Information information;  ///< at the message's time
-  Time last_seen{};         ///< time of the newest measurement used, by any robot
+  Time last_seen{};         ///< time of the newest measurement in this belief, from any robot
 };
 
 /// All beliefs of one robot (BELIEF_R).
@@ -123,13 +123,13 @@ struct RangeScan {
   Viewpoint viewpoint;             ///< assumed viewpoint of the scan
   bool jammed = false;             ///< true: attacked, so it made no scan; no ranges
   double field_of_view_rad = 0.0;  ///< in (0, 2π]; beams are spaced as in BeamSensor
-  double range_max_m = 0.0;        ///< readings of about this value hit nothing
+  double range_max_m = 0.0;        ///< readings near this value: the beam hit nothing
   std::vector<double> ranges_m;    ///< by beam
   std::vector<InputRef> inputs;
 };
 
 /// One robot's occupancy map (MAP_R). The looks of a cell are the number of scans that hit
-/// something in it minus the number that passed through it.
+/// something in the cell minus the number of scans that passed through it.
 struct RobotMap {
   Stamp stamp;
   std::string robot;
@@ -166,7 +166,7 @@ struct RobotPlan {
   double epsilon = 0.0;      ///< ε of the last completed pass; ∞ for the greedy pass
   double delta_m = 0.0;
   std::int64_t passes = 0;  ///< completed passes of the search
-  std::int64_t nodes = 0;   ///< nodes expanded; as a node budget it reproduces the search exactly
+  std::int64_t nodes = 0;   ///< expanded nodes; this node budget reproduces the search exactly
   Time slot_start{};
   Time deadline{};    ///< end of the slot
   Time finish{};      ///< end of the search
@@ -174,8 +174,8 @@ struct RobotPlan {
   std::vector<InputRef> inputs;
 };
 
-/// The plan of one robot if it were the only one with sensing (PROPOSAL_R). Sent in the first half
-/// of a round by teams that expect attacks.
+/// The plan of one robot as if no other robot had sensors (PROPOSAL_R). Teams that expect attacks
+/// send proposals in the first half of a round.
 struct PlanProposal {
   Stamp stamp;              ///< time: start of the plan, t_{k+1}
   double value_nats = 0.0;  ///< information gain of this robot alone, nats; 0: no plan was found
@@ -288,7 +288,7 @@ struct ProcessHealth {
   Stamp stamp;
   std::string process;
   ProcessState state = ProcessState::kStarting;
-  std::vector<NamedCount> counters;  ///< includes a counter for each kind of drop
+  std::vector<NamedCount> counters;  ///< includes a counter for each reason to drop messages
   std::int64_t loops = 0;
   double loop_worst_s = 0.0;  ///< longest handling time since the last report
   std::int64_t deadlines_missed = 0;

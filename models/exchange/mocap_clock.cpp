@@ -6,9 +6,10 @@
 namespace vantage::models {
 namespace {
 
-/// Largest latency from the publisher to this process. A larger value means that a clock was set.
+/// Largest latency from the publisher to this process. A larger value means that a clock was set to
+/// another time.
 constexpr Duration kLatencyMax = std::chrono::seconds(1);
-/// Largest stated latency; a frame with a larger value has an invalid arrival time.
+/// Largest latency that a frame may state; a frame with a larger value has an invalid arrival time.
 constexpr Duration kStatedMax = std::chrono::seconds(20);
 constexpr std::int64_t kFramesMax = 100;
 
@@ -43,7 +44,7 @@ bool MocapClock::on_frame(Time stamp, Time arrival, std::int64_t number, Duratio
   const Duration latency_max = kLatencyMax + stated;
   const std::int64_t frames = number - number_;
   const bool counts = has_frame_ && frames >= 1 && frames <= kFramesMax;
-  // In a single frame, a clock set back by less than a second looks like latency.
+  // One frame alone cannot distinguish latency from a clock set back by less than a second.
   const bool was_set_back = counts && stamp + stated < publisher_arrival_;
   const bool is_continuous =
       latency_by_offset >= Duration{} && latency_by_offset <= latency_max && !was_set_back;

@@ -14,9 +14,9 @@ namespace vantage::models {
 /// The latency is arrival minus stamp minus the known clock offset. It is valid between 0 and one
 /// second plus the latency stated in the frame (`arrival` at the publisher minus its stamp). The
 /// stamping clock is assumed to be set if the latency is invalid, or if a frame with a higher
-/// number has an earlier arrival time than the previous one. The capture is then assumed to be one
-/// period per frame number after the previous capture. This preserves the latency known so far and
-/// detects a delay that begins when the clock is set.
+/// number has an earlier arrival time than the previous one. The frame's capture is then assumed to
+/// be one period per frame number after the previous capture. This assumption preserves the known
+/// latency and detects a delay that begins when the clock is set.
 class MocapClock {
  public:
   /// Processes the next frame of the trusted publisher. A frame with another run_id resets the
@@ -30,8 +30,8 @@ class MocapClock {
   /// `frame` itself unless the stamping clock was set.
   [[nodiscard]] std::shared_ptr<const MocapFrame> on_our_clock(
       const std::shared_ptr<const MocapFrame>& frame, Time now);
-  /// Returns the latency of the newest frame. An initial clock offset that cannot be a latency
-  /// counts as 0.
+  /// Returns the latency of the newest frame. If the first frame's latency is invalid, because the
+  /// clocks differ, it counts as 0.
   [[nodiscard]] Duration latency() const { return latency_; }
   [[nodiscard]] double latency_s() const { return to_seconds(latency_); }
   /// Returns the capture time of the newest frame by this host's clock. It equals the stamp unless

@@ -44,7 +44,7 @@ struct BeamProfile {
 
 /// Stores in `out` the cells that a beam from `from_m` may hit within the sensor's range. The first
 /// cell is left out, because the vehicle is in it. The list ends after the first cell that is
-/// certainly occupied. Only allocates while `out` grows.
+/// certainly occupied. Allocates only when `out` must grow.
 void trace_beam(const OccupancyBelief& belief, const BeamSensor& sensor,
                 const Eigen::Vector2d& from_m, double bearing_rad, BeamProfile& out);
 

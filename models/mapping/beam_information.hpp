@@ -7,11 +7,11 @@ namespace vantage::models {
 /// Information of one beam, with an error bound.
 struct BeamInformation {
   double nats = 0.0;
-  double error_nats = 0.0;  ///< |nats − exact value| is at most this, except for rounding
+  double error_nats = 0.0;  ///< upper bound of |nats − exact value|, apart from rounding
 };
 
 /// Distance between two Gaussians, in σ, beyond which their overlap counts as zero. At 10 σ, the
-/// neglected product of two of them is at most e^−25 of its peak.
+/// neglected product of two such Gaussians is at most e^−25 of its peak.
 inline constexpr double kCutoffSigmas = 10.0;
 
 /// Returns the Cauchy–Schwarz quadratic mutual information between the map and one reading z of the
@@ -23,8 +23,8 @@ inline constexpr double kCutoffSigmas = 10.0;
 /// over the events e_j "the first occupied cell is j" and e_0 "no cell is occupied". p are their
 /// probabilities, and w their probabilities when every cell's odds are squared. μ_j is the mean
 /// reading at the middle of cell j, and μ_0 = range_max. This is the form of Charrow et al. with
-/// every sum divided by Π_i (o_i² + (1 − o_i)²). The factor cancels in I; without the division it
-/// would underflow on long beams.
+/// every sum divided by Π_i (o_i² + (1 − o_i)²). The factor cancels in I; without the division the
+/// sums would underflow on long beams.
 ///
 /// ≥ 0; 0 when every cell is certain. Pairs of events farther apart than `cutoff_sigmas` σ are
 /// neglected; error_nats bounds the effect. Cost: cells of the beam × cells within the cutoff. A

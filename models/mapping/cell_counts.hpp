@@ -9,10 +9,10 @@
 
 namespace vantage::models {
 
-/// The scan counts of a map: for each cell, the number of scans that hit something in it minus the
-/// number that passed through it. Sums of counts are independent of the order of scans, unlike sums
-/// of clamped log-odds. Maps are therefore sent and merged as counts. Counts saturate at the limits
-/// of int16_t, after hours of scans of one cell.
+/// The scan counts of a map: for each cell, the number of scans that hit something in the cell
+/// minus the number of scans that passed through it. Sums of counts are independent of the order of
+/// scans, unlike sums of clamped log-odds. Maps are therefore sent and merged as counts. Counts
+/// saturate at the limits of int16_t, after hours of scans of one cell.
 using CellCounts = std::vector<std::int16_t>;
 
 /// Adds one scan of `cell` to its count.
@@ -26,7 +26,7 @@ CellCounts sum_of(std::span<const std::span<const std::int16_t>> all);
 OccupancyBelief belief_of(const GridGeometry& geometry, std::span<const std::int16_t> counts,
                           const MappingSpec& spec);
 
-/// Returns the grid of `spec` over the world.
+/// Returns the grid that covers the world with the resolution of `spec`.
 GridGeometry map_geometry(const World& world, const MappingSpec& spec);
 
 }  // namespace vantage::models

@@ -20,7 +20,7 @@ double kl_divergence_nats(double occupancy, double log_ratio, double ratio) {
 double normal_cdf(double x) { return 0.5 * std::erfc(-x * 0.70710678118654752440); }
 
 // Returns ∫ C(z) N(z; mean, σ²) dz over the z within the cutoff, as a sum over the steps of C: C is
-// `information_nats[k]` from begin_m[k] on, and 0 before the first.
+// `information_nats[k]` from begin_m[k] on, and 0 before begin_m[0].
 double expected_nats(const std::vector<double>& begin_m,
                      const std::vector<double>& information_nats, double mean_m, double sigma_m,
                      double cutoff_sigmas, std::size_t& first) {
@@ -69,7 +69,7 @@ BeamInformation fsmi(const BeamProfile& beam, const BeamSensor& sensor,
 
   double sum_nats = 0.0;
   double reach = 1.0;
-  std::size_t first = 0;  // means ascend, so the first cell within the cutoff only increases
+  std::size_t first = 0;  // means ascend, so this index never decreases
   for (std::size_t j = 0; j < beam.occupancy.size(); ++j) {
     const double o = beam.occupancy[j];
     if (reach * o > 0.0) {

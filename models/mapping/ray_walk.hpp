@@ -20,7 +20,7 @@ class RayWalk {
   RayWalk(const GridGeometry& geometry, const Eigen::Vector2d& from_m, double bearing_rad,
           double range_max_m);
 
-  /// Moves to the next cell; the first call moves to the first. Returns false when the ray has
+  /// Moves to the next cell; the first call moves to the first cell. Returns false when the ray has
   /// ended.
   bool next();
   [[nodiscard]] int cell() const { return row_ * columns_ + column_; }

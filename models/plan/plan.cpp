@@ -5,9 +5,9 @@
 #include <limits>
 
 // Both checks below divide trajectories into pieces of time. During a piece of length Δ, a motion
-// with ‖p̈‖ ≤ a stays within a Δ²/8 of uniform motion between the ends of the piece. For an arc a =
-// |ν ω|, which covers its sagitta; for braking a is the deceleration. If this bound does not decide
-// a check, the piece is halved.
+// with ‖p̈‖ ≤ a stays within a Δ²/8 of uniform motion between the ends of the piece. For an arc, a
+// = |ν ω| and the bound covers the sagitta; for braking, a is the deceleration. If the bound does
+// not decide a check, the piece is halved.
 
 namespace vantage::models {
 namespace {
@@ -173,7 +173,7 @@ std::vector<PlanSegment> brake(double speed_mps, double brake_mps2) {
 
 bool keeps_separation(const Trajectory& a, const Trajectory& b, Time from, double separation_m,
                       double piece_s, bool ignore_height) {
-  constexpr double kSlack_m = 1.0;  // deviation of arcs from their pieces is only centimetres
+  constexpr double kSlack_m = 1.0;  // arcs deviate from straight pieces by centimetres only
   if ((a.start.position_m() - b.start.position_m()).norm() >
       length_at_most_m(a) + length_at_most_m(b) + separation_m + kSlack_m) {
     return true;  // too far apart at all times: the usual case in a large team

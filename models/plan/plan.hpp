@@ -14,7 +14,8 @@
 #include "models/world/world.hpp"
 
 // The timed trajectory that planner, vehicles, simulator and logs share; it ends in a hover. Pure
-// functions give its pose at any time, so that all programs interpret it in the same way.
+// functions return the pose at any time, so that all programs interpret a trajectory in the same
+// way.
 
 namespace vantage::models {
 

@@ -27,7 +27,7 @@ PositionVector ahead_m(const Viewpoint& from, double range_m, double bearing_rad
 /// Programming 2, 3.4.1). std::poisson_distribution uses lgamma(), which differs between C
 /// libraries.
 int draw_poisson(double mean, std::mt19937_64& rng) {
-  constexpr double kAtOnce = 500.0;  // largest mean per draw; exp(−mean) of larger ones underflows
+  constexpr double kAtOnce = 500.0;  // largest mean per draw; exp(−mean) of larger means underflows
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   int count = 0;
   for (double left = mean; left > 0.0; left -= kAtOnce) {
@@ -48,7 +48,7 @@ double view_area_m2(const SensorModel& sensor, const Viewpoint& from) {
   if (is_sector(sensor)) {
     return sector_m2;
   }
-  constexpr int kRings = 40;  // number of rings of equal area, and of directions
+  constexpr int kRings = 40;  // number of rings of equal area; also number of directions
   int seen = 0;
   for (int i = 0; i < kRings; ++i) {
     const double range_m = std::sqrt(least_m2 + (most_m2 - least_m2) * (i + 0.5) / kRings);
@@ -66,7 +66,7 @@ std::vector<Measurement> sample_clutter(const SensorModel& sensor, const Viewpoi
   if (clutter_per_look <= 0.0) {
     return alarms;
   }
-  constexpr int kTriesMax = 1000;  // per false alarm; it is then dropped (very small view)
+  constexpr int kTriesMax = 1000;  // tries per false alarm, which is then dropped (very small view)
   const int count = draw_poisson(clutter_per_look, rng);
   const double least_m2 = sensor.range_min_m * sensor.range_min_m;
   const double most_m2 = sensor.range_max_m * sensor.range_max_m;

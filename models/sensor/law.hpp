@@ -41,8 +41,8 @@ struct ReachedDistances {
 struct SensorLaw {
   std::string_view name;  ///< name in scenarios
   /// z is the calibrated range, the wrapped bearing, or both in this order. Both flags are false
-  /// for a kind that measures anything else. A range has no direction at the sensor itself, and a
-  /// bearing has none directly above or below the sensor.
+  /// for a kind that measures anything else. A range has no direction if the target is at the
+  /// sensor itself; a bearing has none if the target is directly above or below the sensor.
   bool measures_range = false;
   bool measures_bearing = false;
   /// z = H (target − sensor), where H only depends on the heading: a Kalman update is exact.
@@ -73,7 +73,7 @@ struct SensorLaw {
                         double up) = nullptr;
 };
 
-/// Returns the factor on range and bearing variances at `range_m`.
+/// Returns the factor by which range and bearing variances are multiplied at `range_m`.
 double variance_growth(const SensorModel& sensor, double range_m);
 /// True if the field of view is a full circle.
 bool has_full_view(const SensorModel& sensor);

@@ -28,13 +28,13 @@ struct TargetLaw {
   StateMatrix (*process_noise)(const TargetModel&, double dt_s, int steps_unseen) = nullptr;
   /// Returns the position part of c; null: c = 0.
   Eigen::Vector2d (*center_m)(const TargetModel&) = nullptr;
-  /// For kinds whose W depends on the time since the target was last seen: returns W from
-  /// `from_steps` to `to_steps` after that time. Null for other kinds.
+  /// Returns W accumulated from `from_steps` to `to_steps` after the target was last seen. For
+  /// kinds whose W depends on the time since then; null for other kinds.
   StateMatrix (*unseen_noise)(const TargetModel&, double from_steps, double to_steps) = nullptr;
   /// See TargetModel::as_planned(); null: unchanged.
   TargetModel (*as_planned)(const TargetModel&, double steps_unseen, double step_s) = nullptr;
   /// Returns the velocity variances, m²/s², of a target that has just been discovered; null: the
-  /// scenario states them.
+  /// scenario states these variances.
   Eigen::Vector2d (*velocity_variance)(const TargetModel&) = nullptr;
   /// Returns the rule that the parameters break, starting with the parameter's name; nullopt: none.
   std::optional<std::string_view> (*broken_rule)(const TargetModel&) = nullptr;

@@ -49,10 +49,10 @@ struct TargetModel {
   [[nodiscard]] StateVector expected(const StateVector& y, double dt_s) const;
   /// Returns W, dim × dim. `steps_unseen` only affects growing uncertainty.
   [[nodiscard]] StateMatrix process_noise(double dt_s, int steps_unseen = 1) const;
-  /// Returns W from `from_steps` to `to_steps` after the target was last seen, for a kind whose
-  /// noise depends on that time (TargetLaw::unseen_noise). Growing uncertainty: q (g(to) − g(from))
-  /// I, g(k) = Σ j over integers j < k, interpolated linearly between integers, so that partial
-  /// steps add up. Precondition: 0 ≤ from_steps ≤ to_steps.
+  /// Returns W accumulated from `from_steps` to `to_steps` after the target was last seen, for a
+  /// kind whose noise depends on the time unseen (TargetLaw::unseen_noise). Growing uncertainty: q
+  /// (g(to) − g(from)) I, g(k) = Σ j over integers j < k, interpolated linearly between integers,
+  /// so that partial steps add up. Precondition: 0 ≤ from_steps ≤ to_steps.
   [[nodiscard]] StateMatrix grown_noise(double from_steps, double to_steps) const;
   /// Returns the model used in planning. Growing uncertainty becomes a random walk with the noise
   /// of the next step, because the planned measurements decide when the growth ends. Other models

@@ -35,8 +35,8 @@ float rounded_down(double value) {
              : std::nextafter(nearest, -std::numeric_limits<float>::infinity());
 }
 
-// Greedy thinning with a hash of squares of side `spacing_m`: selected points that are too near can
-// only be in the 3 × 3 squares around a point.
+// Greedy thinning of points. Selected points are hashed by squares with sides of at least
+// `spacing_m`, so points that are too near can only be in the 3 × 3 squares around a point.
 class Thinner {
  public:
   Thinner(const GridGeometry& geometry, double spacing_m)
@@ -72,8 +72,8 @@ class Thinner {
   double bucket_m_;
   int columns_;
   int rows_;
-  std::vector<int> newest_;  // per bucket, index into kept_
-  std::vector<int> older_;   // per selected point, the next one in its bucket
+  std::vector<int> newest_;  // per bucket: index in kept_ of its newest point
+  std::vector<int> older_;   // per selected point: index of the previous point in its bucket
   std::vector<Eigen::Vector2d> kept_;
 };
 

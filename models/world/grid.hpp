@@ -28,8 +28,8 @@ struct GridGeometry {
   /// Returns the sub-grid of the cells that overlap the square of half side `half_m` around
   /// `around_m`; at least the cell nearest to `around_m`.
   [[nodiscard]] GridGeometry window(const Eigen::Vector2d& around_m, double half_m) const;
-  /// Returns (column, row) in this grid of the other grid's cell (0, 0), inside or outside; nullopt
-  /// when the cells of the two grids do not coincide.
+  /// Returns the column and row in this grid of the other grid's cell (0, 0), which may be outside
+  /// this grid; nullopt if the cells of the two grids do not coincide.
   [[nodiscard]] std::optional<Eigen::Vector2i> cell_offset_of(const GridGeometry& other) const;
   friend bool operator==(const GridGeometry&, const GridGeometry&) = default;
 };
@@ -49,7 +49,7 @@ struct OccupancyGrid {
 OccupancyGrid rasterise(const World& world, double resolution_m);
 
 /// Table of lower bounds of clearance_m(): per cell the exact clearance at the centre minus half
-/// the cell's diagonal. A disc of this radius around any point of the cell is free.
+/// the cell's diagonal. A disc of this radius around any point of the cell is free of obstacles.
 class DistanceField {
  public:
   DistanceField() = default;

@@ -9,8 +9,8 @@
 
 namespace vantage::models {
 
-/// Finder of nearby pairs among many bodies that move little between calls. It keeps the bodies
-/// sorted by x and compares only bodies that differ in x by at most the distance.
+/// Finder of nearby pairs among many bodies that move little between calls. The bodies stay sorted
+/// by x, and only bodies that differ in x by at most the search distance are compared.
 class NearPairs {
  public:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;  ///< i < j

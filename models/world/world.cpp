@@ -47,7 +47,7 @@ double point_segment_distance_m(const Eigen::Vector2d& p_m, const Eigen::Vector2
   return (a_m + s * d - p_m).norm();
 }
 
-// The smallest distance of two disjoint convex sets is at a corner of one of them.
+// The smallest distance between disjoint convex polygons is at a corner of one polygon.
 double segment_distance_m(const Rectangle& box, const Eigen::Vector2d& a_m,
                           const Eigen::Vector2d& b_m) {
   const double ends = std::min(signed_distance_m(box, a_m), signed_distance_m(box, b_m));

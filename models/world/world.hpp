@@ -67,7 +67,8 @@ double closest_approach_m(const Eigen::Vector3d& a0_m, const Eigen::Vector3d& a1
                           const Eigen::Vector3d& b0_m, const Eigen::Vector3d& b1_m);
 
 /// Returns the exact distance from the segment a–b to the nearest obstacle or wall in the plane; ≤
-/// 0 when it touches one. A moving disc of radius r is clear if and only if this is > r.
+/// 0 when it touches one. A moving disc of radius r is clear of obstacles if and only if the result
+/// is > r.
 double swept_clearance_m(const World& world, const Eigen::Vector2d& a_m,
                          const Eigen::Vector2d& b_m);
 

@@ -63,7 +63,8 @@ double bound(const SensorModel& sensor, const ReachedDistances& reached) {
   const double farthest_m = std::min(reached.horizontal_far_m, horizontal_max_m);
   const double c = std::cos(sensor.camera_tilt_rad);
   const double s = std::sin(sensor.camera_tilt_rad);
-  // depth = c ρ cos β + s · drop is bilinear in ρ and cos β: its extrema are at the box corners.
+  // depth = c ρ cos β + s · drop is bilinear in ρ and cos β: its extrema are at the corners of
+  // their ranges.
   const double least_cos = has_full_view(sensor) ? -1.0 : std::cos(0.5 * sensor.fov_rad);
   double depth_min_m = std::numeric_limits<double>::infinity();
   double depth_max_m = -depth_min_m;

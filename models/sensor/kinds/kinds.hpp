@@ -2,7 +2,8 @@
 
 #include "models/sensor/law.hpp"
 
-// The laws of the built-in sensors, one file each, and functions that several of them share.
+// The laws of the built-in sensors, one file for each sensor, and functions that several laws
+// share.
 
 namespace vantage::models::sensor_kinds {
 

@@ -2,7 +2,7 @@
 
 #include "models/target/law.hpp"
 
-// The laws of the built-in target models, one file each.
+// The laws of the built-in target models, one file for each model.
 
 namespace vantage::models::target_kinds {
 
