@@ -116,7 +116,7 @@ struct EstimatorSpec {
   /// discovered.
   double undiscovered_position_sigma_m = 4.0;
   double grid_resolution_m = 0.25;
-  double grid_memory_s = 30.0;  ///< s; then a cell counts as unexplored again; ≤ 0: never
+  double grid_memory_s = 30.0;  ///< s until a cell counts as unexplored again; ≤ 0: never
   /// Gate for innovations, σ; 0: no gate. A detection beyond the gate is counted and increases the
   /// covariance, but is not fused. Only for sensors with a measurement that determines a position.
   double gate_sigma = 4.0;
@@ -124,11 +124,11 @@ struct EstimatorSpec {
   /// detection reduces the probability of the scanned area. 0: such scans are not used.
   double detection_probability = 0.9;
   /// True: targets are assumed to stay within the world's bounds and outside obstacles. Beliefs are
-  /// conditioned on this; those with a velocity are reflected at the bounds.
+  /// conditioned on this assumption; beliefs with a velocity are reflected at the bounds.
   bool targets_stay_inside = true;
-  /// True: after a wall, a scan without a detection or another target has changed a belief, samples
-  /// represent it until the next detection. Requires targets with a velocity and sensors that
-  /// report ids.
+  /// True: when a wall, a scan without a detection or another target has changed a belief, samples
+  /// represent the belief until the next detection. Requires targets with a velocity and sensors
+  /// that report ids.
   bool samples = false;
 };
 
@@ -138,8 +138,8 @@ enum class PlanObjective {
   kMapping,   ///< occupancy of the ground cells
 };
 
-/// Names of the library's search algorithms; search_names() also has those that were added. A test
-/// checks that they agree with planner/search/catalogue.
+/// Names of the library's search algorithms; search_names() also returns algorithms that were
+/// added. A test checks that this list agrees with planner/search/catalogue.
 inline constexpr std::array<std::string_view, 10> kSearchNames = {
     "arvi",  "beam",   "rvi",   "fvi",         "greedy",
     "astar", "wastar", "aegis", "random_walk", "lawn_mower"};

@@ -8,8 +8,8 @@
 
 namespace vantage::scenario {
 
-/// Value of planner.algorithm with which a user-supplied process on the bus computes each plan. It
-/// is not in kSearchNames, because the search catalogue does not contain it.
+/// Value of planner.algorithm for plans that a user-supplied process on the bus computes. The name
+/// is not in kSearchNames, because the search catalogue does not contain such a search.
 inline constexpr std::string_view kExternalSearch = "external";
 
 inline bool is_external(const PlannerSpec& planner) { return planner.algorithm == kExternalSearch; }

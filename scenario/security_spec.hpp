@@ -18,8 +18,8 @@ struct SecuritySpec {
   std::string keys;  ///< folder created by `vantage keys new`
 };
 
-/// Kind of trial in which a message was sent; part of the signed data. Messages contain the
-/// numbers.
+/// Kind of trial in which a message was sent; part of the signed data. Messages contain the value
+/// as a number.
 enum class TrialMode : std::uint8_t {
   kLive = 1,        ///< at least one device is real
   kWire = 2,        ///< no real device; at least one simulated device with real driver

@@ -12,7 +12,7 @@ namespace vantage::scenario {
 /// of the scenario is read in scenario/reader/scenario_agents_yaml, its device is emulated by
 /// sim/app/wire_kinds.
 struct VehicleKind {
-  std::string_view section;  ///< key of a robot's settings for it, such as "autopilot"
+  std::string_view section;  ///< key of the section in a robot's settings, such as "autopilot"
   std::string_view driver;   ///< driver process, vantage-<driver>
   bool flies;
   /// Returns the address of the robot's vehicle; null if the robot has no such section.

@@ -18,8 +18,8 @@ Value child(const Value& parent, std::size_t entry) {
                   parent.node->value(entry));
 }
 
-/// Refuses keys that are not words, and duplicate keys, of which parsers silently use only one or
-/// both.
+/// Refuses keys that are not words, and duplicate keys, because parsers silently use one or both of
+/// two equal keys.
 void check_keys(const Value& mapping) {
   const Node& node = *mapping.node;
   if (node.kind != Node::Kind::kMapping) {

@@ -16,7 +16,7 @@ namespace vantage::scenario {
 /// from the first layer that has it, recursively for nested mappings. So robot_defaults is the
 /// second layer of every robot, and each value has its own line number for errors.
 ///
-/// An absent key leaves the variable unchanged. Objects are created by read_mapping().
+/// An absent key leaves the variable unchanged. read_mapping() creates the objects of this class.
 class Mapping {
  public:
   void number(std::string_view key, double& value, const Range& range);
@@ -60,7 +60,7 @@ class Mapping {
 
   /// Returns the value under `key` in the first layer that has it.
   [[nodiscard]] std::optional<Value> find(std::string_view key);
-  /// As find(). If the key is absent, finish() reports it and this returns nullopt.
+  /// As find(). If the key is absent, returns nullopt, and finish() reports the absent key.
   [[nodiscard]] std::optional<Value> find_required(std::string_view key);
   /// Declares `key` as required: finish() refuses the mapping when it is absent.
   void require(std::string_view key);
@@ -81,7 +81,7 @@ class Mapping {
   void mark_known(std::string_view key);
   void read_angle(const std::string& in_rad, const std::string& in_deg, double& value_rad,
                   const Range& range_deg);
-  /// Adds the rule of `key` to the table of keys, if there is one.
+  /// Adds the rule of `key` to the table of keys, if a table exists.
   void note(std::string_view key, std::string values, std::string initial = "",
             bool is_required = false) const;
 

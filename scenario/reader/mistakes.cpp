@@ -12,7 +12,7 @@ namespace {
 // Mistakes found so far; null outside mistakes_of_scenario().
 thread_local std::vector<std::string>* t_mistakes = nullptr;
 
-/// While an object exists, tolerate() stores errors in `mistakes`.
+/// Scope in which tolerate() stores errors in `mistakes`.
 struct Collection {
   explicit Collection(std::vector<std::string>& mistakes) { t_mistakes = &mistakes; }
   ~Collection() { t_mistakes = nullptr; }

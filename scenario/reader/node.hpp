@@ -44,7 +44,7 @@ class TreeBuilder {
 
   /// Appends a node to the innermost open list or mapping, or as the root. A list or mapping stays
   /// open until close().
-  /// @throws StartupError "file:line: …" when it is nested deeper than 32.
+  /// @throws StartupError "file:line: …" when nodes are nested more than 32 levels deep.
   const Node& add(Node::Kind kind, int line, std::string text = "");
   /// Appends `node` of this tree again.
   void add_alias(const Node& node);

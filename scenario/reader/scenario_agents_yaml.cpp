@@ -71,7 +71,7 @@ void check_sensor(Mapping& from, const SensorModel& sensor) {
   }
   if (sensor.kind.law().measures_bearing && sensor.range_min_m <= 0.0) {
     // The information of a bearing at range r is proportional to 1/r², so without a minimum range
-    // it has no finite bound.
+    // the information has no finite bound.
     from.refuse("range_min_m", "must be above 0 for a sensor that measures bearings, is 0");
   }
 }
@@ -244,7 +244,7 @@ Eigen::Vector3d start_in_space_m(const RobotSpec& robot) {
 }
 
 /// Checks that separation_m covers the radii and that the robots start at least separation_m apart,
-/// because plans must have that distance from their first instant on.
+/// because plans must keep separation_m from their first instant on.
 void check_separation(Mapping& from, const RobotSpec& robot, const Scenario& scenario) {
   for (const RobotSpec& other : scenario.robots) {
     const double separation_m = scenario.planner.separation_m;

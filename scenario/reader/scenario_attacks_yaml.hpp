@@ -5,8 +5,8 @@
 
 namespace vantage::scenario {
 
-/// Reads the list `attacks`: each attack has a time span and a list of robots; it jams their
-/// sensors. Checks that planner.attacks_max is less than the number of robots. Precondition: the
+/// Reads the list `attacks`: each attack has a time span and a list of robots with sensors to be
+/// jammed. Checks that planner.attacks_max is less than the number of robots. Precondition: the
 /// robots have been read.
 void read_attacks(Mapping& top, Scenario& scenario);
 

@@ -17,13 +17,13 @@ struct TextRule {
 inline constexpr TextRule kScenarioText{.expected = "a scenario",
                                         .bytes_max = std::size_t{1} << 20};
 
-/// Returns the content of the file at `path`. @throws StartupError when it cannot be read or is too
-/// large.
+/// Returns the content of the file at `path`. @throws StartupError when the file cannot be read or
+/// is too large.
 std::string read_text_file(const std::string& path, const TextRule& rule = kScenarioText);
 
 /// Checks `text` of the file `name`.
-/// @throws StartupError "name:line: …" when it is too large, or has bytes that are not UTF-8 text,
-///         or control characters.
+/// @throws StartupError "name:line: …" when the text is too large, is not UTF-8, or contains
+///         control characters.
 void check_text(const std::string& text, const std::string& name, const TextRule& rule);
 
 }  // namespace vantage::scenario

@@ -15,7 +15,7 @@
 namespace vantage::scenario {
 namespace {
 
-/// Returns a description of the node for an error message: the part that states what was found.
+/// Returns the part of an error message that describes the node that was found.
 std::string found(const Node& node) {
   switch (node.kind) {
     case Node::Kind::kList:

@@ -14,7 +14,7 @@
 #include "scenario/reader/key_table.hpp"
 #include "scenario/reader/node.hpp"
 
-// Values of a YAML or JSON file that know their position, for error messages.
+// Values of a YAML or JSON file with their positions in the file, for error messages.
 
 namespace vantage::scenario {
 
@@ -118,7 +118,7 @@ std::string comma_separated(const std::vector<std::string_view>& words);
 /// by edit distance. Returns "" if none is similar enough.
 std::string nearest_word(std::string_view word, const std::vector<std::string_view>& known);
 
-/// True if both names differ only in their unit, or one has no unit.
+/// True if the two names differ only in their unit; one name may have no unit.
 bool differs_in_unit(std::string_view a, std::string_view b);
 
 }  // namespace vantage::scenario

@@ -8,7 +8,7 @@ namespace vantage::scenario {
 
 /// Parses `text`, which must be one YAML document. `name` is used as the file name in error
 /// messages.
-/// @throws StartupError as check_text(), and "name:line: …" for tabs, invalid YAML, and for no or
+/// @throws StartupError as check_text(), and "name:line: …" for tabs, invalid YAML, no document or
 ///         several documents.
 Value parse_yaml(const std::string& text, const std::string& name);
 
