@@ -101,7 +101,7 @@ constexpr std::size_t full_bytes() {
 }
 
 /// Returns a checksum over a message's name, field types and field names. This checksum is part of
-/// each frame's CRC, so that two ends with different definitions reject each other's frames.
+/// each frame's CRC, so that two peers with different definitions reject each other's frames.
 /// Extensions are excluded. Source: MAVLink developer guide, serialization, CRC_EXTRA.
 template <class Message>
 constexpr std::uint8_t crc_extra() {

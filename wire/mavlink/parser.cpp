@@ -101,8 +101,8 @@ std::optional<Frame> Parser::read_frame(bool& is_incomplete) {
   Frame frame = read_without_crc_check(bytes.first(size));
   const MessageInfo* const message = find_message(frame.message_id);
   if (message == nullptr) {
-    // The CRC of a message without known CRC_EXTRA cannot be checked; the next byte shows whether
-    // these bytes were a frame.
+    // The CRC of a message without known CRC_EXTRA cannot be checked. The bytes count as a frame if
+    // they end the data or a marker follows.
     if (bytes.size() == size || is_marker(bytes[size])) {
       begin_ += size;
       ++counts_.unknown;

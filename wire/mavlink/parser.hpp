@@ -37,8 +37,8 @@ class Parser {
       }
     }
   }
-  /// Discards an incomplete frame if its rest cannot arrive: at the end of a datagram or after a
-  /// pause on a serial line. Valid frames within these bytes are still found.
+  /// Discards an incomplete frame, but delivers valid frames within its bytes. Call this function
+  /// when the missing bytes cannot arrive: after a datagram, or after a pause on a serial line.
   template <class Handle>
   void flush(const Handle& handle) {
     while (begin_ != end_) {

@@ -15,7 +15,7 @@
 
 namespace vantage::wire::mavlink {
 
-/// Overwrites a secret with zeros; compilers cannot optimize it away.
+/// Overwrites a secret with zeros; no compiler optimisation removes the overwriting.
 void wipe(std::span<std::uint8_t> secret);
 
 /// Shared secret of a link. Every copy is overwritten with zeros on destruction.
@@ -61,7 +61,8 @@ class Signer {
 
   SigningKey key_;
   std::uint8_t link_id_;
-  std::uint64_t newest_10us_ = 0;  ///< newest timestamp sent by this end or accepted from another
+  std::uint64_t newest_10us_ =
+      0;  ///< newest timestamp sent by this end or accepted from the other end
   std::map<Stream, std::uint64_t> streams_;
 };
 

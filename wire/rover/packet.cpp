@@ -53,8 +53,8 @@ class Writer {
   std::size_t at_ = 0;
 };
 
-/// Checks header, length and checksum of a datagram. Sets `content` to the bytes between them if
-/// the datagram is accepted.
+/// Checks header, length and checksum of a datagram. If the datagram is accepted, sets `content` to
+/// the bytes between header and checksum.
 Verdict open(std::span<const std::uint8_t> datagram, std::uint8_t kind, std::size_t bytes,
              std::span<const std::uint8_t>& content) {
   Reader header(datagram);

@@ -48,9 +48,9 @@ struct Telemetry {
   std::uint32_t robot = 0;
   std::uint32_t boot = 0;              ///< random for each start of the rover
   std::uint32_t sequence = 0;          ///< incremented for each message, from 0 at each start
-  std::uint32_t session = 0;           ///< of the obeyed driver; 0: none yet
+  std::uint32_t session = 0;           ///< session of the driver that is obeyed; 0: none yet
   std::uint32_t command_sequence = 0;  ///< sequence of the newest accepted command
-  std::int64_t command_time_us = 0;    ///< time_us of that command
+  std::int64_t command_time_us = 0;    ///< time_us of the newest accepted command
   float speed_mps = 0.0F;              ///< m/s; measured at the wheels
   float yaw_rate_radps = 0.0F;         ///< rad/s; measured
   float battery_share = 0.0F;          ///< in [0, 1]

@@ -30,7 +30,7 @@ struct ServoOutputs {
 /// Parses the firmware's datagram; returns nullopt for any other datagram. Datagrams with 32
 /// outputs are accepted; only the first 16 are used.
 std::optional<ServoOutputs> parse_servo_outputs(std::span<const std::uint8_t> datagram);
-/// Encodes the firmware's datagram, to emulate it in tests.
+/// Encodes the firmware's datagram, to emulate the firmware in tests.
 std::array<std::uint8_t, 40> format_servo_outputs(const ServoOutputs& outputs);
 
 /// Sensor values for the firmware. Local frame NED, body FRD.
@@ -43,9 +43,9 @@ struct JsonSensors {
   Quaternion local_from_body = Quaternion::Identity();
 };
 
-/// Encodes one datagram: a line of JSON between line feeds. It has no blanks, because the
-/// firmware's parser does not expect them. Its "no_time_sync" lets the simulator choose how fast
-/// simulated time passes.
+/// Encodes one datagram: a line of JSON between line feeds. The line has no blanks, because the
+/// firmware's parser does not expect blanks. The key "no_time_sync" lets the simulator choose how
+/// fast simulated time passes.
 std::string format_json_sensors(const JsonSensors& sensors);
 
 }  // namespace vantage::wire::sitl

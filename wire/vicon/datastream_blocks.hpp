@@ -23,7 +23,7 @@ struct ObjectEnums {
 bool decode(Bytes body, ObjectEnums& out);
 void append(PacketWriter& packet, const ObjectEnums& value);
 
-/// Block 100002. streaming = false requests a single frame.
+/// Block 100002: requests frames; streaming = false requests a single frame.
 struct RequestFrame {
   bool streaming = false;
 };
@@ -126,7 +126,7 @@ struct Segments {
     Eigen::Matrix3d world_from_body = Eigen::Matrix3d::Identity();  ///< row-major in the message
   };
   std::uint32_t subject_id = 0;
-  std::vector<Pose> poses;  ///< visible segments only; occluded ones are absent
+  std::vector<Pose> poses;  ///< visible segments only; occluded segments are absent
 };
 bool decode(Bytes body, Segments& out);
 void append(PacketWriter& packet, const Segments& value, BlockType type = kGlobalSegments);

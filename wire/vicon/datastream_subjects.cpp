@@ -5,7 +5,7 @@
 
 namespace vantage::wire::vicon {
 
-using namespace parts;  // NOLINT(google-build-using-namespace): this room's own words
+using namespace parts;  // NOLINT(google-build-using-namespace): names for these codecs
 
 namespace {
 

@@ -28,8 +28,8 @@ bool has_common_start(std::string_view a, std::string_view b) {
   return a.substr(0, common) == b.substr(0, common);
 }
 
-/// True if counts, sizes and numbers are plausible for this stream; random data are plausible very
-/// rarely.
+/// True if counts, sizes and numbers are plausible for an object stream. Random data very rarely
+/// pass this test.
 bool is_object_block(Bytes datagram) {
   ObjectBlock block;
   return decode_object_block(datagram, block) && !block.is_truncated && block.skipped_items == 0 &&

@@ -41,9 +41,10 @@ struct ObjectBlock {
   bool is_truncated = false;           ///< the datagram ended within an announced item
 };
 
-/// Decodes a datagram into `block`; its memory is reused. Returns false without decoding if the
-/// datagram is shorter than a header. Items of an unknown kind or size are skipped by their length.
-/// Bytes after the last item are padding and ignored. Memory is constant: 255 objects.
+/// Decodes a datagram into `block`, and reuses the memory of `block`. Returns false without
+/// decoding if the datagram is shorter than a header. Items of an unknown kind or size are skipped
+/// by their length. Bytes after the last item are padding and ignored. Memory is constant: 255
+/// objects.
 bool decode_object_block(Bytes datagram, ObjectBlock& block);
 
 /// Returns the number of objects that fit into `block_bytes`: 3, 6, 13 for 256, 512, 1024.

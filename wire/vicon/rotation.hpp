@@ -12,7 +12,7 @@
 namespace vantage::wire::vicon {
 
 /// Returns the world-from-body rotation for intrinsic x-y-z angles: R = Rx(a)·Ry(b)·Rz(c), rad.
-/// These are not roll-pitch-yaw.
+/// These angles are not roll, pitch and yaw.
 /// Source: Vicon DataStream SDK, EulerXYZ.
 Quaternion rotation_from_euler_xyz(const Eigen::Vector3d& euler_rad);
 
