@@ -179,8 +179,8 @@ void Authenticator::record_nonce(std::string_view robot, const Foot& foot, Time 
   }
 }
 
-// After a silence longer than its lease, any nonce of a vehicle is accepted, so its entry can be
-// removed without loss of protection.
+// When a vehicle is silent for longer than kNonceLease, any nonce of the vehicle is accepted. Its
+// entry can then be removed without loss of protection.
 bool Authenticator::make_room(Time now) {
   if (requested_.size() < kEchoesMax) {
     return true;
@@ -213,8 +213,8 @@ bool Authenticator::echoes_current_nonce(const SignedParts& parts, Time now) con
 }
 
 // A recording of an earlier session echoes old nonces and has old time stamps. A command with a
-// current time stamp is verified whatever it echoes, so that its counter is recorded. A command
-// that makes a vehicle safer may be late if its session was verified before.
+// current time stamp is verified even with a wrong nonce, so that its counter is recorded. A
+// command that makes a vehicle safer may be late if its session was verified before.
 Refusal Authenticator::judge_before_signature(const SignedParts& parts, Time now,
                                               const std::optional<CommandClaim>& claim) const {
   const bool is_late_but_known =

@@ -28,16 +28,16 @@ class Authenticator {
     bool is_replay = false;  ///< signs all messages as kReplay, accepts all messages
     bool is_of_log = false;  ///< checks signatures but not times, for recorded messages
   };
-  /// Time for which a vehicle still accepts its previous nonce after a change.
+  /// Time for which a vehicle still accepts its previous nonce after its nonce has changed.
   static constexpr Duration kNonceGrace = std::chrono::seconds(1);
-  /// Age of the last status with a vehicle's nonce up to which another nonce is only accepted from
-  /// a newer status. So replayed old statuses cannot replace the nonce of a live vehicle.
+  /// Lease of a vehicle's nonce. For this time after a status with the nonce, another nonce is only
+  /// accepted from a newer status. So replayed statuses cannot replace a live vehicle's nonce.
   static constexpr Duration kNonceLease = std::chrono::seconds(2);
 
   Authenticator(std::shared_ptr<const Keyring> keyring, const Rules& rules);
 
   /// Declares this process to be the vehicle `robot`. Its statuses then carry the nonce that
-  /// commands must echo; a command without it is only obeyed if it makes the vehicle safer.
+  /// commands must echo. A command without this nonce is only obeyed if it makes the vehicle safer.
   void act_as_vehicle(std::string_view robot) { destination_ = destination_of(robot); }
   /// Begins a new session, and with it a new nonce.
   void renew_session(Time now);
@@ -76,24 +76,24 @@ class Authenticator {
 
   [[nodiscard]] std::uint64_t session() const { return session_; }
   [[nodiscard]] bool is_replay() const { return rules_.is_replay; }
-  /// Returns the smallest lead over this process's clock among the statuses that were refused as
-  /// stale within the last second; nullopt if there is none.
+  /// Returns the smallest time by which stale statuses are ahead of this process's clock; nullopt
+  /// if no status was refused as stale within the last second.
   [[nodiscard]] std::optional<Duration> stale_ahead(Time now) const;
 
  private:
   /// Nonce that a vehicle's statuses request.
   struct RequestedNonce {
     std::uint64_t nonce = 0;
-    std::uint64_t counter = 0;  ///< of the newest status with this nonce
+    std::uint64_t counter = 0;  ///< counter of the newest status with this nonce
     Time received_at{};
   };
   void record_nonce(std::string_view robot, const Foot& foot, Time now);
-  /// Frees an entry for the nonce of another vehicle, if necessary by removing that of a silent
-  /// vehicle. Returns false if no entry can be freed.
+  /// Frees an entry for the nonce of another vehicle, if necessary by removing the entry of a
+  /// silent vehicle. Returns false if no entry can be freed.
   [[nodiscard]] bool make_room(Time now);
   [[nodiscard]] Refusal judge_nonce(const SignedParts& parts, Time now) const;
-  /// True if the command echoes a nonce that is valid now: that of this process, or of a vehicle
-  /// that sends a status to this process.
+  /// True if the command echoes a nonce that is valid at `now`: the nonce of this process, or of a
+  /// vehicle that sends a status to this process.
   [[nodiscard]] bool echoes_current_nonce(const SignedParts& parts, Time now) const;
   /// Returns the reason to refuse a command before its signature is verified; kNone: verify it.
   [[nodiscard]] Refusal judge_before_signature(const SignedParts& parts, Time now,
@@ -106,7 +106,7 @@ class Authenticator {
   std::uint64_t session_before_ = 0;
   std::optional<Time> renewed_;
   std::uint64_t counter_ = 0;
-  std::optional<std::uint32_t> destination_;           ///< if this process is a vehicle
+  std::optional<std::uint32_t> destination_;           ///< set if this process is a vehicle
   std::map<std::uint32_t, RequestedNonce> requested_;  ///< by destination
   std::optional<Duration> stale_ahead_;
   Time stale_received_{};
@@ -130,8 +130,8 @@ std::unique_ptr<Authenticator> authenticator_for(const scenario::Scenario& scena
 /// Creates the authenticator of a replay: it signs as a replay and checks nothing. nullptr without
 /// security or without the folder of keys. @throws StartupError as load_keyring().
 std::unique_ptr<Authenticator> replay_authenticator_for(const scenario::Scenario& scenario);
-/// Creates the authenticator of a log reader: it checks as the processes of the flight did, except
-/// for time. nullptr and @throws as replay_authenticator_for().
+/// Creates the authenticator of a log reader: it makes the checks that the flight's processes made,
+/// except those of time. nullptr and @throws as replay_authenticator_for().
 std::unique_ptr<Authenticator> log_authenticator_for(const scenario::Scenario& scenario);
 
 /// Returns the security faults that prevent `scenario` from being flown, one sentence each; empty:
@@ -139,7 +139,7 @@ std::unique_ptr<Authenticator> log_authenticator_for(const scenario::Scenario& s
 /// most kEchoesMax robots are possible.
 std::vector<std::string> security_faults(const scenario::Scenario& scenario);
 
-/// @throws StartupError when this host's keys do not allow it to sign commands.
+/// Checks that this host has the keys to sign commands. @throws StartupError when keys are missing.
 void require_operator(const scenario::Scenario& scenario);
 
 }  // namespace vantage::bus::auth

@@ -18,9 +18,10 @@
 //   signature = Ed25519(seed, n ‖ channel ‖ payload ‖ echoes ‖ foot)           (COMMAND only)
 //   MAC       = BLAKE2b-128(key, n ‖ channel ‖ payload ‖ echoes ‖ signature ‖ foot)
 //
-// n is one byte, the length of the channel's name. BLAKE2b's key and output length are its
-// parameters (RFC 7693), not a prefix. Every receiver that can verify a MAC could also create one.
-// Commands therefore carry a signature as well, so that a captured vehicle cannot command others.
+// n is one byte, the length of the channel's name. Key and output length are parameters of BLAKE2b
+// (RFC 7693), not a prefix of the data. Every receiver that can verify a MAC could also create one.
+// Commands therefore carry a signature as well, so that a captured vehicle cannot command other
+// vehicles.
 
 namespace vantage::bus::auth {
 
@@ -36,11 +37,11 @@ enum class Refusal : std::uint8_t {
   kUnsigned,
   kUnknownKey,
   kWrongRole,         ///< the key's role may not publish on the channel
-  kBadMac,            ///< not made with the named key, or modified in transit
+  kBadMac,            ///< MAC of another key, or message modified in transit
   kBadSignature,      ///< wrong or missing signature of an operator
   kOverBudget,        ///< signature not verified: the rate limit is exceeded
-  kWrongMode,         ///< from another kind of trial, such as a simulation or a replay
-  kStale,             ///< the time of sending is too far from now
+  kWrongMode,         ///< message from another kind of trial, such as a simulation or a replay
+  kStale,             ///< the time of sending differs too much from the receiver's time
   kReplayed,          ///< received before, or older than the replay window
   kWrongSession,      ///< the command does not echo the vehicle's nonce
   kWrongDestination,  ///< the command is not addressed to this vehicle
@@ -50,9 +51,9 @@ inline constexpr std::size_t kRefusals = 12;
 const char* name_of(Refusal refusal);
 
 /// Record of the message counters received in each session, so that no message is accepted twice.
-/// It stores the newest 64 counters of each session. Older counters are refused as replayed;
-/// missing counters between stored ones are accepted. It stores at most 256 sessions; a new session
-/// replaces the session that was silent longest.
+/// The record contains the newest 64 counters of each session. Older counters are refused as
+/// replayed; missing counters between the stored counters are accepted. At most 256 sessions are
+/// stored; a new session replaces the session that was silent longest.
 class ReplayGuard {
  public:
   static constexpr std::size_t kWindow = 64;
@@ -87,7 +88,7 @@ class ReplayGuard {
 class Budget {
  public:
   Budget(double rate_per_s, double burst) : rate_per_s_(rate_per_s), burst_(burst), left_(burst) {}
-  /// Returns true and removes a token if there is one. `now` never goes back.
+  /// Returns true and removes a token if a token is left. `now` must not decrease.
   bool take(Time now);
 
  private:
@@ -106,8 +107,8 @@ struct Sender {
 /// Limits the number of signatures that a process verifies, by sender. Only commands with a valid
 /// MAC that are current or echo a current nonce are verified (Expectation::early_refusal). So
 /// recorded commands of an earlier session do not reduce a budget. A sender has its own budgets
-/// after its first valid signature. The other senders share one budget per host and one for all
-/// hosts. Emergency stops have separate budgets everywhere.
+/// after its first valid signature. The other senders share one budget per host and one budget for
+/// all hosts. At each level, emergency stops have a separate budget.
 class SignatureBudgets {
  public:
   /// Budgets for signature checks: of ordinary commands and of emergency stops.
@@ -127,7 +128,7 @@ class SignatureBudgets {
   SignatureBudgets(const Rates& verified, const Rates& host, const Rates& unverified)
       : verified_(verified), host_(host), unverified_(unverified) {}
 
-  /// Returns true if a message of `sender` may be verified now. `now` never goes back.
+  /// Returns true if a message of `sender` may be verified. `now` must not decrease.
   bool take(const Sender& sender, bool is_stop, Time now);
   /// Gives `sender` its own budgets, after a valid signature with a current nonce.
   void add_verified(const Sender& sender, Time now);
@@ -178,8 +179,8 @@ struct Verdict {
 
 /// Checks `message` on `channel` for everything except the destination (judge_echo()). The time of
 /// a command is not checked here: the caller checks its stamp and its echoes. Cost: as sign(); a
-/// signature takes 42 µs, within the budgets. Changes `replays` only for messages that pass all
-/// other checks.
+/// signature check takes 42 µs, and the budgets limit the number of checks. Changes `replays` only
+/// for messages that pass all other checks.
 Verdict verify(const Keyring& keyring, std::string_view channel, Bytes message,
                const Expectation& expectation, ReplayGuard& replays, SignatureBudgets& budgets);
 

@@ -81,12 +81,12 @@ Keyring load_keyring(const std::string& folder);
 void store_key(const std::string& folder, const Key& key);
 /// Creates `folder` (0700) with a key for each role. @throws StartupError when it contains keys.
 void make_keys(const std::string& folder);
-/// Adds a next key for each role (or for one), which is accepted everywhere before it is used for
-/// signing.
+/// Adds a next key for each role (or for `role` only). Processes accept messages signed with a next
+/// key, but do not sign with it.
 /// @throws StartupError when there is a next key already.
 void begin_rotation(const std::string& folder, std::optional<Role> role);
-/// Makes the next key of each role its signing key and the current one an old key. Processes use
-/// them from their next start on.
+/// Makes the next key of each role the signing key, and the current signing key an old key.
+/// Processes use the changed keys from their next start on.
 /// @throws StartupError when no new key exists.
 void end_rotation(const std::string& folder, std::optional<Role> role);
 /// Removes the key with the id or name `name`. @throws StartupError when there is none.

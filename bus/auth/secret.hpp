@@ -11,7 +11,7 @@ namespace vantage::bus::auth {
 /// Initializes libsodium; cheap after the first call. @throws StartupError on failure.
 void start_sodium();
 
-/// Secret in its own memory pages. They are locked against swapping (as far as RLIMIT_MEMLOCK
+/// Secret in its own memory pages. The pages are locked against swapping (as far as RLIMIT_MEMLOCK
 /// allows), excluded from core dumps, enclosed by guard pages, and wiped on destruction. Can be
 /// moved but not copied. Not for use in loops, because construction needs system calls.
 class Secret {
@@ -30,10 +30,10 @@ class Secret {
   std::size_t size_ = 0;
 };
 
-/// Reads `file` into `out`; `what` names it in messages ("signing key").
-/// @throws StartupError if the file cannot be read, is a link or not a regular file, or does not
-/// have the length of `out`. Also if the file belongs to another user or is accessible to others
-/// (mode must be 0600 or less). `out` is then wiped.
+/// Reads `file` into `out`; `what` names the file in messages ("signing key").
+/// @throws StartupError if the file cannot be read, is not a regular file, is a link, has another
+/// length than `out`, belongs to another user, or is accessible to other users (mode must be 0600
+/// or less). `out` is then wiped.
 void read_secret_file(const std::string& file, std::span<std::uint8_t> out,
                       const std::string& what);
 

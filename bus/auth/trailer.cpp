@@ -28,8 +28,8 @@ struct Family {
 
 // Channel families. Channels that are not listed are for display only. TRUTH is listed because it
 // brings simulated bodies into VICON when the cameras are real. HEALTH_ is listed because the
-// supervisor ends silent processes. COLLISION determines the exit code of `vantage up`, and HOST_
-// whether it starts.
+// supervisor ends silent processes. COLLISION determines the exit code of `vantage up`; HOST_
+// determines whether `vantage up` starts.
 constexpr std::array kFamilies{
     Family{"VICON", Role::kMocap, true},
     Family{"COMMAND", Role::kOperator, true},

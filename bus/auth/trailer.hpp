@@ -78,13 +78,13 @@ struct SignedParts {
 /// nothing outside `message`.
 std::optional<SignedParts> split(Bytes message);
 
-/// Returns `message` without its trailer, if any. Decoders that check every byte need this.
+/// Returns `message` without its trailer, if any. For decoders that check every byte.
 Bytes payload_of(Bytes message);
 
 /// Appends the number as `width` bytes, big-endian.
 void append_number(std::uint64_t value, std::size_t width, std::vector<std::uint8_t>& out);
 void append_echoes(std::span<const Echo> echoes, std::vector<std::uint8_t>& out);
-/// Precondition: echoes ≤ kEchoesMax, signatures ≤ 1.
+/// Encodes the foot. Precondition: echoes ≤ kEchoesMax, signatures ≤ 1.
 std::array<std::uint8_t, kFootBytes> foot_bytes(const Foot& foot, std::size_t echoes,
                                                 std::size_t signatures);
 
@@ -92,7 +92,7 @@ std::array<std::uint8_t, kFootBytes> foot_bytes(const Foot& foot, std::size_t ec
 Role role_of(std::string_view channel);
 /// True if an unsigned message on `channel` is refused when signatures are required. These are the
 /// channels that move a vehicle, directly or through other processes. Nodes without a key may
-/// publish on the others.
+/// publish on all other channels.
 bool must_be_signed(std::string_view channel);
 /// True if `channel` is a known channel with a single name, such as VICON; PLAN_Q1 is not.
 bool is_fixed_name(std::string_view channel);

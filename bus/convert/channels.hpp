@@ -24,11 +24,12 @@ struct Channel {
 };
 
 /// Lease of channels with one publisher: receivers accept only the current publisher, so a second
-/// mocap or simulation cannot replace it.
+/// mocap or simulation cannot replace the first.
 inline constexpr Duration kLease = std::chrono::milliseconds(500);
 inline const Channel<models::MocapFrame> kVicon{"VICON", false, kLease};
 inline const Channel<models::TruthFrame> kTruth{"TRUTH"};
-inline const Channel<models::CollisionReport> kCollision{"COLLISION", true};  // sim and contacts
+inline const Channel<models::CollisionReport> kCollision{"COLLISION",
+                                                         true};  // publishers: sim, contacts
 inline const Channel<models::AttackNotice> kAttack{"ATTACK"};
 inline const Channel<models::OperatorCommand> kCommand{"COMMAND", true};  // publisher: any console
 inline const Channel<models::ScenarioNotice> kScenario{"SCENARIO"};

@@ -33,7 +33,8 @@ inline constexpr std::int64_t kUtimeMax = 10'000'000'000'000'000;
 inline constexpr double kPositionMax_m = 1e6;
 inline constexpr double kMotionMax_s = 3600.0;
 inline constexpr double kRateMax = 1e3;
-inline constexpr double kAsymmetryMax = 1e-9;  ///< of a matrix, relative to its largest entry
+inline constexpr double kAsymmetryMax =
+    1e-9;  ///< asymmetry of a matrix, relative to its largest entry
 inline constexpr double kQuaternionNormErrorMax = 1e-3;
 
 /// Matrix of up to 4×4 without heap memory, for covariances of measurements and information of
@@ -142,7 +143,7 @@ void grid_to(const models::GridGeometry& grid, Wire& wire) {
   wire.grid_rows = grid.rows;
 }
 
-/// `cells`: number of elements in each array over the cells.
+/// Returns the grid of a message. `cells`: number of elements in each array that has one per cell.
 template <class Wire>
 std::optional<models::GridGeometry> grid_from(const Wire& wire, std::size_t cells) {
   if (!are_finite(wire.grid_origin_x_m, wire.grid_origin_y_m, wire.grid_resolution_m) ||

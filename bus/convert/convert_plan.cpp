@@ -28,8 +28,8 @@ bool is_quality(const vantage_lcm::plan_t& wire) {
   return has_cost && has_bound && wire.epsilon >= 0.0 && wire.delta_m >= 0.0;  // no NaN
 }
 
-/// Copies the fields that every wire type with a trajectory has. The trajectory's time is that of
-/// the message.
+/// Copies the fields that every wire type with a trajectory has. The trajectory's time is the time
+/// of the message.
 template <class Wire>
 void trajectory_to(const models::Trajectory& trajectory, Wire& wire) {
   wire.start_x_world_m = trajectory.start.x_m;

@@ -43,7 +43,7 @@ std::map<std::string, StreamCounts> reported(std::map<std::string, StreamCounts>
     sum.runs += std::max<std::int64_t>(0, stream.runs - 1);
   }
   for (auto& [name, sum] : kinds) {
-    ++sum.runs;  // makes "runs" of the kind one more than its restarts
+    ++sum.runs;  // "runs" of the sum: number of restarts plus 1
   }
   return kinds;
 }
@@ -161,7 +161,7 @@ void Bus::unsubscribe(const std::string& name) {
   }
   transport_.unsubscribe(name);
   if (index_.next(name, 0)) {
-    return;  // a pattern subscription still receives it
+    return;  // a pattern subscription still receives the channel
   }
   if (const auto stream = streams_.find(name); stream != streams_.end()) {
     unsubscribed_counts_.add(stream->second.counts());

@@ -55,11 +55,13 @@ class Bus {
   void use_clock(const Clock& clock) { clock_ = &clock; }
 
   /// From this call on, signs published messages and verifies the signatures and times of received
-  /// ones. Also calls use_clock(), except with an authenticator from replay_authenticator_for(),
-  /// which only signs. `clock` must outlive the Bus (docs/guide/security.md). nullptr: no effect.
+  /// messages. Also calls use_clock(), except with an authenticator from
+  /// replay_authenticator_for(), which only signs. `clock` must outlive the Bus
+  /// (docs/guide/security.md). nullptr: no effect.
   void secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock);
-  /// Declares this process to be the vehicle `robot`: commands must be addressed to it and echo its
-  /// session. Commands that make it safer are always delivered. No effect without secure().
+  /// Declares this process to be the vehicle `robot`: commands must be addressed to `robot` and
+  /// echo its session. Commands that make the vehicle safer are always delivered. No effect without
+  /// secure().
   void act_as_vehicle(const std::string& robot);
   /// Begins a new session; commands must echo its nonce. A vehicle calls this when it is armed.
   /// Returns false without secure(), because sessions do not exist then.
@@ -68,7 +70,7 @@ class Bus {
   [[nodiscard]] bool receives_signed() const { return receives_signed_; }
 
   /// Sets the run id and the channel's next sequence number in `message`, and publishes it. The
-  /// caller sets the time of the content. Returns the name by which other messages can refer to it.
+  /// caller sets the time of the content. Returns the message's name for references.
   template <class Message>
   models::InputRef publish(const Channel<Message>& channel, Message message);
 
@@ -91,7 +93,7 @@ class Bus {
 
   /// Removes every handler of exactly the channel `name`, and its stream. A later subscription
   /// begins a new stream, so messages sent in between are not counted as lost. A handler of another
-  /// channel may call this.
+  /// channel may call this function.
   void unsubscribe(const std::string& name);
 
   /// Waits up to `timeout`, then dispatches the messages that have arrived. Returns their number,
@@ -159,16 +161,16 @@ class Bus {
   bool receives_signed_ = false;
   std::int64_t run_id_;
   std::string publish_prefix_;
-  std::deque<Subscription> subscriptions_;  ///< a deque: handlers may subscribe
+  std::deque<Subscription> subscriptions_;  ///< a deque, so that handlers may subscribe
   ChannelIndex index_;                      ///< indexes subscriptions_
-  std::shared_ptr<Bus*> self_;        ///< lets the transport's handlers detect that the Bus is gone
+  std::shared_ptr<Bus*> self_;  ///< lets the transport's handlers detect that the Bus was destroyed
   std::vector<std::uint8_t> buffer_;  ///< message being encoded
   std::int64_t handling_ns_ = 0;
   std::int64_t streams_refused_ = 0;  ///< messages beyond kStreamsMax channels
   ByName<std::int64_t> next_sequence_;
   ByName<StreamMonitor> streams_;
   ByName<SharedStreamMonitor> shared_streams_;
-  StreamCounts unsubscribed_counts_;  ///< of streams that were unsubscribed
+  StreamCounts unsubscribed_counts_;  ///< counts of streams that were unsubscribed
   std::int64_t undecoded_ = 0;
   std::map<std::string, std::int64_t> decode_errors_;  ///< by channel: wrong type or truncated
   std::map<std::string, std::int64_t> refused_;        ///< by channel: impossible values

@@ -31,14 +31,14 @@ class SystemClock : public Clock {
 };
 
 /// The common time of all processes of a trial: the wall clock at the start of the trial, continued
-/// by the machine's monotonic clock, which cannot be set. It never goes back.
+/// by the machine's monotonic clock, which cannot be set. The common time never decreases.
 ///
-/// While the wall clock is within kFollowMax of this time, this time is slewed towards it by at
-/// most kSlewPerS. So NTP and PTP keep the hosts of a trial synchronous. A larger difference means
-/// that the wall clock was set; it is then not followed, and wall_offset() returns the difference.
-/// All processes of a host share one time, even those started after the wall clock was set: the
-/// first process, usually `vantage up`, passes its offset from the monotonic clock to its children
-/// (export_offset()). Thread-safe.
+/// While the wall clock is within kFollowMax of the common time, the common time is slewed towards
+/// the wall clock by at most kSlewPerS. So NTP and PTP keep the hosts of a trial synchronous. A
+/// larger difference means that the wall clock was set: the common time then ignores it, and
+/// wall_offset() returns the difference. All processes of a host share one time, even those started
+/// after the wall clock was set: the first process, usually `vantage up`, passes its offset from
+/// the monotonic clock to its children (export_offset()). Thread-safe.
 class SteadyClock : public Clock {
  public:
   static constexpr Duration kFollowMax = std::chrono::milliseconds(500);

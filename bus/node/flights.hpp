@@ -30,7 +30,7 @@ class Flights {
   std::map<std::string, Time> seen_in_flight_;
 };
 
-/// Delay of the first stop request to a process that vehicles need, until the vehicles have landed.
+/// Delays the first stop request to a process that vehicles need, until the vehicles have landed.
 class EndAfterFlights {
  public:
   /// Maximum delay of the first request.

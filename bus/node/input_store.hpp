@@ -10,10 +10,10 @@
 
 namespace vantage::bus {
 
-/// Store of the newest messages of one type per channel. A replayed node takes from it exactly the
-/// inputs of the original node. The messages are stored per channel, because the last message of a
-/// silent sender can remain an input for a long time. When a channel is full, its oldest message is
-/// dropped.
+/// Store of the newest messages of one type per channel. A replayed node takes exactly the inputs
+/// of the original node from the store. The messages are stored per channel, because the last
+/// message of a silent sender can remain an input for a long time. When a channel is full, its
+/// oldest message is dropped.
 template <class Message>
 class InputStore {
  public:

@@ -13,9 +13,9 @@
 
 namespace vantage::bus {
 
-/// Set of teammates that a robot's process subscribes to. Without a neighbourhood in the scenario
-/// it is the complete team. With a neighbourhood it contains the robots within it according to
-/// mocap. It is then empty until the first frame that contains the robot, and updated once per
+/// Set of teammates that a robot's process subscribes to. If the scenario has no neighbourhood, the
+/// set is the complete team. Otherwise the set contains the robots that are in the neighbourhood
+/// according to mocap: it is empty until the first frame with the robot, and is updated once per
 /// planning step.
 class NeighbourWatch {
  public:

@@ -16,8 +16,8 @@ namespace vantage::bus {
 
 /// Behaviour of one process on the bus. A node subscribes in its constructor, is called at times
 /// that it chooses, and publishes. In flight each node has its own process (run_node). In virtual
-/// time many nodes share a thread and a VirtualClock. A node cannot detect in which of the two it
-/// runs.
+/// time many nodes share a thread and a VirtualClock. A node cannot detect whether it runs in
+/// flight or in virtual time.
 class Node {
  public:
   Node() = default;
@@ -29,16 +29,17 @@ class Node {
 
   /// Returns the name used on HEALTH_<name>, for example "ESTIMATOR_Q1".
   [[nodiscard]] virtual std::string name() const = 0;
-  /// Returns the time of the next call of tick(). After tick(t) it must be later than t.
+  /// Returns the time of the next call of tick(). After tick(t), the returned time must be later
+  /// than t.
   [[nodiscard]] virtual Time next_tick() const = 0;
   /// Does the periodic work. `now` ≥ next_tick(); the delay depends on the machine.
   virtual void tick(Time now) = 0;
   /// Returns a descriptor; when it is readable, tick() is called even before next_tick(). −1: none.
-  /// With a descriptor, bus messages are only handled when it is readable or at next_tick(). It is
-  /// for nodes that process the data of a device.
+  /// With a descriptor, bus messages are only handled when the descriptor is readable or at
+  /// next_tick(). For nodes that process the data of a device.
   [[nodiscard]] virtual int wakes_on() const { return -1; }
   /// Reports how long the node's thread waited for a processor in the last second, s. Called before
-  /// a tick in real time if the kernel counts it; never in virtual time.
+  /// a tick in real time if the kernel counts this time; never in virtual time.
   virtual void on_processor_wait(double /*wait_s*/) {}
   /// Returns the number of dropped and missed items, by name.
   [[nodiscard]] virtual std::vector<models::NamedCount> counters() const { return {}; }
@@ -91,11 +92,11 @@ class HealthReporter {
   double loop_worst_s_ = 0.0;
 };
 
-/// Runs `node` on `bus` in real time until the log behind the bus has ended, or until
+/// Runs `node` on `bus` in real time until the log that the bus reads has ended, or until
 /// stop_requests() is not 0 and the node may end. Then publishes a last HEALTH. Bus messages are
 /// handled while waiting for next_tick() (see also Node::wakes_on()). stop_requests() returns the
-/// number of stop requests so far; it is called at least every 50 ms. Exceptions of handlers and of
-/// the node are passed on to the caller.
+/// number of stop requests so far, and is called at least every 50 ms. Exceptions of handlers and
+/// of the node are passed on to the caller.
 /// @param life receives a sign of life in each loop; may be null
 /// @param wait  read every 50 ms for Node::on_processor_wait(); may be empty
 void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<int()>& stop_requests,

@@ -31,7 +31,7 @@ std::set<std::string> robots_with_driver(const scenario::Scenario& scenario) {
 }
 
 /// Counter of the stop requests that the process obeys. A process that serves vehicles delays the
-/// first one until they have landed.
+/// first request until the vehicles have landed.
 class StopRequests {
  public:
   StopRequests(Bus& bus, const Clock& clock, const scenario::Scenario& scenario, bool serves)
@@ -56,7 +56,7 @@ class StopRequests {
 
 }  // namespace
 
-// long: start, loop and end of a process, in order.
+// This function is long: it contains the start, loop and end of a process, in order.
 int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node) {
   return run_process(program.name, [&]() -> int {
     LivenessSender life;

@@ -13,7 +13,7 @@ namespace vantage::bus {
 
 /// Properties of a node executable that node_main() needs.
 struct NodeProgram {
-  std::string name;         ///< of the executable
+  std::string name;         ///< name of the executable
   std::string description;  ///< one sentence for --help
   bool needs_robot = false;
   bool can_replay = false;

@@ -16,7 +16,7 @@
 namespace vantage::bus {
 namespace {
 
-// Indices of fields of /proc/PID/stat, counted from the field after the name, the state (field 3 in
+// Indices of fields of /proc/PID/stat. The state, which follows the name, has index 0 (field 3 in
 // proc(5)).
 constexpr std::size_t kUserTicks = 11;
 constexpr std::size_t kSystemTicks = 12;

@@ -25,8 +25,8 @@ class ReplayQueue {
   /// Must be called once per kReplayTick, followed by work().
   void tick() { ticks_ = waiting_.empty() ? 0 : ticks_ + 1; }
   /// Passes the queued outputs in order to recompute(logged, is_last_chance), until it returns
-  /// false because an input is missing. It is then called again later with the same output, unless
-  /// is_last_chance was true.
+  /// false because an input is missing. recompute() is then called again later with the same
+  /// output, unless is_last_chance was true.
   template <class Recompute>
   void work(const Recompute& recompute) {
     while (!waiting_.empty()) {

@@ -84,7 +84,7 @@ void StreamMonitor::begin_run(const models::Stamp& stamp) {
       retired_runs_.erase(retired_runs_.begin());
     }
   }
-  // For the first run and for a returning run, messages before the first one received are not
+  // For the first run and for a returning run, messages before the first received message are not
   // counted as lost. Any other run is assumed to start at 0, unless its first number is implausibly
   // large.
   const bool was_retired = std::erase(retired_runs_, stamp.run_id) > 0;

@@ -20,8 +20,8 @@ enum class [[nodiscard]] Arrival{
 /// Receiver's time, and the lease of the channel.
 struct StreamRules {
   std::optional<Time> now;  ///< receiver's clock; nullopt if there is no clock (a log)
-  /// A run is not replaced while its last message is more recent than this. Without a lease or a
-  /// clock, another run replaces it immediately.
+  /// Time after a run's last message for which no other run can replace the run. Without a lease or
+  /// a clock, another run replaces the current run immediately.
   Duration lease{};
 };
 
@@ -41,17 +41,17 @@ struct StreamCounts {
 /// Checker of the run ids and sequence numbers on one channel, which LCM does not check.
 ///
 /// A new run id replaces the current run if its content is not older. From then on the old run is
-/// refused permanently. Sequence numbers start at 0. Messages before the first received one of the
-/// first run are not counted as lost, because the receiver may have started later. A run that
-/// replaces another is expected to start at 0. The newest 256 missing numbers are stored. If the
-/// number of a late message is no longer stored, the message is counted as a duplicate, and also as
-/// lost.
+/// refused permanently. Sequence numbers start at 0. Messages of the first run before the first
+/// received message are not counted as lost, because the receiver may have started later. A run
+/// that replaces another is expected to start at 0. The newest 256 missing numbers are stored. If
+/// the number of a late message is no longer stored, the message is counted as a duplicate, and
+/// also as lost.
 ///
 /// A number more than kStepMax beyond the newest is refused, so that one forged number cannot
-/// silence a sender. It is accepted after kAcceptSteps consecutive such numbers and, with a clock,
-/// only if the run was otherwise silent for kAcceptSilence. A shorter gap may exceed the stored
-/// numbers; if a number inside it then arrives with a newer time, it is accepted, because the gap
-/// was forged.
+/// silence a sender. Such a number is accepted after kAcceptSteps consecutive refused numbers and,
+/// with a clock, only if the run was otherwise silent for kAcceptSilence. A shorter gap may exceed
+/// the stored numbers. If a number inside this gap then arrives with a newer time, the gap was
+/// forged, so the message is accepted.
 class StreamMonitor {
  public:
   static constexpr std::int64_t kStepMax = 10'000;

@@ -9,8 +9,8 @@
 
 namespace vantage::bus {
 
-/// Decoded message of bytes that several subscribers share: the first subscriber decodes it for
-/// all. Thread-safe.
+/// Decoded message of bytes that several subscribers share: the first subscriber decodes the bytes
+/// for all subscribers. Thread-safe.
 class Decoded {
  public:
   /// Returns the decoded message; null when the bytes were not decoded yet, or were decoded to
@@ -42,9 +42,9 @@ class Decoded {
 
 /// Bytes of a message as a handler receives them.
 struct Payload : std::span<const std::uint8_t> {
-  Payload(std::span<const std::uint8_t> bytes, Decoded* decoded_once = nullptr)  // NOLINT: as it is
+  Payload(std::span<const std::uint8_t> bytes, Decoded* decoded_once = nullptr)  // NOLINT: implicit
       : std::span<const std::uint8_t>(bytes), decoded(decoded_once) {}
-  Payload(const std::vector<std::uint8_t>& bytes)  // NOLINT: as it is
+  Payload(const std::vector<std::uint8_t>& bytes)  // NOLINT: implicit
       : Payload(std::span<const std::uint8_t>(bytes)) {}
 
   Decoded* decoded = nullptr;  ///< null: the bytes are not shared

@@ -31,8 +31,8 @@ struct TransportStats {
 /// Result of handle() when no more messages can arrive.
 inline constexpr int kSourceEnded = -1;
 
-/// Interface for the transfer of bytes under channel names. Another implementation of it is
-/// sufficient to replace LCM.
+/// Interface for the transfer of bytes under channel names. Another implementation of this
+/// interface is sufficient to replace LCM.
 ///
 /// Not thread-safe unless a class states otherwise.
 class Transport {
@@ -70,11 +70,12 @@ class Transport {
 /// no such file).
 std::unique_ptr<Transport> open_transport(const std::string& url);
 
-/// Function that is called with one sentence when the network is lost, and when it has returned.
+/// Function that is called with one sentence when the network is lost and when the network has
+/// returned.
 using ReportNetwork = std::function<void(const std::string& words)>;
 /// As open_transport(), but does not fail when the udpm network is missing (no multicast route, no
-/// such card). Until it is present, nothing is sent or received, and handle() retries. For
-/// processes that must run without a network, above all the driver of a vehicle.
+/// such card). Until it is present, nothing is sent or received, and handle() retries. Use this
+/// function for processes that must run without a network, such as the driver of a vehicle.
 std::unique_ptr<Transport> open_waiting_transport(const std::string& url, ReportNetwork report);
 
 /// Bus within one process. Every endpoint receives the messages of all endpoints, including its
@@ -89,8 +90,9 @@ class InProcessHub {
   InProcessHub(InProcessHub&&) = delete;
   InProcessHub& operator=(InProcessHub&&) = delete;
 
-  /// Creates an endpoint. The hub must outlive it. `on_arrival` is called for every message put
-  /// into its queue, on the publisher's thread. It must be quick and must not use the hub.
+  /// Creates an endpoint. The hub must outlive the endpoint. For every message put into the
+  /// endpoint's queue, the publisher's thread calls `on_arrival`, which must be quick and must not
+  /// use the hub.
   std::unique_ptr<Transport> connect(std::function<void()> on_arrival = {});
 
  private:

@@ -48,9 +48,9 @@ struct AssembledMessage {
 ///
 /// Memory is only used for bytes that have arrived, not for sizes that a header announces, so false
 /// sizes cost little memory. When the memory is full, the message with the fewest bytes is evicted;
-/// of equal ones, the oldest. The eighth of the messages with the newest fragments is not evicted.
-/// So in a flood of first fragments, or of nearly complete messages, the messages of the flood are
-/// evicted rather than honest ones.
+/// among messages of equal size, the oldest. The eighth of the messages with the newest fragments
+/// is not evicted. So in a flood of first fragments, or of nearly complete messages, the messages
+/// of the flood are evicted rather than honest ones.
 ///
 /// Fragments of different senders are never combined. A sender that forges an address can damage a
 /// message only if it also copies the sequence number, size and fragment count of the message. Uses
@@ -59,8 +59,8 @@ class Reassembler {
  public:
   explicit Reassembler(const ReassemblyLimits& limits = {});
 
-  /// Adds one fragment from `source` (address and port as a number). Returns the message if it is
-  /// complete now. Precondition: parse_packet() returned `packet`, and packet.is_fragment.
+  /// Adds one fragment from `source` (address and port as a number). Returns the message if this
+  /// fragment completes it. Precondition: parse_packet() returned `packet`, and packet.is_fragment.
   std::optional<AssembledMessage> add(std::uint64_t source, const Packet& packet,
                                       std::int64_t now_ns);
   /// Discards messages without a new fragment for age_max_ns.

@@ -24,7 +24,7 @@ struct Datagram {
 ///
 /// Opening does not block. Sent datagrams are also received on this host, including by the sender.
 ///
-/// The network may disappear and return, for example a deleted route or a removed card.
+/// The network may disappear and return, for example when a route is deleted or a card is removed.
 /// keep_joined() then joins the group again, because a new card does not have the old membership.
 class MulticastSocket {
  public:

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kMessagesPerHandle = 4096;
 constexpr int kDatagramsPerTaking = 256;  // limit per read, so that a flood cannot delay handlers
-constexpr std::int64_t kOvertimeNs = 5'000'000;  // allowed beyond the caller's timeout
-constexpr std::int64_t kTakePeriodNs = 100'000;  // longest time between reads from the kernel
+constexpr std::int64_t kOvertimeNs = 5'000'000;  // ns; time allowed beyond the caller's timeout
+constexpr std::int64_t kTakePeriodNs = 100'000;  // ns; longest time between reads from the kernel
 constexpr std::size_t kQueuedOverheadBytes = 128;
 
 std::size_t cost_of(const AssembledMessage& message) {
