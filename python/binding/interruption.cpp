@@ -14,8 +14,8 @@ constexpr std::int64_t kEvery_ns = 50'000'000;
 
 thread_local Interruption* innermost = nullptr;
 
-// Returns the time of a monotonic clock with a resolution of a few milliseconds. It is cheap,
-// because searches call it at each node.
+// Returns the time of a monotonic clock with a resolution of a few milliseconds. The call is cheap,
+// because searches read the time at each node.
 std::int64_t coarse_ns() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);

@@ -179,7 +179,7 @@ TargetModel("damped_oscillator", center_m, position_sigma_m, velocity_sigma_mps,
           py::arg("dt_s"), py::arg("steps_unseen") = 1, "W, (n, n).");
 }
 
-// long: a list of the Python names, one entry each.
+// This function is long: it lists the Python names, one entry each.
 void bind_sensor(py::module_& module) {
   py::class_<SensorModel> sensor(module, "SensorModel",
                                  R"(A sensor model, z = h(x, y) + v.
@@ -295,7 +295,7 @@ World(bounds, obstacles=()): bounds (4,) and obstacles (n, 4): xmin, ymin, xmax,
           py::arg("a"), py::arg("b"), "True if no obstacle is between the points.");
 }
 
-// long: a list of the Python names, one entry each.
+// This function is long: it lists the Python names, one entry each.
 void bind_belief(py::module_& module) {
   module.def(
       "predict",

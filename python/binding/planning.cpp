@@ -20,7 +20,7 @@ namespace {
 using planner::SearchResult;
 using tools::PlanOutcome;
 
-// Value of Python's vantage.Plan. It remains valid after its problem is deleted.
+// Value of Python's vantage.Plan. A plan remains valid after its problem is deleted.
 struct Plan {
   PlanOutcome outcome;
   int horizon_steps = 0;
@@ -162,7 +162,7 @@ double gap_of(const Plan& plan) {
                           : std::numeric_limits<double>::infinity();
 }
 
-// long: a list of the Python names, one entry each.
+// This function is long: it lists the Python names, one entry each.
 void bind_problem(py::module_& module) {
   py::class_<Problem>(module, "Problem",
                       R"(One robot's planning problem: docs/guide/planning-problems.md.
@@ -233,7 +233,7 @@ Nats for cost logdet, m² for trace. Reachability and clearance of the poses are
       });
 }
 
-// long: a list of the Python names, one entry each.
+// This function is long: it lists the Python names, one entry each.
 void bind_plan(py::module_& module) {
   const auto integer = [](std::int64_t SearchResult::*member) {
     return [member](const Plan& p) { return p.result().*member; };

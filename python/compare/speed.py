@@ -3,7 +3,7 @@
 
   env    steps per second of each environment compared with numpy_tasks.py, the same task in plain
          numpy: the rows of docs/guide/python.md
-  plan   overhead of a call of Planner.plan(): its time minus that of the search
+  plan   overhead of a call of Planner.plan(): time of the call minus time of the search
   trial  time of a trial stepped from Python and of the same `vantage trial`, measured alternately
 
 Without WHAT, all three are measured.

@@ -31,7 +31,7 @@ struct TeamRequest {
   /// Search of one robot's plan, for algorithms that search; empty: the default search with
   /// `nodes`.
   std::function<planner::SearchResult(const planner::SearchProblem&)> search;
-  bool (*is_cancelled)() = nullptr;  ///< see Deadline::unless
+  bool (*is_cancelled)() = nullptr;  ///< see Deadline::with_cancellation()
 };
 
 /// Decision of a team, with the candidates from which it was chosen.
@@ -61,7 +61,8 @@ class Decision {
   /// @throws UsageError if there are too many attacks to enumerate
   [[nodiscard]] planner::Attack worst_attack(int attacks_max) const;
   /// Returns a proven upper bound, nats, of J over all paths that the robots' controls allow. With
-  /// attacks it bounds the value that remains after the worst attack. ∞: no bound is known.
+  /// attacks, the result bounds the value that remains after the worst attack. ∞: no bound is
+  /// known.
   /// @throws UsageError that names the argument that breaks a rule
   [[nodiscard]] double paths_bound(int attacks_max, std::int64_t nodes,
                                    bool (*is_cancelled)()) const;

@@ -44,7 +44,7 @@ double TeamTask::step(std::span<const std::int64_t> actions) {
   return on_step(actions);
 }
 
-// require() is not used, because its message would be formatted even if it is not needed.
+// require() is not used, because its message would be formatted even if all actions are valid.
 void require_actions(std::span<const std::int64_t> actions, std::size_t tasks,
                      const TeamTask& task) {
   const auto robots = static_cast<std::size_t>(task.robots());

@@ -12,7 +12,8 @@ namespace vantage::python {
 struct JammerSpec {
   int attacks = 0;        ///< α: number of robots jammed simultaneously
   int period_steps = 25;  ///< steps; duration until other robots are jammed
-  bool is_greedy = true;  ///< true: jam the robots that saw most in the last period; false: random
+  bool is_greedy =
+      true;  ///< true: jam the robots that observed most in the last period; false: random
 };
 
 /// Contiguous part of an observation.
@@ -44,7 +45,7 @@ class TeamTask {
   [[nodiscard]] int steps_max() const { return steps_max_; }
   /// True after the last step of an episode, until reset().
   [[nodiscard]] bool is_over() const { return steps_ >= steps_max_; }
-  /// Returns one entry per robot; non-zero: its sensor is jammed now.
+  /// Returns one entry per robot; non-zero: the sensor is jammed at present.
   [[nodiscard]] const std::vector<char>& jammed() const { return jammed_; }
 
   [[nodiscard]] virtual int actions() const = 0;
@@ -56,7 +57,8 @@ class TeamTask {
   /// Writes the observations of all robots in order. Precondition: `out` has robots() ·
   /// observation_size() entries.
   void observe(std::span<float> out) const;
-  /// Returns the entropy, nats: in tracking the mean over the targets, in mapping that of the map.
+  /// Returns the entropy, nats: in tracking, the mean over the targets; in mapping, the map's
+  /// entropy.
   [[nodiscard]] virtual double entropy_nats() const = 0;
 
  protected:

@@ -48,7 +48,8 @@ class TrackingTask final : public TeamTask {
   [[nodiscard]] int actions() const override { return static_cast<int>(spec_.controls.size()); }
   /// Returns the parts "self" (5), "teammates" (robots − 1, 4) and "targets" (targets, 6). For each
   /// estimated target: position in the body frame in units of the field's diagonal, velocity in
-  /// that frame in units of 2 m/s, entropy in units of 10 nats, and 1 if the team detects it now.
+  /// that frame in units of 2 m/s, entropy in units of 10 nats, and 1 if the team detects the
+  /// target at this step.
   [[nodiscard]] std::vector<ObservationPart> observation_parts() const override;
   [[nodiscard]] int observation_size() const override;
   void observe(int robot, std::span<float> out) const override;

@@ -21,7 +21,7 @@ class VectorTask {
 
   /// Starts new episodes of all tasks, each with its own seed.
   void reset(std::span<const std::uint64_t> seeds);
-  /// Steps all tasks. If the episode of a task was over, the task starts the next one instead: its
+  /// Steps all tasks. A task with an episode that is over starts its next episode instead: its
   /// actions are ignored and its reward is 0. next_episode_seed() gives the next seed.
   /// @param actions [task][robot]; all are checked before the first task is stepped
   /// @param rewards, is_over  one per task

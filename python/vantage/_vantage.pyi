@@ -1,4 +1,4 @@
-"""Types of the library's compiled part. It contains the docstrings: see help(vantage.Plan)."""
+"""Types of the library's compiled part, which contains the docstrings: see help(vantage.Plan)."""
 import os
 from typing import Any, Callable, Iterable, Mapping, Sequence
 

@@ -8,7 +8,7 @@
     node.every(0.5, lambda utime: node.publish("MEASUREMENT_Q1", message))
     node.run()
 
-Types are classes with encode() and decode(), as `lcm-gen --python` writes; those of this stack are in
+Types are classes with encode() and decode(), as `lcm-gen --python` writes. The stack's types are in
 the package vantage_lcm (Debian: vantage-lcmtypes). Without a type, messages are bytes.
 """
 import time
@@ -22,9 +22,9 @@ class Bus:
     """Connection of one process to the bus. Thread-safe: simultaneous calls are executed one after another.
 
     url: as in network.url ("": $LCM_DEFAULT_URL, else the default of LCM). scenario: a Scenario or its source.
-    If `url` is "", its network.url is used. Its security applies: published messages are signed with the key
-    of the channel's role, and received messages are verified (docs/guide/security.md). Without a scenario,
-    messages are not verified.
+    If `url` is "", the scenario's network.url is used. The scenario's security applies: published messages are
+    signed with the key of the channel's role, and received messages are verified (docs/guide/security.md).
+    Without a scenario, messages are not verified.
 
     Raises StartupError if the network is missing or the keys are invalid.
     """
@@ -78,7 +78,7 @@ class Bus:
         return self._bus.publish(channel, bytes(message))
 
     def handle(self, timeout_s=0.0):
-        """Waits up to timeout_s for a message and calls the handlers of all received ones. Returns their number."""
+        """Waits up to timeout_s for a message and calls the handlers of all received messages. Returns their number."""
         return self._bus.handle(timeout_s)
 
     @property
@@ -95,7 +95,7 @@ class Bus:
 class Node(Bus):
     """Process on the bus: handles messages and runs periodic actions until Ctrl-C.
 
-    If vantage_lcm is installed, it publishes its state once per second on HEALTH_<name>, as every process does.
+    If vantage_lcm is installed, the node publishes its state once per second on HEALTH_<name>, as all processes do.
     """
 
     def __init__(self, name, url="", scenario=None):

@@ -13,10 +13,10 @@ class Columns(collections.abc.Mapping):
     """Messages of one channel: a numpy array for each field of its .lcm file.
 
     For n messages a scalar field is (n,), a field of constant size (n, k); text has dtype object. Integers are
-    int64 and floating-point numbers float64, whatever their width in the message.
+    int64 and floating-point numbers float64, for all widths in the message.
 
     Lists of variable length are concatenated: columns["segments.duration_s"] contains the segments of all
-    messages, and those of message i are offsets["segments"][i]:offsets["segments"][i + 1]. The offsets of a
+    messages; the segments of message i are offsets["segments"][i]:offsets["segments"][i + 1]. The offsets of a
     nested list count rows of the outer list. Two-dimensional lists are row-major.
     """
 
@@ -60,7 +60,7 @@ Channel = collections.namedtuple("Channel", "type messages first_utime last_utim
 class Log:
     """LCM event log. If the log is damaged, all intact events are read.
 
-    log["PLAN_Q1"] reads a channel; read() reads a part of one. log.channels contains all channels.
+    log["PLAN_Q1"] reads a channel; read() reads a part of a channel. log.channels contains all channels.
     Raises StartupError if the file cannot be read.
     """
 

@@ -1,7 +1,7 @@
 """Target models, costs, filters and planners written in Python. They are slow: use them to try new ideas.
 
 A target model is any object with transition(dt_s) and process_noise(dt_s), both (n, n), like
-vantage.TargetModel. If it also has expected(mean, dt_s), it may be nonlinear; transition(dt_s, mean=mean)
+vantage.TargetModel. If the object also has expected(mean, dt_s), it may be nonlinear; transition(dt_s, mean=mean)
 is then the Jacobian at `mean`. n is the dimension of the scenario's model; the state begins with the position.
 
     trial = vantage.Trial(scenario,
@@ -40,7 +40,7 @@ def _predict(model, mean, covariance, dt_s):
 class Filter:
     """Filter of one robot's target beliefs with a custom target model: for Trial(filters=…).
 
-    It is a Kalman filter of the scans that the robot receives. A target is known from its first detection on, with a
+    Kalman filter of the scans that the robot receives. A target is known from its first detection on, with a
     velocity deviation of prior_velocity_sigma_mps.
     """
 
@@ -119,7 +119,7 @@ class Search:
         return numpy.array(path) if path else None
 
     def _drive(self, pose, control, step, question):
-        """Returns the pose after one step; None if it, the path to it or the stop after it is in collision."""
+        """Returns the pose after one step; None if the pose, the path to it or the stop after it is in collision."""
         half_s = question["step_s"] / 2
         stop_m = control[0]**2 / 4  # m; stopping distance at 2 m/s²
         along = [_vantage.step_unicycle(pose, control, half_s)]

@@ -15,7 +15,7 @@ range_max_m, range_sigma_m, fov_deg, bearing_sigma_deg.
 Mapping: robots with range finders explore an unknown world. Reward: decrease of the map's entropy, nats.
 Options: robots, world (pillars or corridors), side_m, patch_cells.
 Both: episode_steps; attacks (number of robots whose sensors are jammed simultaneously), attack_period_steps
-(steps until other robots are jammed), attacker (greedy: the robots that saw most; random).
+(steps until other robots are jammed), attacker (greedy: jams the robots that observed most; random).
 """
 from . import baselines
 from .single import TaskEnv

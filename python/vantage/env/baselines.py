@@ -33,13 +33,13 @@ class Random:
 
 
 class Planner:
-    """The stack's planners as a policy: the robots plan in order, each given the plans of the previous ones.
+    """The stack's planners as a policy: robots plan in order, each given the plans of the previous robots.
 
     algorithm: in tracking a name of vantage.algorithms() ("beam", "arvi", "greedy", …) with a budget of
     `nodes` per robot and plan; in mapping "forward", an exhaustive search over its horizon, or "greedy", the best next
     step. None: "beam" in tracking, "forward" in mapping.
     A plan is followed for replan_steps steps. The planner uses the team's beliefs (snapshot()) instead of the
-    observations, which contain less information. It never uses the truth.
+    observations, which contain less information. The planner never uses the truth.
     """
 
     def __init__(self, env, algorithm=None, *, horizon_steps=None, nodes=20_000, replan_steps=None):

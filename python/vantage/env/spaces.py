@@ -1,4 +1,4 @@
-"""Gymnasium's spaces if it is installed, else the subset that the environments need."""
+"""Gymnasium's spaces if Gymnasium is installed, else the subset that the environments need."""
 import numpy
 
 try:

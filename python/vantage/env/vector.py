@@ -43,7 +43,7 @@ class TaskVectorEnv(Parts, _VectorEnv):
     Observations (num_envs, D) for one robot, (num_envs, N, D) for a team; actions (num_envs,) or
     (num_envs, N). After an episode's last step the next step() starts a new episode of that task, ignores the
     action and gives reward 0 (Gymnasium's AutoresetMode.NEXT_STEP). reset(seed=s) gives task i the seed s + i,
-    or takes a list of seeds; they determine the seeds of later episodes. The results do not depend on the number
+    or takes a list of seeds, which determine the seeds of later episodes. The results do not depend on the number
     of threads.
     """
 
