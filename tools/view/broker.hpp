@@ -17,8 +17,8 @@
 namespace vantage::tools {
 
 /// Connected viewer with its queue of outgoing frames. The threads of the bus and of the connection
-/// fill the queue. The viewer's writer thread empties it, so a stalled viewer does not delay
-/// others.
+/// fill the queue. The viewer's writer thread empties it, so a stalled viewer does not delay other
+/// viewers.
 class Client {
  public:
   Client(Outbox outbox, bool speaks_sdk) : speaks_sdk_(speaks_sdk), outbox_(std::move(outbox)) {}
@@ -35,7 +35,8 @@ class Client {
   const bool speaks_sdk_;
   /// Subscription ids by channel id; guarded by the Broker.
   std::map<std::uint32_t, std::vector<std::uint32_t>> subscriptions_;
-  std::int64_t drops_reported_ = 0;  ///< last reported number of drops; guarded by the Broker
+  std::int64_t drops_reported_ =
+      0;  ///< last reported number of dropped frames; guarded by the Broker
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
@@ -66,15 +67,15 @@ class Broker : public logs::foxglove::Sink {
 
   /// Notes that all records of the log up to `time` have been counted.
   void reached(Time time);
-  /// Sends the time in the log to all viewers; a newer time replaces an unsent one. New viewers get
-  /// the last time and playback state.
+  /// Sends the time in the log to all viewers; a newer time replaces an unsent time. New viewers
+  /// receive the last time and playback state.
   void broadcast_time(Time time);
   void broadcast_playback(const PlaybackState& state);
 
-  /// Shows a status message to all viewers, later ones included. It replaces the message with the
-  /// same `id`; an empty message removes it.
+  /// Shows a status message to all present and later viewers. The new message replaces the one with
+  /// the same `id`; an empty message removes that one.
   void set_status(const std::string& id, const std::string& message);
-  /// Changes the range of the log. Viewers get a new session with that range.
+  /// Changes the range of the log. Viewers receive a new session with this range.
   void set_range(Time start, Time end);
 
   /// Adds a viewer and sends it the server info, channels and status messages. A viewer that does
@@ -87,7 +88,7 @@ class Broker : public logs::foxglove::Sink {
 
   /// Returns JSON {topics, jumps, time_s}.
   /// - topics: list of {topic, schema, count, type}; count is the number of records since the
-  ///   start, including those that were not made for lack of subscribers; type is absent if the
+  ///   start, including records not made because no viewer subscribes; type is absent if the
   ///   schema implies it.
   /// - jumps: number of jumps in the log. Rates can be computed from two answers with equal jumps.
   /// - time_s: instant of the log up to which records have been counted, s since the Unix epoch;

@@ -12,8 +12,9 @@ namespace vantage::tools {
 
 /// Policy that ends slow connections of a web server, so that others can connect. A connection is
 /// ended if its request does not arrive within kHeaderPatience. If an address has more than
-/// kOfOneAddressMax connections, its oldest ones are ended; above kOfAllMax in total, the oldest
-/// ones of the address with most connections. Viewers (WebSocket) do not count. Pure.
+/// kOfOneAddressMax connections, its oldest connections are ended. If the total exceeds kOfAllMax,
+/// the oldest connections of the address with most connections are ended. Viewers (WebSocket) are
+/// not counted. Pure: no I/O.
 class ConnectionTable {
  public:
   static constexpr std::size_t kOfOneAddressMax = 32;

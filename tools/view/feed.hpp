@@ -23,7 +23,7 @@ logs::foxglove::Json raw_message(std::span<const std::uint8_t> data,
                                  const logs::TypeLibrary& types);
 
 /// Converts all messages of a bus into records of a Sink. If the Sink wants topic /lcm/CHANNEL,
-/// also writes each unchanged message of CHANNEL to it. Publishes nothing.
+/// also writes each unchanged message of CHANNEL to this topic. Publishes nothing.
 class Feed {
  public:
   /// @param types  message types for raw messages; must outlive the feed

@@ -12,13 +12,13 @@
 
 namespace vantage::tools {
 
-/// Storage of the records that viewers need after a late connection, for charts, marks and paths:
+/// Storage of the past records that a new viewer needs for charts, marks and paths:
 /// - all records of the team, of plans and of events;
 /// - at most one record per second of each vehicle and process;
 /// - the positions of all bodies five times per second.
-/// Its size is bounded; the oldest records are removed first. All records are passed on to another
-/// Sink, or only its wants() is called, so that this Sink knows every topic. One thread writes; any
-/// thread may read.
+/// The size is bounded; the oldest records are removed first. Either all records are passed on to
+/// the Sink `audience`, or only its wants() is called, so that it knows every topic. One thread
+/// writes; any thread may read.
 class History : public logs::foxglove::Sink {
  public:
   enum class Forwarding { kRecords, kWantsOnly };

@@ -52,8 +52,8 @@ class LiveView {
 };
 
 /// Serves a log until `stop` returns true. Calls `ready` with the server, then begins at
-/// first_picture(), paused unless `is_playing`. If the first pass over the log is not complete, it
-/// continues in another thread, and viewers see its progress.
+/// first_picture(), paused unless `is_playing`. If the first pass over the log is not complete, the
+/// pass continues in another thread, and viewers see its progress.
 /// @throws StartupError if the address cannot be used.
 void serve_log(logs::SeekableLog& log, const logs::TypeLibrary& types, const WebOptions& options,
                bool is_playing, const std::function<void(const WebServer&)>& ready,

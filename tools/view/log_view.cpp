@@ -57,7 +57,7 @@ class Series : public logs::foxglove::Sink {
   logs::foxglove::Json points_ = logs::foxglove::Json::array();
 };
 
-/// Sink that counts which conditions of first_picture() are met.
+/// Sink that counts the conditions of first_picture() that are met.
 class FirstPictureConditions : public logs::foxglove::Sink {
  public:
   bool wants(const std::string& topic, logs::foxglove::Schema schema, bool /*is_state*/) override {

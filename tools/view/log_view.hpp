@@ -16,7 +16,7 @@
 
 namespace vantage::tools {
 
-/// Bytes; log_history() and log_series() do not read larger logs.
+/// Size of the largest log that log_history() and log_series() read, bytes.
 inline constexpr std::size_t kWholeBytesMax = std::size_t{256} << 20U;
 
 /// Returns History::text() of a complete log. Returns "[]" for a log above 256 MiB, which would
@@ -35,13 +35,13 @@ std::string log_series(const logs::SeekableLog& log, const logs::TypeLibrary& ty
 
 /// Returns the first instant with a complete picture of a trial: every robot of the scenario has a
 /// position and a plan, and a target estimate or a map exists. If no instant within the first 2 min
-/// and 16 MiB meets all these conditions, returns the first one that meets most of them. Returns
+/// and 16 MiB meets all these conditions, returns the first instant that meets the most. Returns
 /// the start of a log without a scenario. Ends early if `stop` returns true.
 Time first_picture(
     const logs::SeekableLog& log, const std::function<bool()>& stop = [] { return false; });
 
-/// Continues a log's first pass until it is complete or `stop` returns true. Viewers see the
-/// progress ("12 % read") until it ends. Call once, in a separate thread.
+/// Continues a log's first pass until it is complete or `stop` returns true. Until then, viewers
+/// see the progress ("12 % read"). Call once, in a separate thread.
 void read_first_pass(logs::SeekableLog& log, Broker& broker, const std::function<bool()>& stop);
 
 /// Player of a log that sends records to a broker and obeys the playback requests of its viewers.

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-// Checks of a browser's Host and Origin headers. Pure except for the host's own name.
+// Checks of a browser's Host and Origin headers. Pure, except that the host's name is read.
 
 namespace vantage::tools {
 

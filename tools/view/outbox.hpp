@@ -9,7 +9,7 @@
 
 namespace vantage::tools {
 
-/// One WebSocket message on its way to a client. The body is shared with other clients.
+/// Outgoing WebSocket message to one client. The body is shared with other clients.
 struct Frame {
   enum class Kind : std::uint8_t {
     kControl,  ///< never dropped
@@ -29,7 +29,7 @@ struct Frame {
 /// frames and outdated states, but never a control message. Not thread-safe.
 class Outbox {
  public:
-  /// @param bytes_max   maximum size of all flow frames together; the newest one is always kept
+  /// @param bytes_max   maximum size of all flow frames together; the newest is always kept
   /// @param control_max number of waiting control messages above which is_overflowing() is true
   explicit Outbox(std::size_t bytes_max = 8U << 20U, std::size_t control_max = 4096)
       : bytes_max_(bytes_max), control_max_(control_max) {}

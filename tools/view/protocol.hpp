@@ -18,7 +18,7 @@
 
 namespace vantage::tools {
 
-/// Supported subprotocols, newest first. Only the first has playback control.
+/// Supported subprotocols, newest first. Only the first subprotocol has playback control.
 inline constexpr const char* kSubprotocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
 
 struct ServerInfo {

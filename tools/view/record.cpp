@@ -59,7 +59,7 @@ class TemporaryFolder {
   [[nodiscard]] std::string file(const std::string& name) const { return path_ / name; }
 
  private:
-  static constexpr int kTriesToRemove = 500;  // 5 s; the browser's children cannot be joined
+  static constexpr int kTriesToRemove = 500;  // 5 s; it is unknown when the browser's children end
   fs::path path_;
 };
 
@@ -74,7 +74,7 @@ Child start_browser(const std::string& address, const RecordOptions& options,
   ChildOptions child_options;
   child_options.output = output;
   child_options.end_signal = SIGKILL;
-  child_options.environment = {"TMPDIR=" + folder.file("")};  // removed with its temporary files
+  child_options.environment = {"TMPDIR=" + folder.file("")};  // for the browser's files
   std::optional<Child> browser;
   for (const std::string& name : names) {
     std::vector<std::string> words = {

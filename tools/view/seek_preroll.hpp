@@ -10,8 +10,8 @@ namespace vantage::tools {
 
 /// Filter in front of a Sink for the messages before a seek position, which are played twice. The
 /// first pass counts the records of each topic; the second pass makes only the last record of each
-/// topic, because viewers see no other. Making a record costs many times as much as counting it.
-/// Both passes handle all messages.
+/// topic, because viewers see no other record. Making a record costs many times as much as counting
+/// it. Both passes handle all messages.
 class SeekPreroll : public logs::foxglove::Sink {
  public:
   explicit SeekPreroll(logs::foxglove::Sink& audience) : audience_(audience) {}
@@ -24,7 +24,7 @@ class SeekPreroll : public logs::foxglove::Sink {
   /// Begins the second pass over the same records: calls the audience's wants() for each, and
   /// passes on the last record of each topic.
   void make_last() { stage_ = Stage::kMakesLast; }
-  /// Ends the second pass: passes on everything from now on.
+  /// Ends the second pass: all further records are passed on.
   void end() { stage_ = Stage::kPassesOn; }
 
   bool wants(const std::string& topic, logs::foxglove::Schema schema, bool is_state) override {

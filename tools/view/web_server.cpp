@@ -92,7 +92,7 @@ void answer(mg_connection* socket, const char* type, const std::string& body) {
   mg_write(socket, body.data(), body.size());
 }
 
-// Refuses a request. Writes the headers, because civetweb writes none to a WebSocket request.
+// Refuses a request. Writes the headers, because civetweb writes none if a WebSocket is requested.
 int refuse(mg_connection* socket, int code, const char* reason, const char* why) {
   mg_printf(socket,
             "HTTP/1.1 %d %s\r\nContent-Type: text/plain\r\nContent-Length: %zu\r\n"

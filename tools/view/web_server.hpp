@@ -13,7 +13,7 @@ namespace vantage::tools {
 
 struct WebOptions {
   std::string bind = "127.0.0.1";
-  int port = 8765;  ///< 0: any free port
+  int port = 8765;  ///< 0: any unused port
   std::string
       page_folder;  ///< folder of the built page; without index.html a note is served instead
   /// Further host names that requests may use, in addition to addresses, localhost and this host's
@@ -33,7 +33,7 @@ struct WebOptions {
 };
 
 /// HTTP and WebSocket server on one port (civetweb). It serves the page's files, and a Broker's
-/// frames to a bounded number of viewers. Each connection has one thread that reads and one that
+/// frames to a bounded number of viewers. Each connection has a thread that reads and a thread that
 /// writes. The server writes only to its sockets.
 class WebServer {
  public:

@@ -1,6 +1,7 @@
 import { defineConfig } from "vite";
 
-// One page that loads nothing from other servers. The target is old enough for tablets in a lab.
+// Builds one page that loads nothing from other servers. Old tablets in a lab support the build
+// target.
 export default defineConfig({
   base: "./",
   build: { target: "es2020", chunkSizeWarningLimit: 2000, assetsInlineLimit: 0 },

@@ -204,7 +204,7 @@ class Chart {
   make() {
     const axis = axis_look();
     const { zero, range, count } = this.spec;
-    this.write_legend(); // first, because the size of the plot depends on the legend
+    this.write_legend(); // written first, because the plot's size depends on it
     this.plot = new uPlot(
       {
         width: Math.max(80, this.body.clientWidth),
@@ -537,7 +537,8 @@ class ByAge extends Chart {
   table() {
     this.judged = this.classes();
     const places = this.judged.map((_, i) => i);
-    // Half a class beyond both ends, so that the line of the expected value crosses the complete plot.
+    // The axis extends half a class beyond both ends, so that the line of the expected value
+    // crosses the complete plot.
     const all = places.length === 0 ? [] : [-0.5, ...places, places.length - 0.5];
     return [all, all.map(() => this.expected()), all.map((i) => this.judged[i]?.mean ?? null)];
   }

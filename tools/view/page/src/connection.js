@@ -137,7 +137,7 @@ export class Connection {
     this.passed.length = 0;
   }
 
-  /** Subscribes to a known topic or unsubscribes from it. Does nothing if this is already the case. */
+  /** Subscribes to a known topic or unsubscribes from it. Does nothing if the topic already has this state. */
   want(topic, is_wanted) {
     const channel = this.channels.get(topic);
     const known = [...this.subscriptions].find(([, name]) => name === topic);

@@ -1,5 +1,5 @@
-// The world painted on a 2-D canvas, far items first. This is many times faster than WebGL that is drawn by the processor, and
-// works without WebGL.
+// The world painted on a 2-D canvas, far items first. This method is many times faster than WebGL
+// that the processor draws, and works in browsers without WebGL.
 //
 // Items are sorted by height; those farthest from the camera's height are painted first. This order is exact for horizontal
 // items (fields of view, ellipses, plans, discs). Items behind an obstacle are painted before the obstacle. A line that is

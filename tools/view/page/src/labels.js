@@ -1,5 +1,6 @@
-// Placement of labels next to their items without overlap. Each label takes its last position if that is free, else the
-// first free position. A label without a free position is not drawn.
+// Placement of labels next to their items without overlap. Each label keeps its last position if
+// nothing else is there, else takes the first unoccupied position. A label for which all positions
+// are occupied is not drawn.
 
 /** Positions of a label's centre relative to the item's centre, in units of half the label's size plus the item's radius. */
 const kPlaces = [[0, -1], [1, 0], [-1, 0], [0, 1], [0.8, -0.8], [-0.8, -0.8], [0.8, 0.8], [-0.8, 0.8]];

@@ -154,7 +154,7 @@ function clear_all() {
   by_id("empty").hidden = false;
 }
 
-/** Loads the history by HTTP: for a log all records, in a live view those that the server has stored. */
+/** Loads the history by HTTP: for a log all records, in a live view the records that the server has stored. */
 async function load_history(session) {
   let history = [];
   try {
@@ -203,7 +203,7 @@ function was_received(topic, time) {
   const name = topic === "/transforms" ? "/paths" : topic; // topic of the bodies' positions in the history
   const until = state.received_until.get(name) ?? -Infinity;
   if (time <= until && time > until - kSetBack_s) return true;
-  if (topic !== "/events") state.received_until.set(name, time); // events may share a time; the server repeats none
+  if (topic !== "/events") state.received_until.set(name, time); // events may share a time; the server does not repeat events
   return false;
 }
 
@@ -313,7 +313,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
 
 const kNothingYet = by_id("empty").textContent;
 
-/** Hides the stage for a log without a scenario, whose messages can still be read and charted. */
+/** Hides the stage for a log without a scenario. The log's messages can still be read and charted. */
 function update_scene() {
   const has_none = state.range !== null && connection.channels.size > 0 && !connection.channels.has("/scenario");
   if (has_none === (document.body.dataset.scene === "none")) return;
@@ -362,7 +362,7 @@ async function points_of(topic, path) {
   try {
     const points = (await (await fetch(`api/series?${new URLSearchParams({ topic, field })}`)).json())
       .map(([utime, value]) => [seconds_of(utime) - state.start, value]);
-    return points.length === 0 ? null : points; // the server returns none for a log that is too large
+    return points.length === 0 ? null : points; // the server returns no points for a log that is too large
     } catch {
     return null; // the connection has failed as well
   }
@@ -376,8 +376,8 @@ async function scenario_known() {
 
 let plotted = Promise.resolve();
 let requested_fields = []; // [topic, path] of each requested field until its values arrive
-/** Charts a number of a topic: over a complete log, or live from now on. The charts are in the order of the requests, even if
-    the answers arrive in another order. */
+/** Charts a number of a topic: over a complete log, or in a live view from now on. The charts are in the order of the requests,
+    even if the answers arrive in another order. */
 function plot(topic, path) {
   const field = [topic, path];
   requested_fields.push(field);

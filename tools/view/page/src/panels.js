@@ -16,7 +16,7 @@ export function make(tag, className, text) {
 export const in_order = new Intl.Collator("en", { numeric: true }).compare;
 
 /** Rows by key in a box. Rows are made once and updated with a beat if their text has changed. With more than kCrowd rows,
-    those without a problem are hidden, and a heading shows the number of rows by state. */
+    rows without a problem are hidden, and a heading shows the number of rows by state. */
 class Table {
   /** @param of {row(key): the elements of a row and its title; is_normal(key): true if the row shows no problem;
       words(keys): text of the heading} */
@@ -204,7 +204,7 @@ export class Events {
     this.filter = filter;
     filter.oninput = () => [...box.children].forEach((item) => this.filter_item(item));
     this.on_seek = on_seek;
-    this.open = new Map(); // text element of the last health problem, if not ended, by process
+    this.open = new Map(); // by process: text element of its last health problem that has not ended
   }
 
   add(event) {

@@ -7,7 +7,7 @@ const kSpace_px = 72; // minimum distance between lines of the grid
 const kBar_px = 150; // maximum length of the scale bar
 const kFont = '11px system-ui, "DejaVu Sans", sans-serif';
 
-/** Returns the least number of 1, 2, 5, 10, … (times a power of ten) that is ≥ `least`. */
+/** Returns the smallest number of 1, 2, 5, 10, … (times a power of ten) that is ≥ `least`. */
 export function round_up(least) {
   const decade = 10 ** Math.floor(Math.log10(least));
   return [1, 2, 5, 10].map((step) => step * decade).find((step) => step >= least * (1 - 1e-9));
@@ -158,7 +158,7 @@ export function draw_measure(pen, project, at, a, b) {
 
 /** Moves a camera without turning it, so that corners fill the free part of an area. Moves `target` as well.
     @param corners corners of the box to be visible
-    @param room {left, right, top, bottom}: pixels to keep free at each edge */
+    @param room {left, right, top, bottom}: pixels to leave empty at each edge */
 export function fit_perspective(camera, target, corners, { width, height }, room) {
   const backward = new THREE.Vector3().subVectors(camera.position, target).normalize();
   camera.aspect = width / height;

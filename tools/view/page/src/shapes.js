@@ -10,7 +10,7 @@ const kLeast_px = new Map([["/robots", kGlyph_px], ["/targets", 5]]); // minimum
 
 let memory_s = 30; // s; time after which observed ground is stale
 
-/** Sets the time after which observed ground is stale. @param of_scenario s; the estimators' memory; 0: unlimited, 30 s are used */
+/** Sets the time after which observed ground is stale. @param of_scenario s; the estimators' memory; 0 (unlimited): 30 s are used */
 export function set_memory(of_scenario) {
   memory_s = of_scenario > 0 ? of_scenario : 30;
 }

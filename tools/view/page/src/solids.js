@@ -9,7 +9,7 @@ const kGamma = 2.2;
 
 /** Returns the brightness of a face with a normal. */
 function shade_of(normal) {
-  const sky = 0.5 * (1 + normal.z) + 0.25 * 0.5 * (1 - normal.z); // the ground reflects a quarter
+  const sky = 0.5 * (1 + normal.z) + 0.25 * 0.5 * (1 - normal.z); // the ground reflects a quarter of the light
   return Math.pow((2.2 * sky + 1.2 * Math.max(0, normal.dot(kSun))) / Math.PI, 1 / kGamma);
 }
 

@@ -52,7 +52,7 @@ export class Timeline {
       };
       this.bar.onpointerup = (up) => {
         this.bar.onpointermove = this.bar.onpointerup = null;
-        if (up.clientX !== at_px) seek(up); // not twice to the same instant, which would only clear the picture
+        if (up.clientX !== at_px) seek(up); // a second seek to the same instant would only clear the picture
       };
     };
   }
@@ -70,7 +70,7 @@ export class Timeline {
 
   set_now(since) {
     this.now = since;
-    if (this.length_s !== null && !this.is_playing) this.write(); // live or during playback the next beat does this
+    if (this.length_s !== null && !this.is_playing) this.write(); // live and during playback, the next beat calls write()
   }
 
   write() {

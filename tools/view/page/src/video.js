@@ -7,7 +7,7 @@ const kWaiting = 8; // maximum number of pictures that wait for the encoder
 const kBitsAPixel = 0.14;
 const kCodecs = [["vp09.00.40.08", "V_VP9"], ["vp8", "V_VP8"]];
 
-/** Returns why this browser cannot encode videos here; null if it can. */
+/** Returns the reason why this browser cannot encode videos; null if it can. */
 export const why_no_video = () =>
   typeof VideoEncoder !== "undefined" ? null
     : window.isSecureContext ? "this browser has no video encoder (WebCodecs)"

@@ -1,5 +1,5 @@
 // Writer of a WebM file of encoded pictures. The file contains its length and an index of the key frames, so players can seek.
-// Pure: numbers and bytes in, bytes out.
+// Pure functions from numbers and bytes to bytes.
 // Source: RFC 8794 (EBML), RFC 9559 (Matroska), of which WebM is a part.
 
 const kClock_ns = 1_000_000; // all times are in milliseconds

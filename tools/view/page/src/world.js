@@ -28,7 +28,7 @@ function has_graphics() {
 
 export class World {
   /** @param on_pick called with the id of a clicked entity, or null
-      @param is_flat true: paint on a 2-D canvas; false: draw with WebGL; null: the faster one here */
+      @param is_flat true: paint on a 2-D canvas; false: draw with WebGL; null: the faster method on this machine */
   constructor(stage, on_pick, is_flat) {
     this.stage = stage;
     this.is_flat = is_flat ?? !has_graphics();
@@ -78,7 +78,7 @@ export class World {
     return this.eyes().some((eye) => eye.is_stale);
   }
 
-  /** Requests both views to be drawn again. */
+  /** Marks both views to be drawn again. */
   set_stale() {
     this.plan.is_stale = this.space.is_stale = true;
   }
@@ -433,7 +433,7 @@ export class World {
     this.set_stale();
   }
 
-  /** Returns [x, y] of the item under the pointer, or else of the ground under it; null: the pointer is on the sky. */
+  /** Returns [x, y] of the item under the pointer, or else of the ground under the pointer; null: the pointer is on the sky. */
   ground_at(eye, event) {
     const id = this.pick(eye, event, 12);
     if (id) {
