@@ -4,8 +4,8 @@
 # Merges an archive into one object and makes its template instances and inline functions (mostly
 # Eigen's) local. These functions have the same names for all compiler flags, and a linker keeps only
 # one copy of each. Without sealing, a program built with -mavx2 would share them with libraries built
-# with EIGEN_DONT_VECTORIZE, and one of both would call code compiled for the other's alignment
-# (docs/decisions/0010). Sealing an archive again has no effect.
+# with EIGEN_DONT_VECTORIZE, and one of the two would call code that was compiled for another
+# alignment (docs/decisions/0010). Sealing an archive again has no effect.
 cmake_minimum_required(VERSION 3.25)
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code ERROR_VARIABLE error_text OUTPUT_QUIET)
@@ -29,7 +29,7 @@ list(TRANSFORM shared REPLACE " . $" "")
 list(FILTER shared EXCLUDE REGEX "^_ZT[VTIS]N7vantage")
 list(JOIN shared "\n" shared)
 file(WRITE "${shared_names}" "${shared}\n")
-run(${OBJCOPY} "--weaken-symbols=${shared_names}" "${object}")  # otherwise unique symbols remain unique
+run(${OBJCOPY} "--weaken-symbols=${shared_names}" "${object}")  # unique symbols cannot be made local
 run(${OBJCOPY} "--localize-symbols=${shared_names}" "${object}")
 file(REMOVE "${ARCHIVE}")
 run(${AR} qcs "${ARCHIVE}" "${object}")

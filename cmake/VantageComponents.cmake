@@ -1,6 +1,6 @@
 # Components of vantage that other projects may use separately, each with its libraries, the
-# components that it needs, and the packages that it needs. Read by the build and, after the
-# installation, by find_package(vantage).
+# components that it needs, and the packages that it needs. The build reads this file; after the
+# installation, find_package(vantage) reads it.
 include_guard()
 
 set(vantage_components core models wire scenario planner estimator scenario_reader drivers bus logs)

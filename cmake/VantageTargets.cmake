@@ -15,7 +15,7 @@ option(VANTAGE_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 find_program(CCACHE ccache)
 if(CCACHE)
-  # With precompiled headers, ccache requires this sloppiness.
+  # With precompiled headers, ccache requires this value of CCACHE_SLOPPINESS.
   set(CMAKE_CXX_COMPILER_LAUNCHER
     ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
@@ -60,7 +60,7 @@ target_compile_options(vantage_build_flags INTERFACE
   $<$<CXX_COMPILER_ID:Clang>:-fconstexpr-steps=100000000>
   $<$<BOOL:${VANTAGE_WARNINGS_AS_ERRORS}>:-Werror>)
 if(VANTAGE_HARDENED)
-  # Equal sources give equal bytes, independent of the source and build folders
+  # Equal sources give identical binaries, independent of the source and build folders
   # (test/tools/same_bytes.sh).
   target_compile_options(vantage_build_flags INTERFACE
     -ffile-prefix-map=${PROJECT_BINARY_DIR}=build -ffile-prefix-map=${PROJECT_SOURCE_DIR}=vantage
@@ -118,7 +118,7 @@ endfunction()
 # Creates static library `vantage_<name>` with alias `vantage::<name>`. A unit is a header and the
 # source of the same name: a.hpp and a.cpp. Includes are relative to the root
 # ("models/sensor/sensor.hpp"); in other projects they begin with vantage/ (VantageInstall). The
-# headers are listed so that `all_verify_interface_header_sets` checks that each of them compiles
+# headers are listed so that `all_verify_interface_header_sets` checks that each header compiles
 # alone. If only some components are built (VANTAGE_COMPONENTS), a library with missing dependencies
 # is not created.
 function(vantage_library name)

@@ -1,8 +1,9 @@
 # cmake -D SOURCE=dir -D VERSION=0.1.0 -D OUTPUT=version.cpp -P WriteVersion.cmake
 #
-# Writes the version for logs and experiments, for example "0.1.0+359adcb.changed-5c1e0f2a". It
-# consists of the project's version and, in a checkout, of the last commit that changed the built files
-# and a hash of uncommitted changes, if any. Runs at every build; writes the file only if it changes.
+# Writes the version for logs and experiments, for example "0.1.0+359adcb.changed-5c1e0f2a". The
+# text consists of the project's version and, in a checkout, of the last commit that changed the
+# built files and a hash of uncommitted changes, if any. Runs at every build; writes the file only
+# if it changes.
 find_program(git_program git)
 set(built . ":!docs" ":!test" ":!*.md")
 
