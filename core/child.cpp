@@ -129,7 +129,7 @@ Child::~Child() { end(); }
 
 void Child::end() {
   if (pid_ > 0 && !exit_) {
-    ::kill(-pid_, SIGKILL);  // kill the group, so that descendants (as of a browser) end too
+    ::kill(-pid_, SIGKILL);  // kill the group, so that descendants (such as a browser's) end too
     send(SIGKILL);           // in case the child has left its group
     ::waitpid(pid_, nullptr, 0);
   }

@@ -38,8 +38,8 @@ class Deadline {
   }
 
   /// Returns a deadline with the same node budget and a third of the remaining time, for a
-  /// computation that is followed by others. Reads the clock once, unless there is only a node
-  /// budget.
+  /// computation that is followed by other computations. Reads the clock once, unless there is only
+  /// a node budget.
   [[nodiscard]] Deadline third() const {
     Deadline out = *this;
     if (instant_ns_ != kNever) {

@@ -40,7 +40,7 @@ int inherited_descriptor() {
   int descriptor = -1;
   const char* const end = given + std::strlen(given);
   const auto parsed = std::from_chars(given, end, descriptor);
-  ::unsetenv(LivenessSender::kDescriptorVariable);  // not for children of this process
+  ::unsetenv(LivenessSender::kDescriptorVariable);  // children must not inherit the descriptor
   struct stat what {};
   const bool is_pipe = parsed.ec == std::errc() && parsed.ptr == end &&
                        descriptor > STDERR_FILENO && ::fstat(descriptor, &what) == 0 &&

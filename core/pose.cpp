@@ -5,8 +5,8 @@
 namespace vantage {
 namespace {
 
-// Below these angles a series is used; its next term is less than the rounding error. 1 − cos ω is
-// not used because of cancellation.
+// Below these angles a series is used, because its next term is less than the rounding error. The
+// form 1 − cos ω is not used because of cancellation.
 constexpr double kSmallAngle_rad = 1e-4;
 constexpr double kSmallAngleOfCube_rad = 0.03;
 constexpr double kVertical = 1e-12;

@@ -1,6 +1,6 @@
 # vantage_libm.o: musl's sin, exp, log, … as part of vantage_core. They come from Debian's package
-# musl-dev, which runs on any processor of the architecture. Results are bit-identical for every
-# compiler, flag, processor and C library of a program (docs/decisions/0014).
+# musl-dev, which is compiled for any processor of the architecture. Results are bit-identical for
+# every compiler, flag, processor and C library of a program (docs/decisions/0014).
 find_file(MUSL_LIBRARY libc.a
   PATHS /usr/lib/${CMAKE_SYSTEM_PROCESSOR}-linux-musl /usr/lib/musl/lib NO_DEFAULT_PATH)
 if(NOT MUSL_LIBRARY)
