@@ -9,8 +9,8 @@
 #include "core/angle.hpp"
 #include "models/target/law.hpp"
 
-// P position rows, N state rows, Z measurement rows. All matrices have a maximum size that is known
-// at compile time, so they do not use the heap.
+// P, N, Z: numbers of rows of the position, the state and the measurement. All matrices have a
+// maximum size that is known at compile time, so they do not use the heap.
 
 namespace vantage::models {
 namespace {

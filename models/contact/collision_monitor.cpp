@@ -119,8 +119,8 @@ double CollisionMonitor::check_distance_m() const {
   double radius_m = 0.0;
   double travelled_m = 0.0;
   int robots = 0;
-  // Distance between an arbitrary pair of robots: an upper bound of the smallest distance. With it
-  // the first call does not have to check all pairs.
+  // Distance between an arbitrary pair of robots: an upper bound of the smallest distance. Because
+  // of this bound, the first call does not have to check all pairs.
   double some_pair_m = min_separation_m_;
   std::size_t last = 0;
   for (std::size_t i = 0; i < new_m_.size(); ++i) {
@@ -192,8 +192,8 @@ void CollisionMonitor::check_surroundings(Time now, std::size_t i,
     check.fcl_hit = fcl_hit(geometry_->bodies[i], wall) || check.fcl_hit;
   }
   check.distance_m = distance_to_bounds_m(world_, new_m_[i]) - radius_m;
-  // The space inside the bounds is convex, so a straight motion is nearest to them at one of its
-  // ends.
+  // The space inside the bounds is convex, so a straight motion is nearest to the bounds at one end
+  // of the motion.
   check.swept_distance_m =
       std::min(check.distance_m, distance_to_bounds_m(world_, old_m_[i]) - radius_m);
   update_contact(now, check, bodies_[i].name, "bounds", bounds_[i], new_contacts);
@@ -216,7 +216,7 @@ void CollisionMonitor::update_contact(Time now, const ContactCheck& check, const
     new_contacts.push_back(std::move(report));
   }
   // The contact ends if the bodies are apart at the end of the step, even if they touched during
-  // it.
+  // the step.
   contact.touching = (hit || contact.touching) && check.distance_m <= kReleaseM;
 }
 

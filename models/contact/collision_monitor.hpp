@@ -43,7 +43,7 @@ class CollisionMonitor {
   CollisionMonitor(CollisionMonitor&&) = delete;
   CollisionMonitor& operator=(CollisionMonitor&&) = delete;
 
-  /// Adds a body at the end of the order. Precondition: radius_m > 0.
+  /// Appends a body to the list of bodies. Precondition: radius_m > 0.
   void add(const Body& body);
   /// Makes the next update() check positions only, without the motion since the last update(). Call
   /// this function after a time in which the bodies were not observed.
@@ -64,7 +64,7 @@ class CollisionMonitor {
   [[nodiscard]] std::int64_t disagreements() const { return disagreements_; }
 
  private:
-  struct Geometry;  // keeps FCL out of this header
+  struct Geometry;  // defined in the source, so that this header needs no FCL
   struct Contact {
     bool touching = false;
     bool too_near = false;
@@ -97,7 +97,7 @@ class CollisionMonitor {
   NearPairs near_;
   std::vector<NearPairs::Pair> candidates_;
   std::vector<NearPairs::Pair> in_contact_;  ///< touching or too near at the last step, ascending
-  std::vector<Contact> pairs_;               ///< index of i < j: j (j − 1) / 2 + i
+  std::vector<Contact> pairs_;               ///< pair i < j has the index j (j − 1) / 2 + i
   std::vector<Contact> obstacles_;           ///< index: body · number of obstacles + obstacle
   std::vector<Contact> bounds_;              ///< per body
   std::vector<std::string> obstacle_names_;

@@ -72,7 +72,7 @@ struct RobotMeasurement {
   Stamp stamp;
   std::string robot;
   Viewpoint viewpoint;  ///< pose of the sensor at the time of measurement
-  bool jammed = false;  ///< true: attacked, so it made no measurement
+  bool jammed = false;  ///< true: the sensor was attacked and made no measurement
   std::vector<Detection> detections;
   std::vector<InputRef> inputs;
 };
@@ -90,7 +90,7 @@ struct RobotBelief {
   std::string robot;
   std::int64_t step = 0;  ///< index of the estimator step
   Viewpoint viewpoint;
-  int degree = 0;                     ///< neighbours in range at this step
+  int degree = 0;                     ///< number of neighbours in communication range at this step
   std::vector<TargetBelief> targets;  ///< discovered targets, by ascending target_id
   GridGeometry grid;
   std::vector<std::int64_t> last_seen_utime;  ///< per cell, VisibilityGrid::kNeverSeen for never
@@ -121,7 +121,7 @@ struct RangeScan {
   Stamp stamp;
   std::string robot;
   Viewpoint viewpoint;             ///< assumed viewpoint of the scan
-  bool jammed = false;             ///< true: attacked, so it made no scan; no ranges
+  bool jammed = false;             ///< true: the range finder was attacked; there are no ranges
   double field_of_view_rad = 0.0;  ///< in (0, 2π]; beams are spaced as in BeamSensor
   double range_max_m = 0.0;        ///< readings near this value: the beam hit nothing
   std::vector<double> ranges_m;    ///< by beam
@@ -145,7 +145,7 @@ struct RobotMap {
 /// The origin of a published plan. Lower values are better.
 enum class PlanSource {
   kSearched = 0,  ///< the best complete plan of this slot's search
-  kShifted = 1,   ///< previous plan, shifted and checked again
+  kShifted = 1,   ///< remainder of the previous plan, checked again
   kBraking = 2,   ///< stop and hover
 };
 
@@ -202,7 +202,7 @@ struct TeamProposal {
   std::vector<TeamChoice> choices;    ///< at most one per robot; robots without an entry hover
   std::vector<std::int64_t> history;  ///< fingerprints of all solutions up to this one, inclusive
   std::int64_t nodes = 0;             ///< node budget that reproduces the search for candidates
-  /// Inputs of the candidates; the last is the proposal that this one improves, if any.
+  /// Inputs of the candidates; the last input is the proposal that this proposal improves, if any.
   std::vector<InputRef> inputs;
 
   [[nodiscard]] const TeamChoice* find(const std::string& of_robot) const;

@@ -16,7 +16,7 @@ double binary_entropy_nats(double probability);
 /// Belief about a grid of cells, each occupied or free independently of the others.
 ///
 /// A cell with log-odds at the clamp is *settled*: more scans give no information, and occupancy()
-/// returns 0 or 1. Without this, robots would keep scanning known cells, because the small
+/// returns 0 or 1. Without this rule, robots would keep scanning known cells, because the small
 /// remaining entropies of many cells add up along many beams.
 /// Source: dissertation 4 F.2; Moravec and Elfes (1985); the clamp: Hornung et al., OctoMap (2013).
 class OccupancyBelief {

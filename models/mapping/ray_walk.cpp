@@ -16,7 +16,7 @@ struct Axis {
 // `place`: start coordinate in cells. `cosine`: component of the ray's direction along this axis.
 Axis axis_of(double place, int cell, double cosine, double resolution_m) {
   if (std::abs(cosine) < 1e-12) {
-    return {};  // crosses no edge of this axis within the grid
+    return {};  // the ray crosses no edge of this axis within the grid
   }
   const double edge = cosine > 0.0 ? cell + 1.0 : cell;
   return {cosine > 0.0 ? 1 : -1, std::max(0.0, (edge - place) * resolution_m / cosine),

@@ -10,10 +10,10 @@ namespace vantage::models {
 ///
 ///   for (RayWalk walk(geometry, from_m, bearing_rad, 1.5); walk.next();) { use walk.cell(); }
 ///
-/// Starts in the cell that contains `from_m` (no cells if that is outside the grid), and ends at
-/// `range_max_m` or at the grid's edge. Each cell has the span [enter_m, exit_m) along the ray; the
-/// spans cover [0, end) without gaps. A ray through a corner crosses one of the two adjacent cells,
-/// with a span of length 0 or of rounding size. No allocation, O(1) per cell.
+/// Starts in the cell that contains `from_m` (no cells if `from_m` is outside the grid), and ends
+/// at `range_max_m` or at the grid's edge. Each cell has the span [enter_m, exit_m) along the ray;
+/// the spans cover [0, end) without gaps. A ray through a corner crosses one of the two adjacent
+/// cells, with a span of length 0 or of rounding size. No allocation, O(1) per cell.
 /// Source: Amanatides and Woo, A fast voxel traversal algorithm for ray tracing (1987).
 class RayWalk {
  public:

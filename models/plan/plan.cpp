@@ -60,7 +60,7 @@ class Walker {
       }
     }
   }
-  // Precondition: `t_s` is in the current piece or at its end.
+  // Returns the position at `t_s`, which must be in the current piece or at its end.
   [[nodiscard]] Eigen::Vector2d position_m(double t_s) const {
     return (segment_ == nullptr
                 ? piece_start_

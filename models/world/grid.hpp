@@ -94,8 +94,8 @@ class VisibilityGrid {
   /// Returns the share of the free cells that are explored, in [0, 1].
   [[nodiscard]] double explored_share(Time now) const;
   /// Returns the centres of unexplored free cells next to an explored free cell (4 neighbours). A
-  /// centre nearer than `spacing_m` to one already selected is skipped, in index order, so the
-  /// result is deterministic. While no cell is explored, every free cell counts as a frontier.
+  /// centre nearer than `spacing_m` to a selected centre is skipped, in index order, so the result
+  /// is deterministic. While no cell is explored, every free cell counts as a frontier.
   [[nodiscard]] std::vector<Eigen::Vector2d> frontiers(Time now, double spacing_m) const;
 
   [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
