@@ -18,8 +18,8 @@ enum class StreamMode {
 /// none.
 enum class UpAxis { kAsTold, kZ, kY };
 
-/// Mocap system that localises all bodies. The noise is that of a simulated system. The connection
-/// is used by the device kinds `wire` and `real`.
+/// Mocap system that localises all bodies. The noise values apply to a simulated system. The
+/// connection is used by the device kinds `wire` and `real`.
 struct MocapSpec {
   double rate_hz = 50.0;
   double position_sigma_m = 0.0005;

@@ -18,7 +18,7 @@ inline bool is_external(const PlannerSpec& planner) { return planner.algorithm =
 /// the searches that were added.
 const std::vector<std::string>& search_names();
 
-/// Adds a name to search_names(); planner::add_algorithm() calls this. Not thread-safe.
+/// Adds a name to search_names(); planner::add_algorithm() calls this function. Not thread-safe.
 /// @throws UsageError if the name is empty or already in use
 void add_search_name(std::string name);
 

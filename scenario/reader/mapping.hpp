@@ -91,8 +91,8 @@ class Mapping {
 };
 
 /// Calls `read` with the combined mapping of `layers`, then finish().
-/// @throws StartupError when a layer is not a mapping, or has a duplicate key or one that is not a
-///         word
+/// @throws StartupError when a layer is not a mapping, or has a duplicate key or a key that is not
+///         a word
 void read_mapping(std::vector<Value> layers, const std::function<void(Mapping&)>& read);
 
 }  // namespace vantage::scenario

@@ -44,7 +44,7 @@ void read_pose(Mapping& from, Pose2& pose) {
   pose.yaw_rad = wrap_to_pi(pose.yaw_rad);
 }
 
-/// Refuses a start if a disc of radius `clearance_needed_m` around it touches a wall or an
+/// Refuses a start if a disc of radius `clearance_needed_m` around the start touches a wall or an
 /// obstacle.
 void check_start(Mapping& from, const models::World& world, const Pose2& start,
                  double clearance_needed_m) {
