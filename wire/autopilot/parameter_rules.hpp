@@ -14,7 +14,7 @@ namespace vantage::wire {
 struct ParameterRule {
   enum class Kind { kExactly, kAtMost, kAtLeast, kBetween, kOneOf };
 
-  std::string name;    ///< the autopilot's name of the parameter, at most 16 characters
+  std::string name;    ///< name of the parameter in the autopilot, at most 16 characters
   double value = 0.0;  ///< the value to load; it satisfies the rule
   Kind kind = Kind::kExactly;
   std::vector<double> bounds;  ///< depends on `kind`: none, one, two, or all allowed values

@@ -37,7 +37,7 @@ std::array<std::uint8_t, 6> truncated_signature(const SigningKey& key, const Fra
 enum class SignatureVerdict {
   kGood,
   kUnsigned,
-  kWrong,          ///< not made with this key, or modified in transit
+  kWrong,          ///< signature of another key, or frame modified in transit
   kReplayed,       ///< timestamp not newer than the last of its stream, or too old for a new stream
   kTooManyStreams  ///< the limit of streams per link is reached
 };
