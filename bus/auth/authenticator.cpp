@@ -62,9 +62,9 @@ bool lacks_required_security(const scenario::Scenario& scenario) {
          scenario.security.mode != scenario::SecurityMode::kRequire;
 }
 
-/// True if there are more vehicles than one command can address. The other vehicles could not be
-/// armed and would detect a loss of the operator. Every robot requests an echo; only robots with
-/// drivers check it.
+/// True if there are more vehicles than one command can address. Vehicles beyond this number could
+/// not be armed and would detect a loss of the operator. Every robot requests an echo; only robots
+/// with drivers check it.
 bool has_too_many_vehicles(const scenario::Scenario& scenario) {
   return scenario.security.mode == scenario::SecurityMode::kRequire &&
          scenario.robots.size() > kEchoesMax &&

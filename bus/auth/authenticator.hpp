@@ -51,8 +51,8 @@ class Authenticator {
   struct Judged {
     bool may_pass = false;
     Bytes payload;
-    Refusal echo = Refusal::kNone;  ///< of an accepted command: result of the check of its echo
-                                    ///< against this vehicle's nonce
+    Refusal echo = Refusal::kNone;  ///< for an accepted command: result of comparing its echo
+                                    ///< with this vehicle's nonce
   };
   /// Unverified content of a command.
   struct CommandClaim {

@@ -116,8 +116,9 @@ class SignatureBudgets {
     Budget orders;
     Budget stops;
   };
-  static constexpr std::size_t kVerifiedMax = 16;  ///< senders; the longest silent is replaced
-  static constexpr std::size_t kHostsMax = 64;     ///< hosts; replaced in the same way
+  static constexpr std::size_t kVerifiedMax =
+      16;                                       ///< senders; a new one replaces the longest silent
+  static constexpr std::size_t kHostsMax = 64;  ///< hosts; replaced in the same way
   /// A sender or host with a message within this time is never replaced.
   static constexpr Duration kKeptFor = std::chrono::seconds(3);
 

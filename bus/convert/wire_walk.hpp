@@ -9,8 +9,8 @@
 
 // Checks messages from the network before lcm-gen's decoders read them. Those decoders trust every
 // length: a negative count throws, a string length of INT_MIN crashes, and a count of 2³¹ allocates
-// for seconds. The check reads all lengths without allocating; their sum must equal the message
-// size.
+// for seconds. The check reads all lengths without allocating; the resulting size must equal the
+// message size.
 
 namespace vantage::bus {
 

@@ -54,13 +54,12 @@ class Bus {
   /// replaced immediately.
   void use_clock(const Clock& clock) { clock_ = &clock; }
 
-  /// From this call on, signs published messages and verifies the signatures and times of received
-  /// messages. Also calls use_clock(), except with an authenticator from
-  /// replay_authenticator_for(), which only signs. `clock` must outlive the Bus
-  /// (docs/guide/security.md). nullptr: no effect.
+  /// Starts to sign published messages, and to verify signatures and times of received messages.
+  /// Also calls use_clock(), but replay_authenticator_for()'s authenticator only signs. `clock`
+  /// must outlive the Bus (docs/guide/security.md). nullptr: no effect.
   void secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock);
   /// Declares this process to be the vehicle `robot`: commands must be addressed to `robot` and
-  /// echo its session. Commands that make the vehicle safer are always delivered. No effect without
+  /// echo its session. Commands that make it safer are always delivered. No effect without
   /// secure().
   void act_as_vehicle(const std::string& robot);
   /// Begins a new session; commands must echo its nonce. A vehicle calls this when it is armed.
@@ -172,8 +171,9 @@ class Bus {
   ByName<SharedStreamMonitor> shared_streams_;
   StreamCounts unsubscribed_counts_;  ///< counts of streams that were unsubscribed
   std::int64_t undecoded_ = 0;
-  std::map<std::string, std::int64_t> decode_errors_;  ///< by channel: wrong type or truncated
-  std::map<std::string, std::int64_t> refused_;        ///< by channel: impossible values
+  std::map<std::string, std::int64_t>
+      decode_errors_;  ///< by channel: messages of a wrong type or truncated
+  std::map<std::string, std::int64_t> refused_;  ///< by channel: impossible values
 };
 
 }  // namespace vantage::bus

@@ -62,7 +62,7 @@ HealthReporter::HealthReporter(Bus& bus, const Node& node, Usage usage)
       fault_sum_last_second_(fault_sum_reported_) {}
 
 std::int64_t HealthReporter::fault_sum() const {
-  // Unsigned, so that the sum with a saturated count wraps. Only changes of the sum matter.
+  // Unsigned, because the sum with a saturated count may wrap. Only changes of the sum matter.
   auto sum = static_cast<std::uint64_t>(node_.deadlines_missed());
   for (const models::NamedCount& counter : bus_.counters()) {
     sum += is_normal_counter(counter.name) ? 0 : static_cast<std::uint64_t>(counter.count);

@@ -26,7 +26,7 @@ void StreamCounts::add(const StreamCounts& more) {
 
 void StreamMonitor::advance_to(const models::Stamp& stamp, const StreamRules& rules) {
   const std::int64_t skipped =
-      stamp.sequence - (newest_sequence_ + 1);  // this order avoids overflow
+      stamp.sequence - (newest_sequence_ + 1);  // this order of operations avoids overflow
   add_saturating(counts_.lost, skipped);
   const auto kept = static_cast<std::int64_t>(kMissingKept);
   if (skipped > kept) {

@@ -113,7 +113,7 @@ class InProcessHub::State::Endpoint : public Transport {
     {
       std::unique_lock lock(mutex_);
       // Does not wait with a zero timeout: even a wait of zero sleeps for the kernel's timer slack,
-      // and virtual time calls this thousands of times per second.
+      // and virtual time calls this function thousands of times per second.
       if (queue_.empty() && timeout.count() > 0) {
         arrived_.wait_for(lock, timeout, [&] { return !queue_.empty(); });
       }
@@ -174,8 +174,8 @@ class InProcessHub::State::Endpoint : public Transport {
     return posted;
   }
 
-  // Handlers run without the lock and may subscribe and publish: only the owner's thread adds
-  // subscriptions, and a deque does not move its elements.
+  // Handlers run without the lock and may subscribe and publish. This is safe, because only the
+  // owner's thread adds subscriptions, and a deque does not move its elements.
   void dispatch(const Posted& posted) {
     for (auto i = index_.next(posted.channel, 0); i; i = index_.next(posted.channel, *i + 1)) {
       subscriptions_[*i].handler(posted.channel, Payload(posted.bytes, &posted.decoded));

@@ -18,13 +18,14 @@ struct TransportStats {
   std::int64_t messages_received = 0;
   std::int64_t send_errors = 0;
   std::int64_t malformed_datagrams = 0;   ///< not in LCM's format, or with inconsistent lengths
-  std::int64_t incomplete_messages = 0;   ///< discarded with fragments missing
+  std::int64_t incomplete_messages = 0;   ///< messages discarded because fragments were missing
   std::int64_t queue_overflows = 0;       ///< oldest messages dropped for newer ones
   std::int64_t oversized_messages = 0;    ///< refused: announced size above the limit
   std::int64_t duplicate_fragments = 0;   ///< fragments received twice and ignored
   std::int64_t kernel_drops = 0;          ///< datagrams dropped because the socket buffer was full
-  std::int64_t receive_buffer_bytes = 0;  ///< granted by the kernel; 0 without a socket
-  std::int64_t receive_buffer_short_bytes = 0;  ///< requested but not granted (net.core.rmem_max)
+  std::int64_t receive_buffer_bytes = 0;  ///< bytes granted by the kernel; 0 without a socket
+  std::int64_t receive_buffer_short_bytes =
+      0;                            ///< bytes requested but not granted (net.core.rmem_max)
   std::int64_t network_losses = 0;  ///< number of losses of the route or the network card
 };
 
@@ -70,12 +71,11 @@ class Transport {
 /// no such file).
 std::unique_ptr<Transport> open_transport(const std::string& url);
 
-/// Function that is called with one sentence when the network is lost and when the network has
-/// returned.
+/// Callback that receives one sentence when the network is lost, and when the network returns.
 using ReportNetwork = std::function<void(const std::string& words)>;
 /// As open_transport(), but does not fail when the udpm network is missing (no multicast route, no
-/// such card). Until it is present, nothing is sent or received, and handle() retries. Use this
-/// function for processes that must run without a network, such as the driver of a vehicle.
+/// such card). Until the network is present, nothing is sent or received, and handle() retries. Use
+/// this function for processes that must run without a network, such as the driver of a vehicle.
 std::unique_ptr<Transport> open_waiting_transport(const std::string& url, ReportNetwork report);
 
 /// Bus within one process. Every endpoint receives the messages of all endpoints, including its

@@ -26,8 +26,8 @@ inline constexpr std::size_t kShortHeaderBytes = 8;
 inline constexpr std::size_t kFragmentHeaderBytes = 20;
 inline constexpr std::size_t kDatagramBytesMax = 65'507;
 
-/// Parsed datagram with consistent header fields. It contains views that are valid as long as the
-/// datagram.
+/// Parsed datagram with consistent header fields. Its views are valid as long as the datagram
+/// exists.
 struct Packet {
   bool is_fragment = false;
   std::uint32_t sequence = 0;         ///< sequence number of the message, per sender

@@ -28,7 +28,7 @@ struct ReassemblyCounts {
   std::int64_t oversized = 0;           ///< refused fragments of messages above the size limit
   std::int64_t oversized_messages = 0;  ///< first fragments among `oversized`
   std::int64_t duplicates = 0;          ///< fragments already stored, or of a completed message
-  std::int64_t conflicting = 0;         ///< fragments that contradict others of the same message
+  std::int64_t conflicting = 0;  ///< fragments that contradict other fragments of the message
 };
 
 /// Messages on one channel that were refused because of their size.
@@ -50,7 +50,7 @@ struct AssembledMessage {
 /// sizes cost little memory. When the memory is full, the message with the fewest bytes is evicted;
 /// among messages of equal size, the oldest. The eighth of the messages with the newest fragments
 /// is not evicted. So in a flood of first fragments, or of nearly complete messages, the messages
-/// of the flood are evicted rather than honest ones.
+/// of the flood are evicted rather than honest messages.
 ///
 /// Fragments of different senders are never combined. A sender that forges an address can damage a
 /// message only if it also copies the sequence number, size and fragment count of the message. Uses

@@ -106,8 +106,8 @@ std::string MulticastSocket::join() {
       errno != EADDRINUSE) {
     return "LCM udpm: cannot join " + address_.group + ": " + reason() + advice(address_);
   }
-  // connect() sends nothing, but checks the route immediately. It needs a separate socket, because
-  // a connected socket does not change its route when the interface changes.
+  // connect() sends nothing, but checks the route immediately. This check needs a separate socket,
+  // because a connected socket does not change its route when the interface changes.
   const Descriptor probe(open_udp());
   const std::string cannot_send = "LCM udpm: nothing can be sent to " + address_.group + ": ";
   if (probe.fd() < 0) {

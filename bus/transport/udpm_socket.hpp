@@ -28,7 +28,8 @@ struct Datagram {
 /// keep_joined() then joins the group again, because a new card does not have the old membership.
 class MulticastSocket {
  public:
-  /// Behaviour when no route or network card leads to the group at opening: throw, or wait for it.
+  /// Behaviour when no route or network card leads to the group at opening: throw, or wait for the
+  /// network.
   enum class Absence { kError, kWait };
   static constexpr std::int64_t kRetryPeriodNs = 500'000'000;
 
@@ -47,7 +48,7 @@ class MulticastSocket {
   /// After a loss of the network, tries to join the group again, at most once per kRetryPeriodNs.
   /// Returns true while the network is present.
   bool keep_joined(std::int64_t monotonic_ns);
-  /// Returns the error text of the last attempt to join the group; empty: it succeeded.
+  /// Returns the error text of the last attempt to join the group; empty: the attempt succeeded.
   [[nodiscard]] const std::string& fault() const { return fault_; }
   /// Returns the number of times that the network was lost, or was missing at the start.
   [[nodiscard]] std::int64_t network_losses() const { return network_losses_; }
