@@ -18,7 +18,7 @@ namespace vantage::python {
 /// happens when a signal handler interrupts the work of an object and then uses this object.
 class WorkMutex {
  public:
-  /// @throws UsageError in the thread that already holds it
+  /// Locks the mutex. @throws UsageError in the thread that already holds the mutex
   void lock() {
     require(holder_ != std::this_thread::get_id(),
             "what this thread is at work on may not be used by a signal's handler");

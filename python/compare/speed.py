@@ -103,7 +103,8 @@ def compare_env(seconds):
     print("| task | numpy | one environment | × | 256 together | × |")
     print("|---|---|---|---|---|---|")
     for name in vantage.env.tasks:
-        # Measured within a few seconds, so that other load of the machine affects all of them equally.
+        # Measured within a few seconds, so that other load of the machine affects all three rates
+        # equally.
         slow, one, together = (rate(run, seconds) for run in (plain(name), single(name), many(name, 256, 1)))
         clocked[name] = three_figures(rate(many(name, 256, threads), seconds, time.perf_counter))
         print(f"| `{name}` | {three_figures(slow)} | {three_figures(one)} | {one / slow:.0f} "

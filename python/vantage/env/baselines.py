@@ -69,7 +69,8 @@ class Planner:
         if self._plans is None or self._step == self._replan_steps:
             self._plans = self._planner.plan(0)
             self._step = 0
-        # After the end of its plan a robot uses control 0; if that is blocked, it keeps its position.
+        # After the end of its plan a robot uses control 0; if control 0 is blocked, the robot keeps
+        # its position.
         actions = [plan[self._step] if self._step < len(plan) else 0 for plan in self._plans]
         self._step += 1
         return _answer(self._env, actions)
