@@ -23,9 +23,9 @@ endif()
 # Warnings, standard and instruction set, linked PRIVATE by every target of this project.
 # EIGEN_MAX_ALIGN_BYTES=16 keeps the layout of Eigen members equal to that in Debian's FCL. Without
 # this option FCL silently returns wrong contacts if AVX is enabled.
-# EIGEN_DONT_VECTORIZE: Eigen splits loops over matrices of run-time size by the alignment of their
-# address. The last bits of a result would then depend on stack addresses, and a replay would not be
-# exact. The compiler vectorises the project's own hot loops (docs/decisions/0004).
+# EIGEN_DONT_VECTORIZE: without it, Eigen splits loops over matrices of run-time size by the
+# alignment of their address. The last bits of a result then depend on stack addresses, and a replay
+# is not exact. The compiler vectorises the project's own hot loops (docs/decisions/0004).
 add_library(vantage_build_flags INTERFACE)
 target_compile_features(vantage_build_flags INTERFACE cxx_std_20)
 target_compile_definitions(vantage_build_flags INTERFACE
