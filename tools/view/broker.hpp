@@ -72,8 +72,8 @@ class Broker : public logs::foxglove::Sink {
   void broadcast_time(Time time);
   void broadcast_playback(const PlaybackState& state);
 
-  /// Shows a status message to all present and later viewers. The new message replaces the one with
-  /// the same `id`; an empty message removes that one.
+  /// Shows a status message to all present and later viewers. The message replaces an earlier
+  /// message with the same `id`; an empty message removes it.
   void set_status(const std::string& id, const std::string& message);
   /// Changes the range of the log. Viewers receive a new session with this range.
   void set_range(Time start, Time end);
@@ -90,7 +90,8 @@ class Broker : public logs::foxglove::Sink {
   /// - topics: list of {topic, schema, count, type}; count is the number of records since the
   ///   start, including records not made because no viewer subscribes; type is absent if the
   ///   schema implies it.
-  /// - jumps: number of jumps in the log. Rates can be computed from two answers with equal jumps.
+  /// - jumps: number of jumps in the log. Rates follow from two answers with equal numbers of
+  /// jumps.
   /// - time_s: instant of the log up to which records have been counted, s since the Unix epoch;
   ///   null during a jump, and without a log.
   [[nodiscard]] std::string topics_text() const;
@@ -106,8 +107,8 @@ class Broker : public logs::foxglove::Sink {
     std::string type;  ///< message type on the topic; empty: implied by the schema
     bool is_state = false;
     int subscribers = 0;
-    std::int64_t count = 0;                     ///< number of records, including those not made
-    Time time{};                                ///< time of the newest record
+    std::int64_t count = 0;  ///< number of records, including records that were not made
+    Time time{};             ///< time of the newest record
     std::shared_ptr<const std::string> newest;  ///< newest record; null if not stored
   };
 

@@ -60,7 +60,7 @@ class LogView {
   void tick(std::int64_t now_ns);
 
  private:
-  /// Jumps to `position`. Plays the messages before it to restore the state at this position.
+  /// Jumps to `position`. Plays the messages before `position` to restore the state at `position`.
   void go_to(Time position);
   /// Sends the records between the current position and `position`.
   void advance_to(Time position);

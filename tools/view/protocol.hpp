@@ -13,7 +13,7 @@
 #include "logs/foxglove/schema.hpp"
 
 // Encoding and decoding of the Foxglove WebSocket protocol. Pure. Text frames are JSON objects with
-// "op"; binary frames begin with an opcode byte and are little-endian after it.
+// "op"; binary frames begin with an opcode byte and are little-endian after the opcode.
 // Source: docs/spec.md of foxglove/ws-protocol, and the playback control of foxglove-sdk.
 
 namespace vantage::tools {

@@ -657,7 +657,7 @@ export class Charts {
     };
     this.own = own;
     this.charts = kCharts.map((spec) => new (kKinds[spec.kind] ?? Chart)(box, spec, own));
-    // Observe each chart, because a new chart makes the others smaller.
+    // Observe each chart, because a new chart makes the other charts smaller.
     this.sizes = new ResizeObserver(() => {
       this.arrange();
       this.charts.forEach((chart) => chart.resize());

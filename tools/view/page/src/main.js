@@ -52,7 +52,7 @@ const state = {
   has_scenario: false,
   picked: null,
   log: null, // name of the log
-  arrived: null, // last time in a time frame from the server
+  arrived: null, // newest time that the server has sent
   awaited: null, // {since, resolve} of the instant that seek_and_wait() waits for
   theme: null, // theme chosen by the user; null: theme of the system
   filming: null, // {is_over} while a video is recorded; else null
