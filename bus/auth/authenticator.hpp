@@ -76,8 +76,8 @@ class Authenticator {
 
   [[nodiscard]] std::uint64_t session() const { return session_; }
   [[nodiscard]] bool is_replay() const { return rules_.is_replay; }
-  /// Returns the smallest time by which stale statuses are ahead of this process's clock; nullopt
-  /// if no status was refused as stale within the last second.
+  /// Returns the smallest difference (> 0: ahead) from this process's clock among the statuses
+  /// refused as stale within the last second; nullopt if there is none.
   [[nodiscard]] std::optional<Duration> stale_ahead(Time now) const;
 
  private:
@@ -139,7 +139,8 @@ std::unique_ptr<Authenticator> log_authenticator_for(const scenario::Scenario& s
 /// most kEchoesMax robots are possible.
 std::vector<std::string> security_faults(const scenario::Scenario& scenario);
 
-/// Checks that this host has the keys to sign commands. @throws StartupError when keys are missing.
+/// Checks that this host can sign commands, unless security is off. @throws StartupError if it
+/// cannot.
 void require_operator(const scenario::Scenario& scenario);
 
 }  // namespace vantage::bus::auth

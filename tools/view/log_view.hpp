@@ -35,8 +35,8 @@ std::string log_series(const logs::SeekableLog& log, const logs::TypeLibrary& ty
 
 /// Returns the first instant with a complete picture of a trial: every robot of the scenario has a
 /// position and a plan, and a target estimate or a map exists. If no instant within the first 2 min
-/// and 16 MiB meets all these conditions, returns the first instant that meets the most. Returns
-/// the start of a log without a scenario. Ends early if `stop` returns true.
+/// and 16 MiB meets all these conditions, returns the first instant that meets the most conditions.
+/// Returns the start of a log without a scenario. Ends early if `stop` returns true.
 Time first_picture(
     const logs::SeekableLog& log, const std::function<bool()>& stop = [] { return false; });
 
