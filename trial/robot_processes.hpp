@@ -8,8 +8,8 @@
 
 namespace vantage::trial {
 
-/// Processes that every robot has, by the last part of their program name (vantage-sensor). Nodes
-/// that are due at the same instant are executed in this order.
+/// Processes that every robot has, as the last part of the program's name ("sensor" for
+/// vantage-sensor). Nodes that are due at the same instant are executed in this order.
 inline constexpr std::array<const char*, 3> kRobotProcesses = {"sensor", "estimator", "planner"};
 
 /// Returns the processes of kRobotProcesses that vantage runs for `robot`: those that no process of

@@ -32,8 +32,9 @@ struct TrialOptions {
 struct TrialResult {
   logs::TrialSummary summary;
   logs::Scene scene;
-  bool was_stopped = false;                       ///< true: ended before the scenario's duration
-  std::optional<Error> log_error = std::nullopt;  ///< why the log is incomplete; ended the trial
+  bool was_stopped = false;  ///< true: ended before the scenario's duration
+  /// error that made the log incomplete and ended the trial
+  std::optional<Error> log_error = std::nullopt;
 };
 
 /// Trial in virtual time that is executed in parts. Messages, log and summary do not depend on the

@@ -17,18 +17,18 @@ namespace vantage::drivers {
 
 /// Detector of contacts and near misses of real bodies from mocap frames, by a CollisionMonitor.
 ///
-/// The radius of a robot is that of its limits, and the radius of a target that of the scenario.
-/// Any other body has the radius of the largest robot. Bodies without a pose are ignored.
+/// A robot has the radius of its safety limits, and a target has the radius in the scenario. Any
+/// other body has the radius of the largest robot. Bodies without a pose are ignored.
 ///
-/// Only contacts that involve a vehicle in flight count; contacts between stationary bodies are
-/// assumed to be caused by handling. A robot counts as in flight from its driver's first status
-/// other than `idle` until `idle`, or until kFall after it was killed. The simulator reports
-/// contacts without a real body. A robot is simulated if its device is not real, a target if TRUTH
-/// contains it. Pure; not thread-safe.
+/// Only contacts that involve a vehicle in flight count; other contacts are assumed to be caused by
+/// people who handle the bodies. A robot counts as in flight from its driver's first status other
+/// than `idle` until its next status `idle`, or until kFall after it was killed. Contacts without a
+/// real body are reported by the simulator instead. A robot is simulated if its device is not real,
+/// a target if TRUTH contains it. Pure; not thread-safe.
 class ContactJudge {
  public:
   static constexpr Duration kFall = std::chrono::seconds(3);
-  /// Over a longer gap between two frames the motion of the bodies is unknown.
+  /// Longest gap between two frames in which the motion of the bodies is assumed to be known.
   static constexpr Duration kGapMax = std::chrono::milliseconds(200);
   static constexpr std::size_t kOthersMax = 32;  ///< maximum number of bodies outside the scenario
 

@@ -25,7 +25,7 @@ namespace vantage::drivers {
 /// Message to send: a datagram, or bytes for a serial line.
 using WireMessage = std::vector<std::uint8_t>;
 
-/// Pose and motion of a body by mocap.
+/// Pose and motion of a body, measured by mocap.
 struct BodyState {
   Time capture{};
   Pose3 world_from_body;

@@ -34,16 +34,17 @@ class BodyTracker {
   BodyTracker(std::string name, double speed_max_mps)
       : name_(std::move(name)), speed_max_mps_(speed_max_mps) {}
 
-  /// @param captured    capture time of the frame by the local clock; the clock of the frame's
-  /// stamp may have been set
+  /// @param captured    capture time of the frame by the local clock; the frame's stamp is not
+  /// used, since its clock may have been set
   /// @param is_resting  the body is on the ground: it may be stationary or be carried. A pose at
   ///                    another position is accepted after half a second of consistent poses, and
   ///                    counted in `resets`
   BodyVerdict update(const models::MocapFrame& frame, Time captured, Time now, bool is_resting);
 
-  /// Returns the newest state; nullopt before the first.
+  /// Returns the newest state; nullopt before the first accepted pose.
   [[nodiscard]] const std::optional<BodyState>& state() const { return state_; }
-  /// Returns the time since the arrival of the newest accepted pose; nullopt before the first.
+  /// Returns the time since the arrival of the newest accepted pose; nullopt before the first
+  /// accepted pose.
   [[nodiscard]] std::optional<Duration> age(Time now) const;
 
  private:

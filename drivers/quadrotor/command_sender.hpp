@@ -12,7 +12,7 @@
 namespace vantage::drivers {
 
 /// Sender of commands. It repeats each command, with an increasing confirmation field, until the
-/// command is acknowledged or given up. One command of each kind is pending at a time.
+/// command is acknowledged or given up. At most one command of each kind (command id) is pending.
 /// Source: MAVLink developer guide, command protocol.
 class CommandSender {
  public:
@@ -23,8 +23,8 @@ class CommandSender {
     [[nodiscard]] bool is_accepted() const { return result && *result == 0; }
   };
 
-  /// Sends `command`, unless the same command is pending or ended less than `pause` ago. The
-  /// command replaces a different pending command of its kind.
+  /// Sends `command`, unless the same command is pending or ended less than `pause` ago. A
+  /// different pending command with the same id is replaced.
   void send_command(const wire::mavlink::CommandLong& command, Time now, Duration pause);
   /// Sends `command` every `period` while this function is called, regardless of answers (emergency
   /// stop).

@@ -19,20 +19,22 @@ struct WantedStream {
 /// Differences between PX4 and ArduCopter for this driver. Everything else is identical.
 struct DialectTraits {
   const char* name = "";
-  std::uint8_t autopilot_id = 0;   ///< value in its HEARTBEAT
+  std::uint8_t autopilot_id = 0;   ///< field `autopilot` of its HEARTBEAT
   std::uint8_t own_system_id = 0;  ///< system id of the driver
   std::uint8_t own_type = 0;
   std::uint32_t follow_mode = 0;  ///< custom_mode in which set-points are accepted
   std::uint32_t land_mode = 0;
-  /// Set-points must arrive for more than a second before the mode can be entered.
+  /// True if set-points must arrive for more than a second before follow_mode can be entered.
   bool wants_proof_of_life = false;
-  /// The autopilot takes off by a command, and a set-point would end the take-off.
+  /// True if the autopilot takes off by a command; a set-point would end the take-off.
   bool takes_off_by_command = false;
-  /// Its estimator has no origin without a GPS, and publishes nothing without an origin.
+  /// True if the driver must set the estimator's origin: without an origin the estimator publishes
+  /// nothing.
   bool needs_origin = false;
-  // Lead of the set-points, measured with the parameters of config/autopilot.
-  double lead_s = 0.0;               ///< s; lead of position and velocity
-  double acceleration_lead_s = 0.0;  ///< s; lead of the acceleration, which requires a tilt first
+  // Time by which set-points are computed ahead; measured with the parameters of config/autopilot.
+  double lead_s = 0.0;  ///< s; lead of position and velocity
+  /// s; lead of the acceleration, because the vehicle must tilt first
+  double acceleration_lead_s = 0.0;
   std::vector<WantedStream> streams;
 };
 
@@ -49,8 +51,8 @@ std::string mode_name(models::AutopilotDialect dialect, std::uint32_t custom_mod
 /// hold) need no pilot.
 bool is_flown_by_hand(models::AutopilotDialect dialect, std::uint32_t custom_mode);
 
-/// Returns a text with the estimates that are missing for flight on external poses; nullopt if none
-/// is missing.
+/// Returns a text that lists the missing estimates that a flight with external poses needs; nullopt
+/// if none is missing.
 std::optional<std::string> estimator_fault(models::AutopilotDialect dialect, std::uint16_t flags,
                                            bool is_airborne);
 

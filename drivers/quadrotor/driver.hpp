@@ -23,16 +23,17 @@ namespace vantage::drivers {
 /// computes the set-points. The driver sends them over MAVLink and reports the state of the
 /// vehicle.
 ///
-/// Times are the receiver's monotonic times, converted to the stack's clock. The same sequence of
-/// calls gives the same bytes.
+/// Arrival times are measured with a monotonic clock and converted to the stack's clock. The same
+/// sequence of calls gives the same bytes.
 class QuadrotorDriver {
  public:
-  /// A set-point is sent when a pose arrives and this time has passed since the last set-point. It
-  /// is thus computed from a new pose. Without poses it is sent periodically.
+  /// Minimum time between set-points. After this time the next set-point is sent when a pose
+  /// arrives, so that it is computed from a new pose. Without poses, set-points are sent
+  /// periodically.
   static constexpr Duration kSetpointSpacing{15'000};
   static constexpr Duration kSetpointPeriod{20'000};  ///< 50 Hz
-  static constexpr Duration kPoseGrace{3'000};        ///< maximum additional wait for a pose
-  static constexpr Duration kPosePeriod{20'000};      ///< minimum time between forwarded poses
+  static constexpr Duration kPoseGrace{3'000};    ///< maximum wait for a pose after kSetpointPeriod
+  static constexpr Duration kPosePeriod{20'000};  ///< minimum time between forwarded poses
 
   /// @throws UsageError for a robot that is not in the scenario or has no autopilot.
   QuadrotorDriver(const scenario::Scenario& scenario, const std::string& robot,

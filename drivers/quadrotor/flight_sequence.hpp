@@ -38,9 +38,10 @@ class FlightSequence {
   struct Situation {
     bool may_arm = false;            ///< all preconditions are met
     double take_off_height_m = 1.0;  ///< m; height above the ground position
-    bool is_low = false;             ///< the vehicle has not lifted, by mocap
-    double height_error_m = 0.0;     ///< m, ≥ 0; body height to the goal height of the climb
-    bool is_landing = false;         ///< landing: the sequence does not wait for a climb
+    bool is_low = false;             ///< according to mocap, the vehicle has not lifted off
+    /// m, ≥ 0; distance of the body from the goal height of the climb
+    double height_error_m = 0.0;
+    bool is_landing = false;  ///< landing: the sequence does not wait for a climb
     /// the vehicle is flying according to flight safety, regardless of its heartbeat
     bool is_flying = false;
     Time now{};
@@ -73,7 +74,7 @@ class FlightSequence {
   FlightGoal goal_ = FlightGoal::kGrounded;
   std::optional<Time> streaming_since_;
   std::optional<Time> on_ground_since_;
-  std::optional<Time> left_since_;  ///< start of armed flight without a goal of this driver
+  std::optional<Time> left_since_;  ///< start of an armed flight that this driver has not commanded
   std::optional<Time> kill_since_;
   bool was_armed_ = false;
   bool has_climbed_ = false;

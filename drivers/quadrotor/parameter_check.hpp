@@ -45,7 +45,8 @@ class ParameterCheck {
     std::vector<wire::mavlink::ParamRequestRead> reads;
     std::vector<wire::mavlink::ParamSet> sets;
   };
-  /// Returns the messages to send now; the caller sets the target. Old values are requested again.
+  /// Returns the messages to send now; the caller sets their target system. Old values are
+  /// requested again.
   Due due(Time now);
 
   /// True if each request was answered or given up.

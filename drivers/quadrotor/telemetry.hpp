@@ -58,8 +58,8 @@ class Telemetry {
   [[nodiscard]] std::optional<Eigen::Vector3d> position_world_m(Time now) const;
   /// True if a finite attitude was received in the last 0.5 s.
   [[nodiscard]] bool has_attitude(Time now) const;
-  /// Returns the angle of the body z axis to the vertical by the autopilot's attitude estimate,
-  /// rad.
+  /// Returns the angle between the body z axis and the vertical, rad, from the autopilot's attitude
+  /// estimate.
   [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
   /// Return the autopilot's estimates in the world frame; meaningless before the first message.
   [[nodiscard]] const Eigen::Vector3d& velocity_world_mps() const { return velocity_world_mps_; }

@@ -12,9 +12,9 @@
 
 namespace vantage::drivers {
 
-/// Returns all bodies at `time`, interpolated between two frames: positions linearly, attitudes
-/// along the great circle. A body that is absent or occluded in either frame is occluded in the
-/// result. Precondition: before.stamp.time ≤ time ≤ after.stamp.time.
+/// Returns all bodies at `time`, interpolated between two frames: positions linearly, attitudes by
+/// spherical interpolation (slerp). A body that is absent or occluded in either frame is occluded
+/// in the result. Precondition: before.stamp.time ≤ time ≤ after.stamp.time.
 models::MocapFrame interpolate(const models::MocapFrame& before, const models::MocapFrame& after,
                                Time time);
 

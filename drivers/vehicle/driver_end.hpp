@@ -36,7 +36,7 @@ class DriverEnd {
 
   [[nodiscard]] bool is_hurried() const { return hurried_at_.has_value(); }
   [[nodiscard]] bool may_end() const { return may_end_; }
-  /// Returns a text about what could not be done before the end; empty if all was done or the
+  /// Returns a text about the actions that failed before the end; empty if none failed or the
   /// driver may not end yet.
   [[nodiscard]] const std::string& fault() const { return fault_; }
 

@@ -37,7 +37,7 @@ class Port {
 /// Opens a port by URL:
 ///   udp://[HOST]:PORT      receives there from the vehicle and answers the accepted sender
 ///   udpout://HOST:PORT     sends first
-///   serial:DEVICE[:BAUD]   default 921600 baud, at least 230400; reopened when it was lost
+///   serial:DEVICE[:BAUD]   default 921600 baud, at least 230400; reopened after a loss
 /// @throws StartupError that names the fault in the URL, the address or the device's settings. A
 /// serial device that does not exist yet is opened later.
 std::unique_ptr<Port> open_port(const std::string& url);

@@ -12,10 +12,10 @@ namespace vantage::drivers::vicon {
 
 /// Client of Vicon's DataStream.
 ///
-/// The server first announces its content. The client requests the content that contains poses,
-/// then frames as `mode` states. Content that a packet's Contents block marks as unchanged is kept;
-/// other static content is replaced completely. A body is occluded if it was described and has no
-/// pose in the frame.
+/// The server first announces its content. The client requests the content that contains poses, and
+/// then frames: a stream or single frames, as `mode` selects. Content that a packet's Contents
+/// block marks as unchanged is kept; other static content is replaced completely. A body is
+/// occluded if it was described and has no pose in the frame.
 class DataStreamSession : public Session {
  public:
   DataStreamSession(scenario::StreamMode mode, scenario::UpAxis up_axis, FrameSink sink);
@@ -35,7 +35,7 @@ class DataStreamSession : public Session {
   struct Subject {
     std::uint32_t id = 0;
     std::string name;
-    std::uint32_t body_segment = 0;  ///< the segment that represents the subject
+    std::uint32_t body_segment = 0;  ///< index of the segment that represents the subject
     SeenBody seen;                   ///< state without the name
   };
 
@@ -62,14 +62,14 @@ class DataStreamSession : public Session {
 
   // Received from the server on this connection.
   wire::vicon::ObjectEnums offered_;
-  std::uint32_t segments_type_ = 0;  ///< requested type: 9, 8 or 901
+  std::uint32_t segments_type_ = 0;  ///< requested block type of segments: 9, 8 or 901
   wire::vicon::Contents contents_;
   wire::vicon::StreamInfo stream_;
   wire::vicon::ApplicationInfo application_;
   wire::vicon::FrameInfo frame_;
   wire::vicon::LatencyInfo latency_;
   bool has_latency_ = false;
-  bool has_set_ = false;  ///< frames already contain the requested content
+  bool has_set_ = false;  ///< a frame with the requested content was received
   std::vector<Subject> subjects_;
 
   Moment opened_;

@@ -25,7 +25,7 @@ class FrameAssembly {
   void clear();
   [[nodiscard]] bool is_open() const { return is_open_; }
   [[nodiscard]] SeenFrame& frame() { return frame_; }
-  /// Starts a frame; passes the previous frame on if that is still incomplete.
+  /// Starts a frame; first passes on the previous frame if it is still being assembled.
   SeenFrame& begin(Moment arrival);
   /// Passes on the frame if it is complete. Call it after each batch of pieces.
   void pass_on_if_complete();
@@ -44,7 +44,7 @@ class FrameAssembly {
   SeenFrame frame_;
   bool is_open_ = false;
   bool is_first_ = true;
-  /// names of the awaited bodies; the first expected_size_ entries are valid
+  /// names of the bodies for which a frame waits; the first expected_size_ entries are valid
   std::vector<std::string> expected_;
   std::size_t expected_size_ = 0;
 };

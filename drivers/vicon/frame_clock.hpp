@@ -20,13 +20,14 @@ struct FrameTiming {
 /// Estimator of the time that each frame waited in a queue between the server and this driver.
 ///
 /// The server numbers or stamps its frames with a constant tick period. The period gives a line:
-/// the arrival time of each frame if it had not waited. A frame above the line has waited for the
-/// difference. An early frame lowers the line immediately. The line rises by the period, and by the
-/// possible error of the period (kDrift); a queue that grows faster is reported as lateness.
+/// the arrival time of each frame if no frame had waited. A frame that arrives later than the line
+/// has waited for the difference. A frame that arrives earlier lowers the line immediately. The
+/// line rises by the period, and by the possible error of the period (kDrift); a delay that grows
+/// faster is reported as lateness.
 ///
 /// A pause of the server must not be mistaken for a queue: no frames arrive in both cases. The echo
-/// of a ping distinguishes the two, because the server sends it after the previous frames. Each
-/// frame that arrives after the echo was sent after the ping.
+/// of a ping distinguishes pause and queue, because the server sends the echo after the previous
+/// frames. Each frame that arrives after the echo was sent after the ping.
 ///
 /// The period stated by the server is used until echoes show for kRefuted_s that it is wrong. If no
 /// period is stated, it is estimated (TickPeriodFit). Until the period is known, lateness is 0, and
@@ -67,10 +68,11 @@ class FrameClock {
 
   TickPeriodFit fit_;
   double next_fit_s_ = 0.0;         ///< s; time span of data at which the fit is computed again
-  std::optional<FrameMark> block_;  ///< start of the check for a too long tick period
+  std::optional<FrameMark> block_;  ///< start of the check whether the tick period is too long
   double block_late_s_ = 0.0;
 
-  bool is_after_echo_ = false;          ///< a fast echo arrived since the last frame
+  /// a fast echo (with a short round trip) arrived since the last frame
+  bool is_after_echo_ = false;
   double round_trip_s_ = 0.0;           ///< s; round trip of that echo
   std::optional<FrameMark> echo_mark_;  ///< first frame after a fast echo
   double refuted_tick_s_ = 0.0;         ///< s; tick period that contradicts the stated period
@@ -79,7 +81,7 @@ class FrameClock {
   std::optional<Duration> slow_since_;  ///< sending time of the first of the consecutive slow pings
   double least_slow_s_ = 0.0;
 
-  std::optional<double> window_begin_s_;  ///< start of the check for a decreasing lateness
+  std::optional<double> window_begin_s_;  ///< start of the check whether lateness decreases
   double window_late_s_ = 0.0;            ///< s; lateness at the start of that check
   int window_frames_ = 0;
   bool is_standing_ = false;

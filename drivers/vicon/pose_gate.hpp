@@ -32,8 +32,8 @@ struct GateSettings {
   double predicted_max_m = std::numeric_limits<double>::infinity();
   /// Longest gap after which a swap of names is certain; predictions are accurate for this time.
   Duration swap_certain{400'000};
-  /// Ratio of the limits to usual motions. Usual are up to 2 m/s and 4 rad/s, twice the values of
-  /// flights in the lab.
+  /// Ratio of the limits to usual motions. Usual motions have up to 2 m/s and 4 rad/s, twice the
+  /// values of flights in the lab.
   int usual_divisor = 5;
   int confirm_frames = 5;  ///< number of consistent poses required of a lost body
   /// A jump is accepted after its poses were consistent for this time. By then, a vehicle with this

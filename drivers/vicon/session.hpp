@@ -18,8 +18,8 @@ struct WireCounts {
   std::int64_t broken_blocks = 0;      ///< parts of a frame that could not be read
   std::int64_t frames_before_set = 0;  ///< frames before the requested content begins
   std::int64_t unnamed_bodies = 0;     ///< poses of subjects without a description
-  std::int64_t late_blocks = 0;        ///< parts of a frame that was assumed complete
-  std::int64_t duplicate_blocks = 0;   ///< repeated parts of a frame
+  std::int64_t late_blocks = 0;       ///< parts that arrived after their frame was assumed complete
+  std::int64_t duplicate_blocks = 0;  ///< repeated parts of a frame
 };
 
 /// Rate at which a server reports one body.

@@ -9,7 +9,8 @@
 
 namespace vantage::drivers::vicon {
 
-/// How this driver speaks one protocol; a new protocol needs a line in session_table.cpp.
+/// One protocol, with the function that opens its session. A new protocol needs a line in
+/// session_table.cpp.
 struct SessionRow {
   scenario::MocapProtocol protocol;
   wire::vicon::ServerType server_type;  ///< server that speaks the protocol

@@ -34,7 +34,7 @@ class TickPeriodFit {
   static constexpr std::size_t kMarksMin = 10;
   std::array<FrameMark, kMarksMax> marks_{};
   std::size_t size_ = 0;
-  std::size_t stride_ = 1;   ///< one of this number of frames is stored
+  std::size_t stride_ = 1;   ///< one frame of every `stride_` frames is stored
   std::size_t skipped_ = 0;  ///< number of frames since the last stored frame
 };
 

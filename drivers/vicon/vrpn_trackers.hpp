@@ -55,7 +55,7 @@ class VrpnTrackers {
     int together = 0;                             ///< consecutive reports at the leader's instants
     bool is_held = false;
 
-    /// Returns the median of the newest intervals, µs; 0 with too few.
+    /// Returns the median of the newest intervals, µs; 0 if too few are stored.
     [[nodiscard]] std::int64_t period_us() const;
     void note(std::int64_t stamp_us, const wire::vicon::VrpnPose& pose);
   };

@@ -26,16 +26,17 @@ struct Spread {
   double worst_s = 0.0;  ///< maximum
   double least_s = 0.0;
 };
-/// Returns zeros if `values_s` is empty.
+/// Returns the distribution of `values_s`; zeros if there are no values.
 Spread spread_of(std::vector<double> values_s);
 
 /// Timing of one robot's planner relative to its deadlines.
 struct DeadlineRecord {
   std::int64_t plans = 0;
   std::int64_t late = 0;
-  std::int64_t fallbacks = 0;  ///< number of plans not found by the search in their own slot
-  Spread margin;               ///< s; deadline minus the time when a plan was finished
-  Spread search;               ///< s; from the start of the slot to the end of the search
+  /// number of plans that were not found by a search in the robot's own slot
+  std::int64_t fallbacks = 0;
+  Spread margin;  ///< s; deadline minus the time when a plan was finished
+  Spread search;  ///< s; from the start of the slot to the end of the search
 };
 
 /// Latency of one section of the stack, as measured by a process from the start of the trial to the
@@ -52,7 +53,7 @@ std::vector<Hop> hops_of(const models::ProcessHealth& health);
 /// Values at one instant of the trial. Times are seconds since the start of the log.
 struct CoursePoint {
   double at_s = 0.0;
-  std::optional<double> rmse_m;  ///< m; of the team's estimates of known targets
+  std::optional<double> rmse_m;  ///< m; RMSE of the team's estimates of known targets
   double entropy_nats = 0.0;     ///< mean over all targets
   int discovered = 0;
 };

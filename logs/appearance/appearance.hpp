@@ -47,7 +47,8 @@ struct Appearance {
   [[nodiscard]] std::string ellipse_label() const;
 };
 
-/// Returns the table. Lookups by .at() throw if a name is missing in appearance.json.
+/// Returns the content of appearance.json. Lookups by .at() throw if a name is missing in
+/// appearance.json.
 const Appearance& appearance();
 
 /// Appearance that identifies robot `index` of a scenario in all drawings. The body has a colour of

@@ -28,7 +28,7 @@ struct LogColumn {
 /// List of variable length within messages.
 struct LogList {
   std::string name;  ///< "segments", or the name of its only column
-  int parent = -1;   ///< index of the list that has this one in each element; −1: in messages
+  int parent = -1;  ///< index of the list whose elements contain this list; −1: messages contain it
   /// Row i of the parent has the elements [offsets[i], offsets[i + 1]).
   std::vector<std::int64_t> offsets{0};
 };

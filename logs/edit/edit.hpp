@@ -28,10 +28,10 @@ struct EditRules {
 
 struct EditCounts {
   std::int64_t written = 0;
-  /// Events between the first and the last written one that were left out.
+  /// Number of events left out between the first and the last written event.
   std::int64_t left_out = 0;
   std::int64_t invalid_names = 0;  ///< events left out because their new name is empty or too long
-  std::int64_t failed = 0;  ///< events that could not be written; the first one ends the edit
+  std::int64_t failed = 0;  ///< events that could not be written; the first failure ends the edit
   bool is_stopped = false;  ///< ended early by the caller's request
 };
 

@@ -47,7 +47,7 @@ class McapWriter {
   /// Returns "PATH: cannot be written: REASON"; empty without an error.
   [[nodiscard]] const std::string& failure() const { return failure_; }
   [[nodiscard]] std::uint64_t messages() const { return messages_; }
-  /// Returns the number of messages with a clamped time: it was before 1970 or after 2262.
+  /// Returns the number of messages with a time before 1970 or after 2262, which was clamped.
   [[nodiscard]] std::int64_t times_held() const { return times_held_; }
 
  private:

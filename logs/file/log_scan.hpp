@@ -54,8 +54,9 @@ struct ScanCounts {
 ///  - the checker reports damaged data; or, unless the checker reports complete data,
 ///  - a header inside its data has a number near the event's own number, or near the numbers that
 ///    are usual in this part of the log while the event's own number is not; or
-///  - no header follows the event, and its data contain the header of an inner event that ends
-///    beyond it and is followed by its successor. If the outer event's number is usual, successors
+///  - no header follows the event, and its data contain the header of an inner event. This inner
+///  event ends beyond the outer event, and its successor follows. If the outer event's number is
+///  usual, successors
 ///    of the inner event must also continue to the end of the file.
 /// Therefore sync words, headers and complete logs inside data do not split an event, and a wrong
 /// length does not hide other events. An event is intact if all of its bytes are present. All
@@ -70,8 +71,8 @@ class LogScan {
   explicit LogScan(std::span<const std::uint8_t> log, DataChecker checker = {},
                    std::size_t offset = 0);
 
-  /// Returns the next event; nullopt at the end of the file. Reads the bytes that it passes once or
-  /// twice.
+  /// Returns the next event; nullopt at the end of the file. Reads each byte of the passed part
+  /// once or twice.
   /// @throws std::runtime_error if the log is a MappedFile that has become shorter since it was
   /// opened.
   std::optional<LocatedEvent> next();

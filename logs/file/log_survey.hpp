@@ -22,7 +22,7 @@ struct ChannelSurvey {
   std::int64_t events = 0;
   std::uint64_t data_bytes = 0;
   Time first{};  ///< time of the first event, clamped to the log's begin and end
-  Time last{};   ///< time of the last event, clamped likewise
+  Time last{};   ///< time of the last event, clamped to the same range
   /// Longest time between two consecutive events. Gaps of a day or more are ignored.
   Duration gap_max{};
   Time gap_at{};                    ///< start of that gap
@@ -56,7 +56,7 @@ struct LogSurvey {
   std::int64_t numbers_missing = 0;
   /// Number of times that the event numbers do not increase (concatenated logs).
   std::int64_t number_restarts = 0;
-  std::int64_t times_backward = 0;  ///< events earlier than the preceding one
+  std::int64_t times_backward = 0;  ///< events with a time before that of the preceding event
   Duration backward_max{};
   bool begins_with_scenario = false;
   std::map<std::string, ChannelSurvey> channels;

@@ -25,7 +25,7 @@ class UsualTimes {
   struct Span {
     Time begin{};
     Time end{};
-    std::int64_t outlying = 0;  ///< number of times outside
+    std::int64_t outlying = 0;  ///< number of event times outside the span
   };
   /// Returns zeros when no time was added.
   [[nodiscard]] Span span() const;

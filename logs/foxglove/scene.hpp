@@ -19,7 +19,7 @@ namespace vantage::logs::foxglove {
 
 /// Returns the colour that identifies a robot in drawings and charts: the body colour of
 /// robot_appearance() (logs/appearance). It depends on the robot's index in the scenario, so the
-/// order of messages does not matter. nullopt if `robot` is not a robot of the scenario.
+/// order of messages does not matter. Returns nullopt if `robot` is not a robot of the scenario.
 std::optional<Colour> robot_colour(const scenario::Scenario& scenario, const std::string& robot);
 
 /// Draws bounds, obstacles and regions.
@@ -55,7 +55,7 @@ struct EstimateView {
   int target_id = 0;
   std::string name;
   PositionEstimate estimate;
-  std::optional<double> error_m;  ///< m, against the truth
+  std::optional<double> error_m;  ///< m; distance of the mean from the true position
   Duration lifetime{0};           ///< display time without an update; 0: until it is deleted
 };
 

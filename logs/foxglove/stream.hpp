@@ -53,8 +53,9 @@ class Sink {
 ///   /transforms /truth/transforms foxglove.FrameTransforms   world → body, mocap and truth
 ///   /world /robots /views /targets   foxglove.SceneUpdate   once, and on change
 ///   /plan/P /proposal/P /measurement/P /belief/P /estimates /tracks   foxglove.SceneUpdate
-///   /grid /belief/P/grid          foxglove.Grid       age of each cell's last scan, by all and P
-///   /map /map/P                   foxglove.Grid       occupancy: newest map of any robot, and of P
+///   /grid /belief/P/grid          foxglove.Grid       age of each cell's last scan by any robot,
+///   and by P /map /map/P                   foxglove.Grid       occupancy: newest map of any robot,
+///   and of P
 class Stream {
  public:
   explicit Stream(Sink& sink) : sink_(sink) {}
@@ -78,7 +79,7 @@ class Stream {
   void on(const models::HostReport& report, Time received_at);
   void on(const models::CollisionReport& contact, Time received_at);
   void on(const models::AttackNotice& attack, Time received_at);
-  /// Operator commands. Heartbeats are ignored.
+  /// Processes an operator command; heartbeats are ignored.
   void on(const models::OperatorCommand& command, Time received_at);
 
   /// Adds the publisher of a message of any type, before a Bus chooses between two publishers.
@@ -97,15 +98,16 @@ class Stream {
   void put_robots(Time received_at, Time time);
   void put_estimates(const std::string& topic, const std::string& prefix,
                      const std::vector<EstimateView>& views, Time received_at);
-  /// Publishes the team's estimates of the current step once, when its beliefs have arrived.
+  /// Publishes the team's estimates of the current step once, when the beliefs of this step have
+  /// arrived.
   void flush_estimates(Time received_at);
   void put_grid(const models::RobotBelief& belief, Time received_at);
   void extend_trail(const std::string& body, const Eigen::Vector3d& position_m, Time time);
   void put_tracks(Time received_at, Time time);
   /// Stores the capture time of the newest measurement that `plan` is based on.
   void trace(const models::RobotPlan& plan);
-  /// Stores that measurement's age if `status` is the first one to report that its plan is
-  /// followed.
+  /// Stores the age of the newest measurement of the followed plan if `status` is the first to
+  /// report this plan.
   void note_latency(const models::VehicleStatus& status);
   /// Returns nullopt until a scenario is received, or if it does not contain the robot.
   [[nodiscard]] std::optional<Colour> colour_of(const std::string& robot) const;
@@ -123,14 +125,16 @@ class Stream {
   std::map<std::string, Track> tracks_;
   std::optional<Time> next_tracks_;
   OriginTimes captures_;             ///< capture times of measurements
-  OriginTimes captures_of_beliefs_;  ///< of each belief's newest measurement
+  OriginTimes captures_of_beliefs_;  ///< capture times of each belief's newest measurement
   std::map<std::string, std::map<std::int64_t, Time>> captures_of_plans_;  ///< by robot and round
-  std::map<std::string, Duration> capture_to_setpoint_;  ///< of the plan that the robot follows
-  std::map<int, EstimateView> estimates_;                ///< best of the newest step, by target
-  std::optional<Time> estimates_time_;                   ///< time of the estimates not yet shown
+  /// latency of the plan that each robot follows
+  std::map<std::string, Duration> capture_to_setpoint_;
+  std::map<int, EstimateView> estimates_;  ///< best estimates of the newest step, by target
+  std::optional<Time> estimates_time_;     ///< time of the estimates not yet shown
   std::optional<Time> last_mocap_;
   models::GridGeometry grid_;
-  std::vector<std::int64_t> last_seen_utime_;  ///< µs; newest of all robots, per cell
+  /// µs; time of the newest scan of each cell by any robot
+  std::vector<std::int64_t> last_seen_utime_;
   std::int64_t grid_step_ = -1;
   std::int64_t newest_step_ = -1;
   std::int64_t scenarios_refused_ = 0;

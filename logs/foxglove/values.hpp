@@ -12,9 +12,9 @@
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 
-// Messages as foxglove.FrameTransforms, foxglove.Grid, foxglove.Log and vantage.*. Free of side
-// effects. Non-finite numbers (no cost, no proven bound) are left out because JSON cannot represent
-// them.
+// Conversion of messages to foxglove.FrameTransforms, foxglove.Grid, foxglove.Log and vantage.*.
+// Free of side effects. Non-finite numbers (no cost, no proven bound) are left out because JSON
+// cannot represent them.
 
 namespace vantage::logs::foxglove {
 
@@ -71,8 +71,8 @@ Json log_json(const Event& event);
 Event event_of(const models::CollisionReport& contact);
 /// Returns the event of a late plan or a fallback; nullopt for a plan that was searched in time.
 std::optional<Event> event_of(const models::RobotPlan& plan);
-/// Returns the change of a vehicle's state; nullopt without a change, or if the first received
-/// status is normal.
+/// Returns the event of a change of a vehicle's state; nullopt without a change, or if the first
+/// received status is normal.
 std::optional<Event> event_of(const models::VehicleStatus* before,
                               const models::VehicleStatus& status);
 std::optional<Event> event_of(const models::AttackNotice* before,
@@ -81,8 +81,8 @@ std::optional<Event> event_of(const models::AttackNotice* before,
 std::optional<Event> event_of(const models::HostReport* before, const models::HostReport& report);
 
 /// Detector of events in one process's health: stopped, restarted, degraded, recovered. On a loaded
-/// machine a process may alternate between degraded and healthy each second. That counts as one
-/// degraded period, which ends after the process has been healthy for kWell.
+/// machine a process may alternate between degraded and healthy each second. Such alternation
+/// counts as one degraded period, which ends after the process has been healthy for kWell.
 class HealthStory {
  public:
   static constexpr Duration kWell = std::chrono::seconds(5);

@@ -12,7 +12,7 @@ namespace vantage::logs {
 /// Consistency of an estimator, from normalised estimation errors squared (NEES) e = εᵀ Σ⁻¹ ε of
 /// positions with n coordinates. If the estimator is consistent, e is χ² distributed: mean n,
 /// median 1.39 (n = 2) or 2.37 (n = 3), and 95 % of the positions lie inside their 95 % ellipse.
-/// The mean reacts to rare gross errors, the median to the majority.
+/// Rare gross errors change the mean; the median describes the majority of the estimates.
 struct Consistency {
   std::int64_t samples = 0;
   std::optional<double> mean_nees;
@@ -42,8 +42,8 @@ class NeesSums {
   std::array<std::int64_t, kBins> bins_{};
 };
 
-/// Classes of the time since any robot last saw a target, as stated in the belief: class i holds
-/// kAgeEdges_s[i] ≤ age < kAgeEdges_s[i + 1].
+/// Classes of the time since any robot last saw a target, as stated in the belief: class i contains
+/// the ages kAgeEdges_s[i] ≤ age < kAgeEdges_s[i + 1].
 inline constexpr std::array<double, 6> kAgeEdges_s = {
     0.0, 1.0, 2.0, 4.0, 8.0, std::numeric_limits<double>::infinity()};
 inline constexpr std::size_t kAgeClasses = kAgeEdges_s.size() - 1;

@@ -20,13 +20,13 @@ struct Labelled {
 /// Error of one set of estimates against the truth.
 struct SetError {
   double ospa_m = 0.0;
-  /// Root mean square distance of the pairs in the assignment of least squared distance, without a
-  /// cutoff; 0 without pairs.
+  /// Root mean square distance of the pairs in the assignment with the least sum of squared
+  /// distances, without a cutoff; 0 without pairs.
   double matched_rmse_m = 0.0;
   int pairs = 0;  ///< pairs of that assignment: the size of the smaller set
 };
 
-/// Error measures for sets of target estimates with labels that contain no target id. Sets are
+/// Error measures for sets of target estimates with labels that contain no target id. Sets must be
 /// judged in the order of time.
 ///
 /// OSPA of order 2 with cutoff c between sets of m ≤ n points: √((Σ min(c, d)² + c² (n − m)) / n),

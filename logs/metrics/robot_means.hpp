@@ -24,12 +24,12 @@ struct RobotMeans {
   std::optional<double> rmse_m;
   /// Mean over time and targets; an unknown target has the entropy of its prior.
   double entropy_nats = 0.0;
-  double discovered = 0.0;  ///< targets that a robot has ever known
-  /// Mean time until a robot knows a target; the trial's duration if it never does.
+  double discovered = 0.0;  ///< mean number of targets that a robot has ever known
+  /// Mean time until a robot knows a target; the trial's duration if the robot never knows it.
   double discovery_time_s = 0.0;
   /// Mean over time of the share of targets that a robot does not know.
   double undiscovered_share = 0.0;
-  /// Pooled over all robots' position estimates of their known targets.
+  /// Consistency of all robots' position estimates of their known targets, taken together.
   Consistency consistency;
   std::array<Consistency, kAgeClasses> consistency_by_age;  ///< see kAgeEdges_s
 };
@@ -42,11 +42,11 @@ class RobotStep {
     double sum = 0.0;
   };
 
-  /// Adds one robot. `rmse_m` is over the targets with known truth; nullopt without any.
+  /// Adds one robot. `rmse_m` is over the targets with known truth; nullopt if there are none.
   void add(double entropy_nats, std::optional<double> rmse_m);
   void add_nees(std::size_t age_class, double nees);
 
-  /// Return the means over the robots; nullopt if there are none.
+  /// Return the means over the robots; nullopt if there are no values.
   [[nodiscard]] std::optional<double> entropy_nats() const;
   [[nodiscard]] std::optional<double> rmse_m() const;
   /// Returns the NEES by the time since the target was last seen; see kAgeEdges_s.

@@ -36,8 +36,9 @@ std::optional<PositionEstimate> position_estimate(const models::TargetBelief& be
 /// each of `position_dim` axes.
 double isotropic_entropy_nats(double sigma_m, int position_dim);
 
-/// The team's estimate of each target: the one with the least position entropy among the robots
-/// that know it. Ties: the more recent sighting, then the first robot in alphabetical order.
+/// The team's estimate of each target: the estimate with the least position entropy among the
+/// robots that know the target. In a tie the more recent sighting is used, then the first robot in
+/// alphabetical order.
 class TeamEstimate {
  public:
   void offer(int target_id, const PositionEstimate& candidate);

@@ -9,10 +9,10 @@
 
 namespace vantage::logs {
 
-/// Returns the tracks of one belief with the ids of true targets, by ascending id. For teams with
-/// sensors that report no ids. The ids come from the assignment of least squared distance to the
-/// true positions of the `targets` at `time`, without a distance limit. Surplus tracks are left
-/// out; so are all tracks if the truth at `time` is unknown.
+/// Returns the tracks of one belief with the ids of true targets, by ascending id. Used for teams
+/// with sensors that report no ids. The ids come from the assignment of tracks to true positions of
+/// the `targets` at `time` with the least sum of squared distances, without a distance limit.
+/// Surplus tracks are left out. All tracks are left out if the truth at `time` is unknown.
 std::vector<models::TargetBelief> assign_ids_by_position(
     std::span<const models::TargetBelief> tracks, const TruthHistory& truth, int targets,
     Time time);

@@ -20,12 +20,13 @@ namespace vantage::logs {
 /// State of one target at the newest evaluated step.
 struct TargetStatus {
   std::string name;
-  std::optional<double> discovered_s;  ///< s since the start of the trial
-  /// The team's estimate; nullopt while no robot knows it.
+  std::optional<double> discovered_s;  ///< s; time of discovery since the start of the trial
+  /// The team's estimate; nullopt while no robot knows the target.
   std::optional<PositionEstimate> estimate;
   /// Error of the estimate against the truth at the estimate's time.
   std::optional<double> error_m;
-  double entropy_nats = 0.0;  ///< entropy of the scenario's prior while no robot knows it
+  /// nats; entropy of the scenario's prior while no robot knows the target
+  double entropy_nats = 0.0;
 };
 
 /// Newest messages of one robot.
@@ -36,7 +37,7 @@ struct RobotStatus {
 
 /// Evaluation of a trial from its messages. It has no side effects; messages are added one at a
 /// time in order of arrival. Beliefs are grouped by estimator step. A step is evaluated two steps
-/// later, when the surrounding truth and the other robots' beliefs have arrived. If the sensors
+/// later, when the truth around the step and the other robots' beliefs have arrived. If the sensors
 /// report no ids, assign_ids_by_position() assigns each track to a target; the target counts as
 /// discovered if the track is within 1 m of it.
 class TrialMetrics {
@@ -123,7 +124,7 @@ class TrialMetrics {
   RunSet rounds_late_;
   std::int64_t plans_ = 0;
   std::int64_t fallbacks_ = 0;
-  std::map<std::string, double> map_entropies_nats_;  ///< of the newest map, by robot
+  std::map<std::string, double> map_entropies_nats_;  ///< nats; entropy of each robot's newest map
   std::map<std::pair<std::string, std::int64_t>, std::int64_t> lost_;  ///< by process and run
 };
 

@@ -27,13 +27,14 @@ struct TrialSummary {
   double entropy_nats = 0.0;
   std::int64_t rounds = 0;       ///< planning rounds in which some robot published a plan
   std::int64_t rounds_late = 0;  ///< rounds in which some plan was finished after its deadline
-  std::int64_t fallbacks = 0;    ///< number of plans not found by the search in their own slot
+  /// number of plans that were not found by a search in the robot's own slot
+  std::int64_t fallbacks = 0;
   std::int64_t messages_lost = 0;
 
   std::string scenario;
   std::string algorithm;
   std::int64_t plans = 0;
-  std::int64_t plans_missing = 0;  ///< rounds · robots − plans
+  std::int64_t plans_missing = 0;  ///< number of missing plans: rounds · robots − plans
   /// Priced energy of the planned motion of all robots (models/scenario). Each plan counts until
   /// the next plan begins.
   double energy_nats = 0.0;
@@ -51,8 +52,8 @@ struct TrialSummary {
   RobotMeans per_robot;  ///< each robot evaluated by its own belief; mean over the robots
 };
 
-/// Returns the keys of the published table in their published order, then additional keys; absent
-/// values are null. Equal summaries give equal text.
+/// Returns the summary as JSON: the keys of the published table in their published order, then
+/// additional keys; absent values are null. Equal summaries give equal text.
 nlohmann::ordered_json to_json(const TrialSummary& summary);
 
 }  // namespace vantage::logs

@@ -27,7 +27,7 @@ class TargetCourse {
   static constexpr double kCourseStep_s = 0.1;
   static constexpr double kGapMax_s = 0.25;  ///< s; longer gaps are not interpolated
 
-  /// Adds a recorded position. One that is not later than the previous one is ignored.
+  /// Adds a recorded position. A position that is not later than the previous position is ignored.
   void add(Time time, const Eigen::Vector2d& position_m);
   /// Returns the positions, keyed by time in steps of kCourseStep_s.
   [[nodiscard]] const std::map<std::int64_t, Eigen::Vector2d>& positions_m() const {

@@ -32,7 +32,7 @@ struct Layout {
   Eigen::Vector2d panel_corner_px;
 };
 
-/// Pictures have a white background, so they use the colours for a light background.
+/// Returns the colour of `role` for a light background, because pictures have a white background.
 inline std::string_view role_colour(const char* role) {
   return logs::appearance().roles.at(role).light;
 }

@@ -40,9 +40,10 @@ struct Scene {
   std::map<std::string, RobotScene> robots;
   std::map<int, TargetScene> targets;
   models::GridGeometry grid;
-  std::vector<std::int64_t> last_seen_utime;         ///< µs; per cell, newest of any robot
-  std::set<std::string> jammed;                      ///< names of robots
-  std::optional<models::RobotMap> map;               ///< newest of any robot, if the team maps
+  /// µs; time of the newest scan of each cell by any robot
+  std::vector<std::int64_t> last_seen_utime;
+  std::set<std::string> jammed;         ///< names of robots
+  std::optional<models::RobotMap> map;  ///< newest map of any robot; nullopt if no robot maps
   std::map<std::string, double> map_entropies_nats;  ///< entropy of each robot's newest map
 };
 

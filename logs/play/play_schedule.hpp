@@ -7,9 +7,9 @@
 namespace vantage::logs {
 
 /// Schedule that maps each instant of a log to its due time on a monotonic clock (CLOCK_MONOTONIC,
-/// ns), across pauses, seeks and changes of speed. Each instant is counted from the last of these,
-/// so pacing errors do not accumulate. Positions and times are ≥ 0, as in a log. It reads no clock:
-/// callers pass the time.
+/// ns), across pauses, seeks and changes of speed. Due times are counted from the last pause, seek
+/// or change of speed, so timing errors do not accumulate. Positions and times are ≥ 0, as in a
+/// log. It reads no clock: callers pass the time.
 class PlaySchedule {
  public:
   /// Starts paused at `position`. Precondition: speed > 0.

@@ -53,7 +53,8 @@ struct PlayReport {
   std::int64_t gaps = 0;  ///< skipped jumps of the time stamps
 };
 
-/// Player that publishes a log to `sink` at the pace of its time stamps, multiplied by the speed.
+/// Player that publishes a log to `sink` at the rate of the log's time stamps, multiplied by the
+/// speed.
 class Player {
  public:
   /// Polls `command` and calls `on_position` about every 20 ms. If the time stamps jump by more

@@ -31,7 +31,8 @@ LogSpaceCheck check_log_space(const scenario::Scenario& scenario, const std::str
 /// no side effects.
 class LogWatch {
  public:
-  /// s; a log that does not grow for this time is not written: messages arrive every second.
+  /// s; a log that has not grown for this time counts as not written, because messages arrive every
+  /// second.
   static constexpr double kUnwrittenS = 3.0;
   /// s; a disk with free space for less flight time than this is nearly full.
   static constexpr double kNearlyFullS = 60.0;

@@ -36,7 +36,7 @@ struct SpoolReport {
   int files = 1;
   std::int64_t events = 0;  ///< events in files
   std::uint64_t bytes = 0;
-  /// Events lost because the queue was full, the limit reached or the disk refused them.
+  /// Events lost because the queue was full, the limit was reached or the disk refused them.
   std::int64_t events_lost = 0;
   std::int64_t write_errors = 0;
   std::int64_t sync_errors = 0;
@@ -58,9 +58,9 @@ struct SpoolReport {
 ///
 /// One thread writes the queued events every write_period; written data survive the end of this
 /// process by any cause. Another thread syncs them, so that they survive a power failure. While the
-/// disk refuses data (full, absent, read-only), writing is retried and the files stay valid. Events
-/// that do not fit into the queue meanwhile are lost and counted. The newest are dropped first, so
-/// that a log has one gap instead of many.
+/// disk refuses data (full, absent, read-only), writing is retried and the files stay valid. During
+/// this time, events that do not fit into the queue are lost and counted. The newest events are
+/// dropped, so that a log has one gap instead of many.
 ///
 /// Further files are named `path` with a number from 2 on, and begin with the newest earlier
 /// SCENARIO. No file is deleted or overwritten: numbers of existing files are skipped. When a log

@@ -24,7 +24,7 @@ class Recorder {
   using Log =
       std::function<bool(Time, std::string_view channel, std::span<const std::uint8_t> data)>;
 
-  /// `endpoint` and `clock` must outlive the endpoint's last handle().
+  /// `endpoint` and `clock` must exist until the last call of the endpoint's handle().
   Recorder(bus::Transport& endpoint, const bus::Clock& clock, Log log, ChannelFilter channels = {});
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;

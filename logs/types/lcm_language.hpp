@@ -36,7 +36,7 @@ struct LcmStruct {
 bool is_basic_lcm_type(std::string_view type);
 
 /// Returns the structs of a .lcm file in file order. `path` is used in messages only.
-/// @throws StartupError "PATH:LINE: reason" for files that lcm-gen refuses, too.
+/// @throws StartupError "PATH:LINE: reason" for files that lcm-gen also refuses.
 std::vector<LcmStruct> parse_lcm(std::string_view text, const std::string& path);
 
 }  // namespace vantage::logs

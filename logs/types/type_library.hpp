@@ -27,8 +27,8 @@ class TypeLibrary {
   explicit TypeLibrary(const std::vector<std::string>& paths);
 
   /// Returns the type with the fingerprint at the start of `message`; nullptr if there is none. If
-  /// several types have the same layout, vantage's own type wins, then the first name in
-  /// alphabetical order.
+  /// several types have the same layout, returns vantage's own type if there is one, otherwise the
+  /// first name in alphabetical order.
   [[nodiscard]] const bus::WireSchema* find(std::span<const std::uint8_t> message) const;
 
   /// Returns the number of types from files.

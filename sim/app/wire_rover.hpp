@@ -13,7 +13,7 @@
 namespace vantage::sim {
 
 /// Ground robot with an emulated rover on a socket, which uses the protocol of
-/// docs/guide/rovers.md. Its body is at the height of its markers.
+/// docs/guide/rovers.md. The height of its body is the height of its markers.
 class WireRover : public WireVehicle {
  public:
   /// @param boot  boot number sent in the telemetry; must differ at each start

@@ -59,7 +59,7 @@ class AutopilotEmulator {
   [[nodiscard]] Eigen::Vector3d velocity_world_mps() const;
   [[nodiscard]] const FlightController& controller() const { return controller_; }
   [[nodiscard]] FlightController& controller() { return controller_; }
-  /// Returns the number of received frames that were ignored as the real autopilot ignores them.
+  /// Returns the number of ignored frames. The real autopilot ignores such frames too.
   [[nodiscard]] std::int64_t ignored() const { return ignored_; }
 
  private:

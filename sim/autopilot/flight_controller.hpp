@@ -89,7 +89,7 @@ class FlightController {
   void fail_safe(const std::string& why, Time now);
   void stop_motors();
   [[nodiscard]] bool has_proof_of_life(Time now) const;
-  /// Returns the reasons against arming now, in the words of the real autopilot.
+  /// Returns the reasons against arming now, in the wording of the real autopilot.
   [[nodiscard]] std::vector<std::string> arming_problems(Time now) const;
   [[nodiscard]] bool is_following() const { return mode_ == profile_.follow_mode; }
   /// Returns the velocity to command now; nullopt to stay on the ground.
@@ -110,7 +110,7 @@ class FlightController {
   bool has_origin_ = false;
   bool is_blind_ = false;
   Time armed_at_{};
-  std::optional<Time> touched_down_;  ///< since when the vehicle is on the ground after a flight
+  std::optional<Time> touched_down_;  ///< start of the time on the ground after a flight
   std::optional<Time> lost_since_;
   std::optional<FlightTarget> target_;
   Time target_time_{};

@@ -10,7 +10,7 @@ namespace vantage::sim {
 /// Behaviour of one autopilot that the user cannot set (see settings.hpp for settings). The numbers
 /// are from recordings of the two real autopilots in test/data/autopilot.
 struct AutopilotProfile {
-  std::uint8_t autopilot_id = 0;  ///< value in its HEARTBEAT
+  std::uint8_t autopilot_id = 0;  ///< field `autopilot` of its HEARTBEAT
   std::uint32_t follow_mode = 0;  ///< custom_mode in which set-points are accepted
   std::uint32_t land_mode = 0;
   std::uint32_t start_mode = 0;
@@ -23,7 +23,8 @@ struct AutopilotProfile {
   double estimator_aligned_s = 0.0;  ///< s; from power-up until the estimator fuses poses
   std::uint16_t flags_ground = 0;
   std::uint16_t flags_air = 0;
-  std::uint16_t flags_stale = 0;  ///< flags in the air if the newest pose is older than 0.6 s
+  /// estimator's status flags in the air if the newest pose is older than 0.6 s
+  std::uint16_t flags_stale = 0;
   std::uint16_t flags_lost = 0;
   bool needs_origin = false;            ///< an origin is required for arming
   double lost_before_failsafe_s = 0.0;  ///< s; from the loss of position to the failsafe

@@ -19,8 +19,8 @@ struct CoursePoint {
   double yaw_rate_radps = 0.0;
 };
 
-/// Sequence of the accepted plans of a vehicle. At each instant, of the plans that have started,
-/// the one with the latest start applies.
+/// Sequence of the accepted plans of a vehicle. At each instant the plan with the latest start
+/// among the started plans applies.
 class Course {
  public:
   /// Creates a course that hovers at `hover`.

@@ -44,7 +44,7 @@ enum class [[nodiscard]] PlanVerdict{
     kNotFinite,      ///< a number is not finite, or a duration or deceleration is invalid
     kDiscontinuous,  ///< starts too far from the vehicle's course
     kStale,          ///< older than the last accepted plan
-    kNotFollowing,   ///< the vehicle holds, lands, is idle or was stopped
+    kNotFollowing,   ///< the vehicle is in a hold, a landing, idle or killed
 };
 
 /// One flying vehicle: a velocity-controlled multirotor with first-order lags and wind, and the
@@ -63,8 +63,8 @@ class Quadrotor : public Vehicle {
   Quadrotor(const scenario::RobotSpec& spec, double tracking_tolerance_m, std::uint64_t seed,
             Time start, const QuadrotorParameters& parameters = {});
 
-  /// Accepts a plan if it is finite, not older than the newest plan, and begins near the course:
-  /// its position at max(start, `now`) is within twice the tracking tolerance.
+  /// Accepts a plan if it is finite, not older than the newest plan, and begins near the course: at
+  /// max(start, `now`) the distance is at most twice the tracking tolerance.
   PlanVerdict offer(const models::RobotPlan& plan, Time now);
   void command(models::OperatorAction action, Time now);
   /// Steps from `now` by `dt_s` ≤ 0.02 s. Allocates only when old plans are removed.

@@ -18,8 +18,8 @@ struct RoverEmulatorSpec {
   std::uint32_t boot = 1;
   Pose2 start;  ///< pose (world from body) at the start
   RoverParameters limits;
-  double delay_s = 0.03;      ///< s; time from the arrival of a command to its effect
-  double grip = 0.97;         ///< distance driven per distance by wheel rotation (slip)
+  double delay_s = 0.03;  ///< s; time from the arrival of a command to its effect
+  double grip = 0.97;     ///< ratio of the driven distance to the distance by wheel rotation (slip)
   double drift_radps = 0.02;  ///< rad/s; unmeasured left turn rate while moving
   double battery_share = 0.9;
   double battery_per_s = 1.0 / 7200.0;

@@ -28,9 +28,10 @@ namespace vantage::sim {
 class WorldSimulation {
  public:
   static constexpr Duration kStep{5'000};
-  static constexpr double kLowM = 0.9;      ///< m; targets keep away from vehicles below this
-                                            ///< height
-  static constexpr double kKeepOutM = 1.0;  ///< m; distance of their centres from such a vehicle
+  static constexpr double kLowM = 0.9;  ///< m; targets keep away from vehicles below this
+                                        ///< height
+  /// m; distance of the targets' centres from a low vehicle
+  static constexpr double kKeepOutM = 1.0;
 
   /// @param vehicles  vehicles that replace the Quadrotors of the same names; they must outlive the
   /// world

@@ -37,7 +37,7 @@ inline constexpr double kLossSpareM = 0.1;
 /// (stopping_distance_after_loss_m);
 /// - plans that are published too late, and wind without effect;
 /// - moving targets that are modelled as static;
-/// - settings with which the trial cannot do what it is for (purpose_notes()).
+/// - settings with which the trial cannot fulfil its purpose (purpose_notes()).
 Preflight check_preflight(const scenario::Scenario& scenario);
 
 /// Bytes; maximum memory of one robot's planner. Measured: 50 planners in one process used 5.7 GB.

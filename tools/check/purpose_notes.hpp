@@ -12,9 +12,9 @@ namespace vantage::tools {
 /// found. A target is found by a sensor whose measurement determines a position.
 std::optional<std::string> discovery_obstacle(const scenario::Scenario& scenario);
 
-/// Returns notes about legal settings with which a trial cannot do what it is for: settings that
+/// Returns notes about valid settings with which a trial cannot fulfil its purpose: settings that
 /// prevent discovery, tracking, motion or agreement, and settings without effect. Each note names
-/// the key and its value, what follows from it, and a remedy.
+/// the key, its value, the consequence and a remedy.
 std::vector<std::string> purpose_notes(const scenario::Scenario& scenario);
 
 }  // namespace vantage::tools

@@ -23,13 +23,13 @@ struct StationOptions {
   const bus::auth::Authenticator* authenticator = nullptr;
 };
 
-/// Sender of operator commands (channel COMMAND): sends the orders that its station is permitted
-/// to send. While the station is in charge it also sends the heartbeat, without which every vehicle
-/// lands. Learns the robots from VEHICLE_*.
+/// Sender of operator commands (channel COMMAND): sends the orders that its station is permitted to
+/// send. While the station is in charge it also sends the heartbeat, without which every vehicle
+/// lands. The robots are those that publish VEHICLE_*.
 ///
 /// Vehicles obey only recent commands, so commands are stamped in the vehicles' clock. The offset
-/// of that clock is the smallest offset of the vehicles received within the last second; an offset
-/// up to kApartMaxS counts as zero. An emergency stop is also stamped with this station's clock.
+/// of that clock is the smallest offset among the vehicle statuses of the last second; an offset up
+/// to kApartMaxS counts as zero. An emergency stop is also stamped with this station's clock.
 ///
 /// Vehicle statuses are refused as stale if the station's clock is wrong or a log is played. Then
 /// hold, land and emergency stop are also sent with the clock of these statuses. A superfluous stop
@@ -38,16 +38,18 @@ struct StationOptions {
 /// Datagrams may get lost, so hold, land and emergency stop are sent kTransmissions times. The
 /// first pause is kFirstPause, and each further pause is twice as long. The repetitions outlast a
 /// burst of losses of 0.5 s. A repetition has the stamp of the first transmission, unless no
-/// vehicle had been received then: such an order is repeated in the vehicles' clock. A later order
-/// to the same vehicles ends the repetition, so that `hold`, `follow` ends with following. An order
-/// to one vehicle does not end the repetition of an emergency stop of all vehicles.
+/// vehicle status had been received by then: such an order is repeated in the vehicles' clock. A
+/// later order to the same vehicles ends the repetition, so that `hold`, `follow` ends with
+/// following. An order to one vehicle does not end the repetition of an emergency stop of all
+/// vehicles.
 class OrderSender {
  public:
   static constexpr double kHeartbeatPeriod_s = 0.2;
   static constexpr double kApartMaxS = 1.0;
   static constexpr double kLogReportS = 3.0;
   static constexpr std::size_t kVehiclesMax = 1024;
-  static constexpr double kKeptS = 3.0;  ///< s; vehicles received within this time are not evicted
+  /// s; vehicles with a status within this time are not evicted
+  static constexpr double kKeptS = 3.0;
   static constexpr int kTransmissions = 5;
   static constexpr Duration kFirstPause = std::chrono::milliseconds(50);
 
@@ -80,8 +82,8 @@ class OrderSender {
   /// True if a process that records reported within kLogReportS that the log cannot be written.
   [[nodiscard]] bool is_log_lost(Time now) const;
   /// Returns a heading and one line per vehicle, in which the selected ones are marked. A vehicle
-  /// that was not received for 1 s is SILENT. Warnings follow: statuses refused as stale, unsigned
-  /// commands, a log that is not written.
+  /// without a status for 1 s is marked SILENT. Warnings follow: statuses refused as stale,
+  /// unsigned commands, a log that is not written.
   [[nodiscard]] std::vector<std::string> vehicle_table(Time now, const std::string& selected) const;
 
  private:

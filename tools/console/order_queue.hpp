@@ -9,13 +9,13 @@
 namespace vantage::tools {
 
 /// Queue of an operator's orders. Hold, land and emergency stop are sent immediately. Other orders
-/// wait until the station has listened for others, and are then sent in sequence, one per kPace.
-/// Hold, land and emergency stop remove waiting orders to the same vehicles.
+/// wait until the station has listened for other stations, and are then sent in sequence, one per
+/// kPace. Hold, land and emergency stop remove waiting orders to the same vehicles.
 ///
-/// The name of a robot that was never received is assumed to be a typing error. An emergency stop
-/// then goes to all vehicles, hold and land are sent to that name and reported, and other orders
-/// are refused. The queue decides this only after the station has listened, because robots may not
-/// have published earlier.
+/// If no message of a robot was ever received, its name in an order is assumed to be a typing
+/// error. An emergency stop then goes to all vehicles, hold and land are sent to that name and
+/// reported, and other orders are refused. The queue decides this only after the station has
+/// listened, because a robot may not have published before that time.
 class OrderQueue {
  public:
   /// Time between two orders: vehicles take one order per cycle.

@@ -13,12 +13,12 @@ namespace vantage::tools {
 /// vehicles accept an emergency stop from each station. Stations follow the rules below, and
 /// vehicles enforce them (drivers::OperatorAuthority).
 ///
-/// A station first listens for kListenS. If it receives no other station, it takes charge: it sends
-/// heartbeats and may send every order. If it receives another one, it is refused and may only send
-/// the emergency stop.
+/// A station first listens for kListenS. If no heartbeat of another station arrives, it takes
+/// charge: it sends heartbeats and may send every order. If one arrives, the station is refused and
+/// may only send the emergency stop.
 ///
 /// An allowed second station may also send hold and land. It takes charge after kSilentS without a
-/// heartbeat of the other one. If two stations are in charge, the one with the smaller run id
+/// heartbeat of the other station. If two stations are in charge, the one with the smaller run id
 /// stays. Only recent heartbeats count, so that a played log is not mistaken for a station.
 class Station {
  public:

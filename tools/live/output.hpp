@@ -32,9 +32,9 @@ class OutputQueue {
 /// Guard that makes standard output and standard error non-blocking during its lifetime, for this
 /// process and its children. So a stopped terminal (Ctrl-S) or a missing reader does not delay
 /// heartbeats, orders or drivers. print_line() and Screen then write through OutputQueues.
-/// Terminals and pipes are opened a second time, so that the shell keeps its settings; files stay
-/// unchanged. The destructor prints the number of dropped texts. At most one object may exist. Only
-/// the main thread may create it, destroy it and print.
+/// Terminals and pipes are opened a second time, so that the shell keeps its settings; output to
+/// files is not changed. The destructor prints the number of dropped texts. At most one object may
+/// exist. Only the main thread may create it, destroy it and print.
 class NonBlockingOutput {
  public:
   NonBlockingOutput();

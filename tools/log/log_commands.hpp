@@ -35,12 +35,12 @@ std::string url_for_log(const std::string& url);
 std::function<void(double)> progress_line(const std::string& what);
 
 /// Opens the log at `path`. A log without an index is read completely, with a progress line; SIGINT
-/// and SIGTERM end the process meanwhile. @throws StartupError if the log cannot be read.
+/// and SIGTERM end the process during this pass. @throws StartupError if the log cannot be read.
 logs::IndexedLog open_log(const std::string& path);
 /// Returns the names of a log's channels as text for a sentence; at most 20 names.
 std::string channel_names(const logs::LogSurvey& survey);
-/// Prints the `expressions` that match no channel of `log`, and its channels. @throws StartupError
-/// if there are expressions and no expression matches.
+/// Prints the `expressions` that match no channel of `log`, and the channels of `log`. @throws
+/// StartupError if there are expressions and no expression matches.
 void require_channels(const logs::IndexedLog& log, const std::vector<std::string>& expressions);
 
 /// Output log, which must differ from all input logs.

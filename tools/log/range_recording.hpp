@@ -27,7 +27,7 @@ struct RangeRecording {
   std::int64_t poses_left_out = 0;   ///< poses that are not finite, or repeat a time
   std::int64_t too_far = 0;          ///< range or position beyond estimator::kRangeBound_m
   std::vector<std::string> too_few;  ///< beacons with fewer than kRangesOfBeaconMin ranges
-  std::int64_t of_too_few = 0;       ///< ranges of those beacons
+  std::int64_t of_too_few = 0;       ///< ranges of the beacons in `too_few`
 };
 
 /// Reads a table with the columns time, beacon, range.

@@ -46,13 +46,13 @@ struct PlaybackState {
   std::string request_id;  ///< id of the answered request; empty if there is none
 };
 
-/// Return text frames.
+/// Each of these functions returns a text frame.
 std::string server_info_text(const ServerInfo& info, bool speaks_sdk);
 std::string advertise_text(std::span<const ChannelInfo> channels);
 std::string status_text(StatusLevel level, const std::string& message, const std::string& id);
 std::string remove_status_text(const std::string& id);
 
-/// Return binary frames. The payload of a message follows its head.
+/// Each of these functions returns a binary frame. The payload of a message follows its head.
 std::string message_head(std::uint32_t subscription_id, Time time);
 std::string time_frame(Time time);
 std::string playback_state_frame(const PlaybackState& state);

@@ -26,8 +26,10 @@ struct ReplayReport {
   OutputComparison outputs;
   std::vector<models::NamedCount> counters;  ///< counters of the replaying node
   std::int64_t events = 0;                   ///< log events passed to the node
-  std::int64_t refused = 0;  ///< events without the signature that the flight required; not passed
-  bool lacks_keys = false;   ///< true: no keys of the flight, so forged messages are passed
+  /// events not passed to the node: they lack the signature that the flight required
+  std::int64_t refused = 0;
+  /// the flight's keys are missing, so forged messages are passed to the node
+  bool lacks_keys = false;
   /// Returns the number of logged outputs that were not reproduced because an input is not in the
   /// log.
   [[nodiscard]] std::int64_t not_replayed() const {

@@ -96,7 +96,7 @@ class VehicleNode : public bus::Node {
   /// @param name  name of the process in HEALTH_<name>
   /// @param landing  time for the vehicle to stop when the driver is requested to end
   /// @param own   last argument of Driver, after scenario, robot and limits
-  // long: all subscriptions of a vehicle.
+  // long: subscribes to all channels of a vehicle.
   template <class Own>
   VehicleNode(const std::string& name, Duration tick_period, Duration landing, bus::Bus& bus,
               const bus::Clock& clock, const scenario::Scenario& scenario, const std::string& robot,
@@ -117,7 +117,7 @@ class VehicleNode : public bus::Node {
       const Time now = clock_.now();
       on_mocap(frame, now);
       const Time answered = clock_.now();
-      // Otherwise the arrival time is not set, or is of another clock.
+      // An arrival time outside this range is not set, or is from another clock.
       if (frame.arrival <= now && frame.arrival >= now - kWayMax) {
         frame_latency_.add(now - frame.arrival);
         answer_latency_.add(answered - now);
@@ -148,7 +148,7 @@ class VehicleNode : public bus::Node {
           // that may fly.
           if (command.action == models::OperatorAction::kArm &&
               (command.robot.empty() || command.robot == robot_)) {
-            // The next status contains what commands must echo from now on.
+            // The next status contains the new nonce, which commands must echo from now on.
             next_status_ = bus_.renew_session() ? Time{} : next_status_;
           }
         });
@@ -182,7 +182,7 @@ class VehicleNode : public bus::Node {
   static constexpr Duration kStatusPeriod = std::chrono::milliseconds(100);
   static constexpr Duration kMapLease = std::chrono::seconds(12);  ///< SCENARIO is published every
                                                                    ///< 5 s
-  /// longest plausible latency of a frame from the stack's reception to here
+  /// longest plausible time from a frame's arrival at the stack to its arrival here
   static constexpr Duration kWayMax = std::chrono::seconds(10);
   static constexpr int kReadsMax = 64;  ///< reads per tick: a flood of data must not delay the
                                         ///< vehicle
@@ -198,8 +198,10 @@ class VehicleNode : public bus::Node {
   Time next_status_{};
   DriverEnd end_;
   std::int64_t undecoded_ = 0;
-  LatencyRecord frame_latency_;   ///< latency from a frame's arrival at the stack to here
-  LatencyRecord answer_latency_;  ///< latency from here to the sending of the resulting messages
+  /// latency from a frame's arrival at the stack to its arrival here
+  LatencyRecord frame_latency_;
+  LatencyRecord answer_latency_;  ///< latency from a frame's arrival here to the sending of the
+                                  ///< resulting messages
   LatencyRecord stack_latency_;   ///< sum of both latencies
   std::array<std::uint8_t, 2048> buffer_{};
 };
