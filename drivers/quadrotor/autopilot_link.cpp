@@ -81,8 +81,8 @@ bool AutopilotLink::is_of_vehicle(const wire::mavlink::Frame& frame) {
                      wire::mavlink::type::is_vehicle(heartbeat->type));
   const std::uint8_t component = frame.origin.component_id;
   // A heartbeat of component 0 is accepted until component 1 was received, since a vehicle may
-  // start with component 0. Later it may be from a companion computer, which sends as component 0
-  // by default.
+  // start with component 0. Later such a heartbeat may be from a companion computer, which sends as
+  // component 0 by default.
   const bool is_first = component == 0 && heartbeat && !has_component_;
   if (!is_autopilots || (component != wire::mavlink::kComponentAutopilot && !is_first)) {
     return false;

@@ -15,15 +15,17 @@ namespace {
 
 using models::FlightState;
 
-constexpr double kHandOverM = 0.35;  // m; below it the autopilot's landing mode completes a landing
+// m; height below which the autopilot's landing mode completes a landing
+constexpr double kHandOverM = 0.35;
 constexpr double kLowM = 0.1;
 constexpr double kSettledS = 0.25;  // s; time with poses before a blind landing is steered again
 constexpr double kSeenS = 0.1;      // s; maximum age of a pose that may correct a set-point
 constexpr Duration kRefusalShown = std::chrono::seconds(10);
 constexpr Duration kTextAge = std::chrono::seconds(3);
-// longest delay between report and reception
+// longest time from the sending of an autopilot's report to its reception
 constexpr Duration kReportedBefore = std::chrono::milliseconds(500);
-constexpr Duration kPoseSlack{2'000};  // maximum earliness of a frame that is not skipped
+// Poses are also forwarded if they are early by at most this time.
+constexpr Duration kPoseSlack{2'000};
 
 const scenario::RobotSpec& robot_of(const scenario::Scenario& scenario, const std::string& robot) {
   const scenario::RobotSpec* const spec = scenario.find_robot(robot);
@@ -105,7 +107,7 @@ void QuadrotorDriver::report_autopilot(Time now) {
 
 void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
   if (!guard_.on_mocap(frame, now)) {
-    return;  // counted by the guard
+    return;  // the guard counts rejected frames
   }
   // Poses that flight safety rejects are neither used for steering nor sent to the autopilot.
   const PoseVerdict judged = guard_.pose_verdict();
@@ -136,7 +138,7 @@ void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
 
 void QuadrotorDriver::on_plan(const models::RobotPlan& plan, Time now) {
   if (plan.robot == robot_) {
-    static_cast<void>(guard_.on_plan(plan, now));  // counted by the guard
+    static_cast<void>(guard_.on_plan(plan, now));  // the guard counts rejected plans
   } else {
     guard_.on_teammate_plan(plan, now);
   }
@@ -147,7 +149,8 @@ void QuadrotorDriver::on_command(const models::OperatorCommand& command, Time no
   const bool takes_mode = command.action == models::OperatorAction::kFollow ||
                           command.action == models::OperatorAction::kHold ||
                           command.action == models::OperatorAction::kLand;
-  // A repeated command has the stamp of the first one, which may be older than a pilot's takeover.
+  // A repeated command has the stamp of its first transmission, which may be older than a pilot's
+  // takeover.
   const bool is_new = !mode_ordered_at_ || command.stamp.time != *mode_ordered_at_;
   if (takes_mode) {
     mode_ordered_at_ = command.stamp.time;
@@ -262,7 +265,7 @@ void QuadrotorDriver::fly(Time now) {
     const bool is_seen = age && to_seconds(*age) < kSeenS;
     link_.send_setpoint(steer(orders_.setpoint, is_seen ? body : std::nullopt, vehicle_), now);
   } else if (body) {
-    Setpoint here;  // on the ground: hold the present position
+    Setpoint here;  // on the ground: the set-point is the present position
     here.position_world_m = body->world_from_body.translation_m;
     here.yaw_rad = flatten(body->world_from_body).yaw_rad;
     link_.send_setpoint(here, now);

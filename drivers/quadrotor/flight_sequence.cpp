@@ -8,11 +8,11 @@ namespace {
 // Duration of set-points before the mode is requested; PX4 requires more than a second.
 constexpr Duration kProofOfLife = std::chrono::milliseconds(1500);
 constexpr Duration kModePause = std::chrono::seconds(1);
-constexpr Duration kTakeOffPause = std::chrono::seconds(3);  // longer, because the motors spool up
-                                                             // first
+// longer than the other pauses, because the motors spool up first
+constexpr Duration kTakeOffPause = std::chrono::seconds(3);
 constexpr Duration kArmPause = std::chrono::seconds(2);
 constexpr Duration kKillPeriod = std::chrono::milliseconds(100);
-// longest delay between report and reception
+// longest time from the sending of an autopilot's report to its reception
 constexpr Duration kReportDelayMax = std::chrono::milliseconds(500);
 constexpr Duration kDisarmAfterLanding = std::chrono::seconds(5);
 constexpr Duration kLeftInTheAir = std::chrono::seconds(1);
@@ -139,7 +139,7 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
     come_into_mode();
   } else if (has_mode_ || is_pilots(telemetry.mode())) {
     is_mode_lost_ = true;
-    return traits_.wants_proof_of_life;  // required to enter the mode again
+    return traits_.wants_proof_of_life;  // set-points are required to enter the mode again
   } else {
     waiting_for_ = mode_name(dialect_, traits_.follow_mode) + " mode";
     if (!streaming_since_) {
@@ -153,7 +153,7 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
   if (goal_ == FlightGoal::kArm) {
     return traits_.wants_proof_of_life;
   }
-  // kClimbedM is too large for the first lift, which is small.
+  // A low take-off height requires a smaller tolerance than kClimbedM.
   const double climbed_m = std::min(kClimbedM, 0.4 * situation.take_off_height_m);
   has_climbed_ = has_climbed_ || situation.height_error_m < climbed_m || situation.is_landing;
   if (has_climbed_) {
@@ -182,7 +182,7 @@ bool FlightSequence::land(AutopilotLink& link, Time now, bool is_armed) {
   if (telemetry.mode() == traits_.land_mode) {
     come_into_mode();
     waiting_for_ = "touch-down";
-    return traits_.wants_proof_of_life;  // required to steer the landing again
+    return traits_.wants_proof_of_life;  // set-points are required to steer the landing again
   }
   if (has_mode_ || is_pilots(telemetry.mode())) {
     is_mode_lost_ = true;

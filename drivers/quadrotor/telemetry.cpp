@@ -25,7 +25,7 @@ constexpr Duration kThrustLossAge = std::chrono::seconds(10);
 // Source: ArduCopter, crash_check.cpp: sent once, after the level vehicle has sunk for 1 s at full
 // throttle.
 constexpr std::string_view kThrustLoss = "Potential Thrust Loss";
-constexpr int kSystemBattery = 256;  // source id of SYS_STATUS; the ids in BATTERY_STATUS are less
+constexpr int kSystemBattery = 256;  // source id of SYS_STATUS; ids in BATTERY_STATUS are smaller
 // ns; the shortest round trip is increased by this value per exchange, so that clock drift is
 // followed.
 constexpr std::int64_t kRoundTripForgettingNs = 20'000;
@@ -49,7 +49,7 @@ void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
     take_battery(kSystemBattery, system->battery_remaining,
                  system->voltage_battery == kNoVoltage ? 0.0 : system->voltage_battery / 1000.0,
                  now);
-    // PX4 reports errors of motors_escs here, including motors that its failure detector found
+    // PX4 reports errors of motors_escs here, including motors that its failure detector reports as
     // failed. ArduPilot always reports motor outputs as healthy.
     // Source: PX4, src/modules/mavlink/streams/SYS_STATUS.hpp.
     are_motors_unhealthy_ =

@@ -64,7 +64,7 @@ class UdpPort : public Port {
         }
         return 0;
       }
-      if (peer_ && !is_same(*peer_, from)) {  // it arrived before the socket was connected
+      if (peer_ && !is_same(*peer_, from)) {  // datagram received before the socket was connected
         ++strangers_;
         continue;
       }

@@ -11,7 +11,8 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// Short enough that FrameClock does not mistake a pause of the server for a queue of kQueuedMax.
+/// Time between pings, short enough that FrameClock does not mistake a pause of the server for a
+/// queue of kQueuedMax.
 constexpr Duration kPingPeriod = std::chrono::milliseconds(50);
 /// Frames without poses are accepted after this time: no body is visible, or the server has no
 /// poses.
@@ -203,8 +204,8 @@ void DataStreamSession::read_static(wire::vicon::Bytes packet) {
       read(*block, application_);
     }
   }
-  // Static content without subjects means that there are none, unless the subjects are marked as
-  // unchanged. Rate and axis keep their values until the server sends new ones.
+  // Static content without subjects means that no subjects exist, unless the subjects are marked as
+  // unchanged. Rate and axis keep their values until the server sends new values.
   if (subjects > 0 || !contents_.is_unchanged(wire::vicon::kSubjectInfo)) {
     subjects_.resize(subjects);
   }

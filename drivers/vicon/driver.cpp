@@ -13,12 +13,12 @@ constexpr Duration kBackOffMin = std::chrono::milliseconds(100);
 constexpr Duration kBackOffMax = std::chrono::seconds(2);
 constexpr Duration kOpeningMax = std::chrono::seconds(3);
 /// A connection without data for this long is closed: a streaming server sends more often, and an
-/// idle one answers pings.
+/// idle server answers pings.
 constexpr Duration kSilenceMax = std::chrono::seconds(3);
 constexpr Duration kNoFrameHint = std::chrono::seconds(2);
 constexpr std::size_t kFirstBytes = 64;
 
-/// Ratio of the largest distance from the prediction to the separation; less than half.
+/// Largest accepted distance from the prediction, divided by the separation; less than 0.5.
 constexpr double kGateShare = 0.45;
 
 GateSettings gate_of(const scenario::MocapSpec& spec, double separation_m) {

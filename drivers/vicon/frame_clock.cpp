@@ -18,12 +18,13 @@ constexpr double kBlock_s = 1.0;
 /// Longest gap between frames over which the line rises by the error of the tick period.
 constexpr double kDriftGap_s = 0.1;
 constexpr double kLate_s = 0.02;
-/// A queue is not emptying if its lateness has not decreased by kEmpties_s within this time and
-/// number of frames.
+/// A queue counts as not emptying if the lateness has not decreased by kEmpties_s within kStands_s
+/// and kStandsFrames frames.
 constexpr double kEmpties_s = 0.02;
 constexpr double kStands_s = 0.05;
 constexpr int kStandsFrames = 5;
-/// An echo with a longer round trip counts as slow; half of this time is assumed without a queue.
+/// An echo with a longer round trip counts as slow. Half of this time is assumed to be the delay
+/// without a queue.
 constexpr double kSlowEcho_s = 0.1;
 constexpr Duration kSlowFor = std::chrono::seconds(2);
 /// After an echo with a shorter round trip, frames have not waited for long.
@@ -83,8 +84,8 @@ void FrameClock::learn(const FrameMark& now, double late_s) {
     block_.reset();
     return;
   }
-  // If the block's first frame did not wait, the true tick period is at most that measured over the
-  // block.
+  // If the block's first frame did not wait, the true tick period is at most the period measured
+  // over the block.
   if (!block_) {
     block_ = now;
     block_late_s_ = late_s;
@@ -118,8 +119,8 @@ void FrameClock::learn(const FrameMark& now, double late_s) {
   }
 }
 
-// Compares the stated tick period with that between two frames after fast echoes, which have not
-// waited for long.
+// Compares the stated tick period with the period measured between two frames after fast echoes.
+// Such frames have not waited for long.
 void FrameClock::check_stated(const FrameMark& now) {
   if (!is_after_echo_) {
     return;

@@ -224,7 +224,8 @@ void FrameFilter::find_swaps(Duration now) {
       predicted_m_[i] = bodies_[i].gate.predicted_m(now);
     }
   }
-  // Only a body that is away from its own prediction and nearer to another body's can be swapped.
+  // Only a body that is away from its own prediction and nearer to another body's prediction can be
+  // swapped.
   compared_.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (!has_pose(i) || !bodies_[i].gate.is_predicted(now)) {

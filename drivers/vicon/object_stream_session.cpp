@@ -34,7 +34,7 @@ void ObjectStreamSession::open(Moment /*now*/) {
 bool ObjectStreamSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
   const bool is_block = wire::vicon::decode_object_block(datagram, block_);
   if (!is_block || block_.objects.empty() || block_.is_truncated) {
-    // A packet of a DataStream may also be a valid start of a frame.
+    // A packet of a DataStream may also look like a valid start of a frame.
     const wire::vicon::ServerType server_type = wire::vicon::identify_datagram(datagram);
     if (server_type == wire::vicon::ServerType::kDataStream ||
         server_type == wire::vicon::ServerType::kVrpn) {

@@ -27,8 +27,9 @@ double PoseGate::margins_between(const Pose3& a, const Pose3& b) const {
   return settings_.turn_max_radps > 0.0 ? std::max(moved, turned) : moved;
 }
 
-// The smaller distance alone is not sufficient: vehicles in a line pass the last good positions of
-// each other. A body with a swapped name is then closest to such a position for one frame.
+// The smaller distance to the last good pose is not sufficient: vehicles in a line pass the last
+// good positions of each other. A body with a swapped name is then closest to such a position for
+// one frame.
 bool PoseGate::is_back(Duration now, const Pose3& pose) const {
   const Duration usual = (now - candidate_time_) / settings_.usual_divisor;
   return reach(*candidate_, pose, usual) != Reach::kWithin &&

@@ -44,7 +44,7 @@ Bytes identity_of(const std::string& path, std::span<const std::uint8_t> log) {
   return out;
 }
 
-/// Upper bound of the size of the index for a log of that size.
+/// Returns an upper bound of the size of the index for a log of `log_bytes`.
 std::size_t index_bytes_max(std::size_t log_bytes) {
   return (std::size_t{1} << 20U) + 8 * log_bytes;
 }
@@ -87,8 +87,8 @@ bool save_index(const std::string& log_path, std::span<const std::uint8_t> log,
   Bytes content = identity_of(log_path, log);
   append_survey(survey, content);
   append_big_endian(hash_of(content), kHashBytes, content);
-  // Write to a temporary name first: a process that opens the log meanwhile must find a complete
-  // index or none.
+  // Write to a temporary name first: a process that opens the log at the same time must find a
+  // complete index or none.
   const std::string temporary_path = index_path(log_path) + "." + std::to_string(::getpid());
   {
     std::ofstream out(temporary_path, std::ios::binary);

@@ -10,8 +10,8 @@
 namespace vantage::logs {
 namespace {
 
-/// Size of a block. A seek into pages that are not in memory reads one block; 1 MiB took 23 ms on a
-/// slow disk.
+/// Size of a block. A seek into pages that are not in memory reads one block; a block of 1 MiB took
+/// 23 ms on a slow disk.
 constexpr std::size_t kBlockBytes = std::size_t{1} << 18U;
 constexpr std::size_t kProgressReports = 100;
 

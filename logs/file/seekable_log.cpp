@@ -12,7 +12,8 @@ namespace {
 constexpr std::size_t kHeadBytes = std::size_t{8} << 20U;
 /// Bytes at the end of the file that are searched first for an event.
 constexpr std::size_t kTailBytes = std::size_t{64} << 10U;
-/// Maximum of these bytes: a failed search is extended to skip foreign bytes.
+/// Maximum number of bytes at the end that are searched: a failed search is extended to skip
+/// foreign bytes.
 constexpr std::size_t kTailBytesMax = std::size_t{16} << 20U;
 constexpr std::size_t kProbeBytes = std::size_t{64} << 10U;  ///< smallest range of the bisection
 constexpr std::size_t kForeignBytesMax = std::size_t{8} << 20U;
@@ -188,7 +189,7 @@ std::optional<LocatedEvent> SeekableLog::sound_event(std::size_t offset) const {
 }
 
 std::size_t SeekableLog::offset_of(Time time) const {
-  std::size_t low = surveyed_bytes_;  // an event before `time` begins here, or there is none
+  std::size_t low = surveyed_bytes_;  // start of an event before `time`, if one exists
   std::size_t high = file_.bytes().size();
   while (high - low > kProbeBytes) {
     const std::size_t middle = low + (high - low) / 2;

@@ -42,7 +42,7 @@ void TruthHistory::approach(const Frame& before, const Frame& after) {
     travelled_m = std::max(travelled_m,
                            from_m.back() == nullptr ? 0.0 : (position_m - *from_m.back()).norm());
   }
-  // Only pairs that are now within this distance can have been closer than the minimum.
+  // Only pairs within this distance in the new frame can have been closer than the minimum.
   const double within_m = min_separation_m_ + 2.0 * travelled_m + kRoundingM;
   for (const auto& [i, j] : near_.find(to_m, within_m)) {
     const bool both = from_m[i] != nullptr && from_m[j] != nullptr;

@@ -9,7 +9,7 @@
 namespace vantage::logs {
 namespace {
 
-// Draws runs of equal cells in a row as one rectangle, because a field has 65 000 cells.
+// Draws runs of equal cells in a row as one rectangle, because a field may have 65 000 cells.
 void draw_cells(Svg& svg, const Layout& layout, const Scene& scene, double memory_s) {
   const models::GridGeometry& grid = scene.grid;
   const auto kind_of = [&](int index) {

@@ -9,7 +9,7 @@ namespace {
 constexpr double kThinning_s = 0.1;
 constexpr double kThinning_m = 0.02;
 constexpr std::size_t kBodiesMax = 4096;
-// about seven minutes of motion with the initial thinning
+// maximum number of points of a track: about seven minutes of motion with the initial thinning
 constexpr std::size_t kPointsMost = 4096;
 
 // Removes every second point of a track.

@@ -110,7 +110,7 @@ SpoolReport LogSpool::report() const {
   const std::lock_guard lock(mutex_);
   SpoolReport out = report_;
   out.queue_bytes = queued_.size() + taken_bytes_;
-  // Data that are still unsynced count as well, so that a hanging disk is visible.
+  // Data that are still unsynced count as well, so that a disk that hangs is reported.
   const std::int64_t since_ns = earlier(earlier(queued_since_ns_, taken_since_ns_),
                                         earlier(unsynced_since_ns_, syncing_since_ns_));
   if (since_ns != 0) {

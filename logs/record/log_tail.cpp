@@ -21,7 +21,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 // Reads the file instead of mapping it: a disk error or a concurrent truncation then shortens the
 // result instead of raising a signal. Returns no bytes if the log is missing or unreadable, because
-// that must not end a flight.
+// a missing log must not end a flight.
 Bytes read_from(const std::string& path, std::uint64_t offset, std::size_t bytes_max) {
   std::ifstream file(path, std::ios::binary);
   Bytes out;

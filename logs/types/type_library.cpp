@@ -24,7 +24,7 @@ constexpr std::size_t kFingerprintBytes = 8;
 struct Basic {
   WireKind kind;
   WireNumber number;
-  std::int32_t bytes;  ///< smallest size; of a string: its length field and its NUL
+  std::int32_t bytes;  ///< smallest size; for a string the size of its length field and its NUL
 };
 
 Basic basic(const std::string& type) {

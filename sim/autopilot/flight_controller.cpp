@@ -176,7 +176,7 @@ std::uint8_t FlightController::set_mode(std::uint32_t mode, Time now) {
       return profile_.refusal;
     }
     if (!profile_.wants_proof_of_life) {
-      target_.reset();  // set-point of an earlier period in this mode
+      target_.reset();  // drops a set-point from an earlier period in this mode
     }
   }
   if (mode == profile_.land_mode) {

@@ -23,7 +23,7 @@ constexpr double kRerouteS = 1.0;        // s; a rover stuck for longer searches
 constexpr double kPatienceS = 4.0;       // s; a rover stuck for longer chooses another way point
 constexpr double kTurnGainPerS = 3.0;
 constexpr double kRoundingM = 1e-9;
-constexpr double kClearlyM = 1e-6;  // m; margin of the bound that avoids exact distances
+constexpr double kClearlyM = 1e-6;  // m; margin of the distance bound that saves exact computations
 constexpr int kDrawsMax = 40;
 // Variations of the desired command, smallest first: factor of the speed, additional yaw rate.
 constexpr std::array<std::array<double, 2>, 8> kVariations{{{1.0, 0.0},

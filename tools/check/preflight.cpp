@@ -98,7 +98,8 @@ void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
-// Finds settings that a vehicle's flight safety would refuse, or for which it would end a flight.
+// Finds settings that a vehicle's flight safety would refuse, or with which flight safety would end
+// a flight.
 void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
   for (const scenario::RobotSpec& robot : scenario.robots) {
     if (scenario.planner.separation_m <= 2.0 * robot.limits.radius_m) {
@@ -194,9 +195,9 @@ double speed_max_mps(const scenario::RobotSpec& robot) {
   return out;
 }
 
-// Adds a note if a separation or margin is too small for the death of a driver. Plans are checked
-// with stopping_distance_m(). stopping_distance_after_loss_m() also includes the distance flown
-// during the autopilot's time-out.
+// Adds a note if a separation or margin is too small when a driver dies in motion. Plans are
+// checked with stopping_distance_m(). stopping_distance_after_loss_m() also includes the distance
+// flown during the autopilot's time-out.
 void note_driver_loss(const Scenario& scenario, std::vector<std::string>& notes) {
   struct Lost {
     const scenario::RobotSpec* robot = nullptr;
@@ -254,8 +255,8 @@ void note_driver_loss(const Scenario& scenario, std::vector<std::string>& notes)
   }
 }
 
-// A vehicle cannot change its motion instantly, so it starts to do so before its plan begins
-// (drivers::Course). It deviates farther from a plan that is published after this time.
+// A vehicle cannot change its motion instantly, so the change starts before the plan begins
+// (drivers::Course). The vehicle deviates farther from a plan that is published after this start.
 void note_late_plans(const Scenario& scenario, std::vector<std::string>& notes) {
   double early_s = 0.0;
   for (const scenario::RobotSpec& robot : scenario.robots) {

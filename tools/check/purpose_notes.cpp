@@ -143,12 +143,12 @@ void note_target_speed(const Scenario& scenario, Notes& notes) {
   }
 }
 
-// The spread is that of a target that is not observed for ten seconds.
+// Adds notes if the position of a target that is unobserved for ten seconds is too uncertain.
 void note_target_model(const Scenario& scenario, Notes& notes) {
   constexpr double kUnseen_s = 10.0;
   const models::TargetModel& model = scenario.estimator.target_model;
   const models::TargetLaw& law = model.kind.law();
-  // A usual q of another kind may stay in the file, for comparisons.
+  // A q with a usual value may stay in the file, for comparisons with another kind of model.
   if (!law.uses_q && std::sqrt(model.q * kUnseen_s) > world_size_m(scenario)) {
     notes.push_back(fmt::format("estimator.target_model.q {:g}: kind {} does not use it; remove it",
                                 model.q, law.name));

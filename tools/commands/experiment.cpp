@@ -45,7 +45,7 @@ experiments::Shard shard_of(const std::string& text) {
   return shard;
 }
 
-// Replaces the current line of the terminal, if standard error is one.
+// Replaces the current line of the terminal if standard error is a terminal.
 void show_line(const std::string& text) {
   if (::isatty(STDERR_FILENO) == 1) {
     fmt::print(stderr, "\r\033[K{}", text);
@@ -94,7 +94,8 @@ int print_outcome(const ExperimentArguments& arguments, const experiments::Sweep
   return 0;
 }
 
-// Returns the exit code; 1 if interrupted, or if jobs ended without all of their units.
+// Returns the exit code; 1 if interrupted, or if jobs ended before all of their units were
+// complete.
 int run_as_jobs(ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
                 const experiments::Sweep& sweep, const char* what) {
   experiments::SlurmOptions& slurm = arguments.slurm;
@@ -151,7 +152,7 @@ int run(ExperimentArguments arguments) {
   const experiments::SweepIdentity identity{arguments.name, trial::version(), arguments.seed,
                                             arguments.extent.is_smoke,
                                             arguments.extent.planning_share};
-  // A unit may take minutes, so running units are dropped. They have written no rows yet.
+  // A unit may take minutes, so a stop discards running units, which have written no rows yet.
   arguments.options.progress = [&](const experiments::SweepProgress& progress) {
     show_line(progress.is_stopping ? "" : experiments::progress_text(progress));
     if (progress.is_stopping) {

@@ -232,7 +232,7 @@ void OrderSender::repeat(Time now) {
     if (now >= order.next) {
       order.ahead = order.ahead
                         ? order.ahead
-                        : ahead_of(now);  // for orders given before any vehicle was received
+                        : ahead_of(now);  // for orders given before any vehicle status was received
       publish_order(order);
       order.next += kFirstPause * (1 << order.sent);
       ++order.sent;

@@ -20,8 +20,8 @@ std::string word(const std::string& padded, std::optional<Emphasis> emphasis, bo
   return emphasis && in_colour ? coloured(padded, *emphasis) : padded;
 }
 
-// Returns the row of a target. A discovered target may have no estimate now. Its error is known
-// only if the true position is published.
+// Returns the row of a target. A discovered target may have no estimate at present. Its error is
+// known only if the true position is published.
 std::string target_row(const logs::TargetStatus& target, bool in_colour) {
   std::optional<double> sigma_m;
   std::string by = target.discovered_s ? "no robot now" : "not found yet";

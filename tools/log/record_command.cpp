@@ -62,7 +62,8 @@ void check_disk_space(const RecordArguments& arguments) {
   }
 }
 
-/// Prints once when the free space falls below --free-mib, and once when it rises above it again.
+/// Monitor of the free disk space. It prints once when the space falls below --free-mib, and once
+/// when the space exceeds --free-mib again.
 class DiskSpaceWatch {
  public:
   explicit DiskSpaceWatch(const RecordArguments& arguments) : arguments_(arguments) {}

@@ -121,7 +121,8 @@ void read_sensor(Mapping& keys, models::SensorModel& sensor) {
   }
 }
 
-/// The target models of problem files: those without parameters but q. "_2d" follows their name.
+/// Returns the target models that problem files may select, by name with the suffix "_2d". These
+/// models have no parameter except q.
 std::vector<std::pair<std::string_view, models::TargetKind>> planar_kinds() {
   static const std::vector<std::string> kNames = [] {
     std::vector<std::string> names;

@@ -15,7 +15,7 @@ constexpr auto kPatience = std::chrono::seconds(5);
 
 }  // namespace
 
-// "--free-mib 0": run_up() has checked the free space already.
+// Passes "--free-mib 0", because run_up() has already checked the free space.
 ProcessSpec recorder_process(const ProcessSettings& settings, const std::string& log_path) {
   ProcessSpec process{
       kRecorderProcess,
@@ -66,7 +66,7 @@ logs::TrimmedLog LogKeeper::trim() {
     trimmed = {};
   }
   outcome_.bytes_dropped += trimmed.dropped_bytes;
-  if (trimmed.size_bytes == 0) {  // the file has had an event since the constructor
+  if (trimmed.size_bytes == 0) {  // damage: the constructor has waited for a first event
     is_damaged_ = true;
     last_before_.reset();
   }

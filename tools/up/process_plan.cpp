@@ -257,7 +257,7 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
     if (runs(robot)) {
       const scenario::VehicleKind* kind = scenario::vehicle_kind(*scenario.find_robot(robot));
       const std::string driver(kind != nullptr ? kind->driver : "quadrotor");
-      add_for(driver, robot, kDriverPatienceS).vehicle = robot;  // a driver without address refuses
+      add_for(driver, robot, kDriverPatienceS).vehicle = robot;  // driver exits without an address
       give_priority(out.back());
     }
   }

@@ -49,8 +49,8 @@ using std::chrono::milliseconds;
 
 constexpr Duration kReportPeriod = std::chrono::seconds(1);
 constexpr Duration kLogCheckPeriod = milliseconds(500);
-// The times below let a trial end within 2 s. On a slow disk it takes longer: each of the last two
-// syncs of the log may take 2 s.
+// The times below let a trial end within 2 s. On a slow disk the end takes longer: each of the last
+// two syncs of the log may take 2 s.
 constexpr milliseconds kTeamPatience{1200};
 constexpr Duration kDrainPatience = milliseconds(200);
 constexpr Duration kFinishPatience = milliseconds(300);
@@ -63,7 +63,8 @@ bool is_zero(const models::ProcessHealth& health, const std::string& counter) {
 
 Time monotonic_now() { return from_utime(monotonic_ns() / 1'000); }
 
-/// Clock of the trial, handed on to child processes before the first one is started.
+/// Clock of the trial. Its constructor exports the clock's offset to all child processes started
+/// later.
 struct SharedClock : bus::SteadyClock {
   SharedClock() { export_offset(); }
 };

@@ -8,8 +8,8 @@ namespace vantage::drivers {
 namespace {
 
 constexpr Duration kTickPeriod = std::chrono::milliseconds(5);
-// Maximum duration of a landing. A landing waits for a free spot for at most 20 s, then descends in
-// any case.
+// Maximum duration of a landing. Before its descent a landing waits at most 20 s for free ground
+// below.
 constexpr Duration kLanding = std::chrono::seconds(45);
 
 std::string key_file_of(const scenario::Scenario& scenario, const std::string& robot) {
