@@ -26,7 +26,7 @@ MAY_INCLUDE = {
     "python": TRIAL | {"experiments", "tools", "python"},
     "test": None,  # may include everything
 }
-# Folders `app` connect a process to the bus, so they may include the bus in addition.
+# Folders `app` connect a process to the bus, so they may also include the bus.
 APP_EXTRA = {"bus"}
 # Folders of tests that do not test a folder of the same path: networks, benchmarks, complete programs, shared code.
 TESTS_OF_NO_FOLDER = {"bench", "data", "docs", "examples", "fuzz", "guard", "integration", "mutation", "support", "view"}

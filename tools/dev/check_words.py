@@ -4,7 +4,7 @@ comments, pages, messages (string literals of at least three words) and test nam
 commits that are not `area: imperative phrase`.
 
 A line that matches a pattern but is correct has an entry in tools/dev/words_allowed.tsv: path, a part of the
-line, the reason. An entry without such a line is a fault, too. Files in SKIPPED are generated from other texts,
+line, the reason. An entry without such a line is also a fault. Files in SKIPPED are generated from other texts,
 or are inputs that must not change.
 """
 import pathlib

@@ -3,8 +3,8 @@
 
   tools/dev/jobs_pace.py VANTAGE EXPERIMENT [--trials N] [--jobs J] [--pairs P]
 
-Runs both in turn. Prints for each pair the wall time, the CPU time, the number of cores used by other
-programs, and the speed-up corrected for those programs. For the correction, the time in which a thread was
+Runs the experiment with one job and with J jobs in turn. Prints for each pair the wall time, the CPU time,
+the number of cores used by other programs, and the speed-up corrected for those programs. For the correction, the time in which a thread was
 ready without a core (/proc/PID/task/*/schedstat) is subtracted from its wall time. The rest is the thread's
 work and its waits for locks and, at the end, for the slowest thread."""
 

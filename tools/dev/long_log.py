@@ -2,8 +2,8 @@
 """long_log.py LOG GIGABYTES OUT: writes repetitions of LOG to OUT as one long log.
 
 In each repetition the numbers and times of the events, the sequence numbers of their messages and all
-instants in the messages continue those of the previous repetition. Serves to measure the opening of and
-seeking in long logs (see docs/results/viewer.md and test/view/peer/seek.mjs).
+instants in the messages continue those of the previous repetition. Such logs serve to
+measure how long opening and seeking take (see docs/results/viewer.md and test/view/peer/seek.mjs).
 """
 import os
 import pathlib

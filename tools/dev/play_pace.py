@@ -25,7 +25,7 @@ BIN = pathlib.Path(os.environ.get("BIN", ROOT / "build/release/bin")).resolve()
 
 
 def event_times_us(path):
-    """Returns the times in us at which the events of a log were received, in its order."""
+    """Returns the times in us at which the events of a log were received, in the log's order."""
     log, at, times = pathlib.Path(path).read_bytes(), 0, []
     while at + 28 <= len(log):
         _, _, utime, channel, size = struct.unpack_from(">IqqII", log, at)

@@ -76,8 +76,8 @@ def some_files(names, count, seed, path):
 
 
 def draw(found, count, seed, name):
-    """Draws `count` sites, with equal numbers per operator as long as it has sites. The result depends only on
-    the seed, the name and the set of sites, not on their order."""
+    """Draws `count` sites, with equal numbers per operator while each operator has sites left. The result
+    depends only on the seed, the name and the set of sites, not on their order."""
     chance = random.Random(f"{seed}/{name}")
     by_operator = collections.defaultdict(list)
     for site in sorted(found, key=lambda site: (site.file, site.begin, site.end, site.id)):
@@ -107,7 +107,7 @@ def table(rows, key):
     for name, group in groups.items():
         count = collections.Counter(row["outcome"] for row in group)
         first = collections.Counter(row.get("first", row["outcome"]) for row in group)
-        first[EQUIVALENT] = count[EQUIVALENT]  # mutations marked as equivalent later were so at first, too
+        first[EQUIVALENT] = count[EQUIVALENT]  # mutations marked as equivalent later were also equivalent at first
         first[SURVIVED] -= sum(1 for row in group
                                if row["outcome"] == EQUIVALENT and row.get("first") == SURVIVED)
         idle = count[SAME_CODE] + count[NOT_BUILT] + count[GONE]
@@ -117,7 +117,7 @@ def table(rows, key):
 
 
 def _share(count):
-    """Returns the share of killed and equivalent mutations of those plus the survived ones."""
+    """Returns (killed + equivalent) / (killed + equivalent + survived) mutations."""
     good = count[KILLED] + count[EQUIVALENT]
     whole = good + count[SURVIVED]
     return f"{100.0 * good / whole:.0f} %" if whole else "-"

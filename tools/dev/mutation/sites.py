@@ -149,7 +149,7 @@ def _parsed(path, name, arguments):
         source = file.read()
     read, unsaved = str(path), []
     if read.endswith(".hpp"):
-        # Included by another file, as in a build: a file that the header includes may include it again.
+        # Another file includes the header, as in a build; its own includes may include the header again.
         read = f"{path}.cpp"
         unsaved = [(read, f'#include "{path}"\n')]
     unit = cindex.Index.create().parse(

@@ -27,7 +27,7 @@ TIERS_S = (0.03, 0.5, 3.0, math.inf)  # maximum duration of a test in each tier;
 QUICK_S = TIERS_S[1]  # longest test with --quick
 KILLERS = 12  # maximum number of tests that run first because they noticed a mutation nearby
 UNKNOWN_S = 0.1  # assumed duration of a test that has not been timed
-SCRIPTED = "vantage"  # program that scripts start
+SCRIPTED = "vantage"  # program that the tests written as scripts start
 WALL_LIMIT_S = 900  # longest time that a test run may use no CPU before it is stopped
 LEAST_SHARE = 0.002  # CPU seconds per second; a process that used at least this share is not waiting
 # Configuration of a new build: little optimisation, with assertions, without debug information.
@@ -358,7 +358,7 @@ class Workshop:
         return out | (json.loads(kept.read_text()) if kept.exists() else {})
 
     def is_sound(self, program, test):
-        """Returns true if a test passes without mutation. Checks each test that noticed a mutation once."""
+        """Returns true if a test passes without mutation. Each test that noticed a mutation is checked only once."""
         with self.mutex:
             if test.name not in self.sound:
                 begun = time.monotonic()
@@ -510,7 +510,7 @@ class Workshop:
         if source == name:
             words[words.index("-c") + 1] = overlay
         beside = [f"-iquote{(sources / source).parent}", f"-iquote{(self.root / source).parent}"]
-        # First in the search path, so that the mutated header is found.
+        # Puts the mutated header first in the search path, so that the compiler finds it.
         words[1:1] = [*beside, f"-I{sources}", f"-ffile-prefix-map={sources}={self.root}", *options]
         return self.command(words, is_checked=False, cwd=self.build)
 

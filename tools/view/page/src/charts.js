@@ -26,7 +26,7 @@ const still_options = (body) => ({
 const number = (x) => (typeof x === "boolean" ? Number(x) : typeof x === "number" && Number.isFinite(x) ? x : null);
 const robot_of = (topic) => topic.split("/")[2];
 
-/** Returns a `take` for two series: a number of the team, and the mean of this number over the robots' own beliefs. */
+/** Returns the function `take` of a chart with two series: a team's number, and its mean over the robots' own beliefs. */
 const team_and_robot = (team, robot) => (r) => [["team", number(r[team])], ["robot mean", number(r[robot])]];
 
 /** Built-in charts. `take` converts a record into a list of [series, value]; the value is null if it is missing. */
@@ -668,7 +668,7 @@ export class Charts {
     on_refresh((beat) => this.refresh(beat));
   }
 
-  /** Refreshes some charts with each beat in turn, because refreshing all charts together would cause a visible pause. */
+  /** Refreshes a part of the charts at each beat, because refreshing all charts together would cause a visible pause. */
   refresh(beat) {
     const turns = Math.ceil(kRefresh_ms / kRefreshPeriod_ms);
     this.charts.forEach((chart, i) => (i % turns === beat % turns ? chart.refresh() : chart.mark_now()));

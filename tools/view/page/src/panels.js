@@ -230,7 +230,7 @@ export class Events {
     item.hidden = !item.textContent.toLowerCase().includes(this.filter.value.trim().toLowerCase());
   }
 
-  /** If an event ends a displayed health problem, appends it to the problem's line and returns true. */
+  /** If an event ends a displayed health problem, appends the event to the problem's line and returns true. */
   is_end(event) {
     const words = this.open.get(who_of(event));
     this.open.delete(who_of(event));

@@ -1,5 +1,6 @@
-// Common refresh timer: text, charts and the clock change together, five times per second (a beat). Between beats only the stage
-// changes. A browser composites the bounding box of all changes again, so that box is usually only the stage.
+// Common refresh timer: text, charts and the clock change together, five times per second (a beat).
+// Between beats only the stage changes. A browser composites the bounding box of all changes again;
+// between beats this box is usually only the stage.
 
 export const kRefreshPeriod_ms = 200;
 
