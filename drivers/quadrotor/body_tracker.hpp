@@ -34,8 +34,8 @@ class BodyTracker {
   BodyTracker(std::string name, double speed_max_mps)
       : name_(std::move(name)), speed_max_mps_(speed_max_mps) {}
 
-  /// @param captured    capture time of the frame by the local clock; the frame's stamp is not
-  /// used, since its clock may have been set
+  /// @param captured    capture time of the frame by the local clock; the stamp's time is not used,
+  /// since its clock may have been set
   /// @param is_resting  the body is on the ground: it may be stationary or be carried. A pose at
   ///                    another position is accepted after half a second of consistent poses, and
   ///                    counted in `resets`

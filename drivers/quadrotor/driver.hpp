@@ -91,7 +91,7 @@ class QuadrotorDriver {
   FlightSequence sequence_;
   models::VehicleLimits vehicle_;
   GuardOutput orders_;
-  /// m; last height of the unarmed body on the ground, by mocap
+  /// m; last height of the unarmed body on the ground, measured by mocap
   std::optional<double> ground_m_;
   std::optional<Time> mode_ordered_at_;  ///< stamp of the last command that may change the mode
   Time last_setpoint_{};

@@ -22,7 +22,7 @@ enum class FlightGoal {
 /// end the repetition of commands.
 ///
 /// It requests the autopilot's mode once for each goal. If the autopilot leaves the mode later (a
-/// pilot's switch, a failsafe), this is reported and not reversed. Only an operator can take
+/// pilot's switch, a failsafe), the loss is reported and not reversed. Only an operator can take
 /// control from a pilot (retake_mode()). Motors that the autopilot stopped are not started again.
 class FlightSequence {
  public:

@@ -65,8 +65,8 @@ class Telemetry {
   [[nodiscard]] const Eigen::Vector3d& velocity_world_mps() const { return velocity_world_mps_; }
   [[nodiscard]] const Quaternion& world_from_body() const { return world_from_body_; }
   [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
-  /// True if the autopilot reports a failed motor or speed controller, or a loss of thrust. PX4: in
-  /// the last SYS_STATUS; ArduPilot: by a text within the last 10 s.
+  /// True if the autopilot reports a failed motor or speed controller, or a loss of thrust. For PX4
+  /// the last SYS_STATUS is used, for ArduPilot a text of the last 10 s.
   [[nodiscard]] bool has_motor_fault(Time now) const;
   /// True once the autopilot has confirmed its origin. A valid position does not imply an origin.
   [[nodiscard]] bool has_origin() const { return has_origin_; }

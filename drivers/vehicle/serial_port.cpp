@@ -128,8 +128,9 @@ class SerialPort : public Port {
   int fd_ = -1;
   Time next_try_{};
   Duration retry_ = kRetryFirst;
-  std::vector<std::uint8_t> waiting_;  ///< bytes to send, first those of a partly sent message
-  std::deque<std::size_t> sizes_;      ///< size of each message in waiting_, bytes
+  /// bytes to send; begins with the rest of a partly sent message
+  std::vector<std::uint8_t> waiting_;
+  std::deque<std::size_t> sizes_;  ///< size of each message in waiting_, bytes
   std::int64_t dropped_ = 0;
   std::int64_t losses_ = 0;
 };

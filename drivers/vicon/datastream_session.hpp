@@ -35,7 +35,7 @@ class DataStreamSession : public Session {
   struct Subject {
     std::uint32_t id = 0;
     std::string name;
-    std::uint32_t body_segment = 0;  ///< index of the segment that represents the subject
+    std::uint32_t body_segment = 0;  ///< id of the segment that represents the subject
     SeenBody seen;                   ///< state without the name
   };
 

@@ -12,7 +12,8 @@ constexpr double kJitter_s = 0.003;
 /// A tick period estimated from data of this duration is final.
 constexpr double kLearned_s = 10.0;
 constexpr double kFitPeriod_s = 1.0;
-/// The tick period is estimated again if frames arrive faster by a larger ratio for kBlock_s.
+/// If frames arrive faster than the tick period by more than this ratio for kBlock_s, the period is
+/// estimated again.
 constexpr double kFaster = 0.01;
 constexpr double kBlock_s = 1.0;
 /// Longest gap between frames over which the line rises by the error of the tick period.

@@ -16,9 +16,9 @@ struct FrameMark {
 /// Estimator of the tick period, the time between two ticks, from arrivals with jitter.
 ///
 /// Jitter only delays frames. The tick period is therefore the slope of a line below all marks that
-/// touches two of them: the edge of their lower convex hull across the middle. Late frames at
-/// either end do not change the slope. The memory is fixed. When it is full, every second mark is
-/// dropped, and the stride between stored frames doubles.
+/// touches two marks: the edge of their lower convex hull across the middle. Late frames at either
+/// end do not change the slope. The memory is fixed. When it is full, every second mark is dropped,
+/// and the stride between stored frames doubles.
 class TickPeriodFit {
  public:
   void restart() { *this = {}; }

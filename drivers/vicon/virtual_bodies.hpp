@@ -11,7 +11,7 @@ namespace vantage::drivers::vicon {
 /// Simulated bodies in a trial with real and simulated vehicles. They are added to the frames of
 /// the cameras as if they were in the lab.
 ///
-/// Their poses are those of the simulator's TRUTH message, which contains only simulated bodies.
+/// Their poses are taken from the simulator's TRUTH message, which contains only simulated bodies.
 /// They are extrapolated to the instant of the frame by their velocity. A real body has priority
 /// over a simulated body of the same name. Without a simulator, frames are unchanged.
 class VirtualBodies {

@@ -127,7 +127,8 @@ bool VrpnTrackers::take(const std::string& name, std::int64_t stamp_us,
   tracker.together = is_together ? tracker.together + 1 : 0;
   const bool is_slower = tracker.period_us() > 0 && leader.period_us() > 0 &&
                          2 * tracker.period_us() > 3 * leader.period_us();
-  // A new leader with unknown period may vanish again, so no other tracker is held because of it.
+  // A new leader with unknown period may vanish again, so no other tracker is held because of this
+  // leader.
   if ((tracker.apart >= kApartReports && leader.period_us() > 0) || is_slower) {
     tracker.is_held = true;
   } else if (tracker.together >= kTogetherReports) {

@@ -16,8 +16,8 @@ namespace vantage::drivers::vicon {
 /// Trackers that report at the same instants form frames directly. If trackers report at separate
 /// instants and rates, the reports of the fastest tracker, the leader, form the frames. The other
 /// trackers are "held": their last two reports are extrapolated (forward or backward) to the
-/// instant of the frame. A held tracker is absent if its last report is older than 1.5 of its own
-/// periods. Pure; allocates only for a new tracker.
+/// instant of the frame. A held tracker is absent if its last report is older than 1.5 times its
+/// own period. Pure; allocates only for a new tracker.
 class VrpnTrackers {
  public:
   explicit VrpnTrackers(bool is_y_up) : is_y_up_(is_y_up) {}

@@ -80,7 +80,7 @@ struct LogAnalysis {
   std::vector<PlanPoint> plans;
 };
 
-/// Evaluates a log as a trial: RMSE, OSPA, entropy and discovery (against TRUTH if present),
+/// Evaluates a log as a trial: RMSE, OSPA, entropy and discovery (compared with TRUTH if present),
 /// deadlines, loss and latencies. Reads the log once.
 LogAnalysis analyse_log(const IndexedLog& log, const scenario::Scenario& scenario,
                         const std::function<void(double)>& progress = {});

@@ -50,7 +50,8 @@ class SeekableLog {
   /// Returns the number of bytes that the first pass and the queries have read since the opening.
   [[nodiscard]] std::size_t bytes_read() const;
   /// Returns the least and the greatest event time without outliers (UsualTimes). Until
-  /// is_surveyed() these are from the events read so far and from those at the end of the file.
+  /// is_surveyed() both times are from the events read so far and from the events at the end of the
+  /// file.
   [[nodiscard]] std::pair<Time, Time> range() const;
 
   /// Returns the events with from ≤ time < to, by ascending time; equal times keep their file

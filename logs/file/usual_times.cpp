@@ -23,7 +23,7 @@ void UsualTimes::add(Time time) {
   if (is_within || groups_.size() == 1) {
     return;
   }
-  // The group has grown and may now reach another one: merge them.
+  // The group has grown. If it reaches another group, both groups are merged.
   for (std::size_t i = groups_.size() - 1; i > 0; --i) {
     const Group& other = groups_[i];
     if (groups_.front().reaches(other.begin) || groups_.front().reaches(other.end)) {

@@ -77,7 +77,7 @@ std::optional<Event> event_of(const models::VehicleStatus* before,
                               const models::VehicleStatus& status);
 std::optional<Event> event_of(const models::AttackNotice* before,
                               const models::AttackNotice& attack);
-/// Returns the first process that its supervisor has given up since `before`.
+/// Returns the event of the first process that its supervisor has given up since `before`.
 std::optional<Event> event_of(const models::HostReport* before, const models::HostReport& report);
 
 /// Detector of events in one process's health: stopped, restarted, degraded, recovered. On a loaded

@@ -17,7 +17,7 @@ struct Labelled {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
 };
 
-/// Error of one set of estimates against the truth.
+/// Error of one set of estimates, compared with the true positions.
 struct SetError {
   double ospa_m = 0.0;
   /// Root mean square distance of the pairs in the assignment with the least sum of squared

@@ -23,7 +23,7 @@ struct TargetStatus {
   std::optional<double> discovered_s;  ///< s; time of discovery since the start of the trial
   /// The team's estimate; nullopt while no robot knows the target.
   std::optional<PositionEstimate> estimate;
-  /// Error of the estimate against the truth at the estimate's time.
+  /// m; distance of the estimate from the true position at the estimate's time.
   std::optional<double> error_m;
   /// nats; entropy of the scenario's prior while no robot knows the target
   double entropy_nats = 0.0;

@@ -14,7 +14,7 @@
 namespace vantage::logs {
 namespace {
 
-/// Size that wakes the writer before write_period ends.
+/// Size of the queue at which the writer thread is woken before write_period ends.
 constexpr std::size_t kWakeBytes = std::size_t{1} << 20U;
 constexpr std::size_t kNumberAt = 4;  ///< offset of the number in an event
 constexpr std::size_t kTimeAt = 12;   ///< offset of the time in an event

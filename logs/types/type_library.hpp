@@ -20,7 +20,8 @@ class TypeLibrary {
  public:
   /// Contains vantage's own types only.
   TypeLibrary() = default;
-  /// Contains vantage's types and those of `paths`: .lcm files, or folders (searched recursively).
+  /// Contains vantage's types and the types from `paths`: .lcm files, or folders (searched
+  /// recursively).
   /// @throws StartupError if a path does not exist or contains no .lcm file, if a file is not valid
   /// ("PATH:LINE: reason"), if the type of a member is undefined, or if two different types have
   /// the same name.

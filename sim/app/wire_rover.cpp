@@ -16,8 +16,8 @@ const scenario::RoverSpec& rover_of(const scenario::RobotSpec& robot) {
   return *robot.rover;
 }
 
-// Returns a rover with limits that exceed those of the scenario by at least 10 %, as those of a
-// real rover may.
+// Returns a rover with limits that exceed the scenario's limits by at least 10 %; the limits of a
+// real rover may also be larger.
 RoverEmulatorSpec spec_of(const scenario::RobotSpec& robot, std::uint32_t boot) {
   constexpr double kReserve = 1.1;
   RoverEmulatorSpec spec;

@@ -23,7 +23,7 @@ class Px4Link : public FirmwareLink {
   static constexpr int kPort = 4560;
 
   /// Creates the link for PX4 instance `instance` on this host: listens at 127.0.0.1, port 4560 +
-  /// instance. The newest connection replaces the previous one, so a restarted firmware takes over.
+  /// instance. The newest connection replaces the previous one, so restarted firmware can connect.
   /// @throws StartupError if the port cannot be opened.
   static std::unique_ptr<Px4Link> listening(int instance);
   /// Creates the link for a board at `line`: DEVICE or DEVICE:BAUD, by default 921600 baud (ignored

@@ -44,7 +44,7 @@ enum class [[nodiscard]] PlanVerdict{
     kNotFinite,      ///< a number is not finite, or a duration or deceleration is invalid
     kDiscontinuous,  ///< starts too far from the vehicle's course
     kStale,          ///< older than the last accepted plan
-    kNotFollowing,   ///< the vehicle is in a hold, a landing, idle or killed
+    kNotFollowing,   ///< the vehicle's state is not kFollow (hold, land, idle, killed)
 };
 
 /// One flying vehicle: a velocity-controlled multirotor with first-order lags and wind, and the

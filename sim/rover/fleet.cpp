@@ -174,7 +174,8 @@ void RoverFleet::choose_way_point(std::size_t i) {
   const double needed_m = map_.clearance_needed_m(rover.radius_m);
   for (int draw = 0; draw < kDrawsMax && rover.path.empty(); ++draw) {
     const models::Rectangle& bounds = world_.bounds;
-    // Separate statements, because the evaluation order of arguments depends on the compiler.
+    // These are separate statements, because the evaluation order of arguments depends on the
+    // compiler.
     const double y_m = uniform(rover.rng, bounds.min_m.y(), bounds.max_m.y());
     const double x_m = uniform(rover.rng, bounds.min_m.x(), bounds.max_m.x());
     const Eigen::Vector2d goal_m(x_m, y_m);

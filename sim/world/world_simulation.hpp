@@ -46,7 +46,7 @@ class WorldSimulation {
   /// Offers a plan to its robot now; returns nullopt if that robot is not a Quadrotor of this
   /// world.
   std::optional<PlanVerdict> offer(const models::RobotPlan& plan);
-  /// Applies a command to one Quadrotor or, with an empty name, to all.
+  /// Applies a command to one Quadrotor or, with an empty name, to all Quadrotors.
   void command(const models::OperatorCommand& command);
 
   /// Returns the true state of all bodies now: robots, then targets, each in the scenario's order.

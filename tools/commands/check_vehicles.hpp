@@ -10,7 +10,7 @@
 namespace vantage::tools {
 
 struct VehicleCheckOptions {
-  std::string robot;                ///< only robot to check; empty: all
+  std::string robot;                ///< only robot to check; empty: all robots
   bool is_load = false;             ///< write parameters that differ
   bool skips_confirmation = false;  ///< write without confirmation
   bool is_quiet = false;            ///< print nothing on standard output

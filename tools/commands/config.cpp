@@ -84,7 +84,8 @@ std::vector<std::string> complete_scenarios() {
   return names;
 }
 
-// Prints the keys of all `scenarios`, or of those that come with vantage if `scenarios` is empty.
+// Prints the keys of all `scenarios`, or of the scenarios that come with vantage if `scenarios` is
+// empty.
 int list_keys(const std::vector<std::string>& scenarios, bool as_json) {
   scenario::KeyTable table;
   nlohmann::ordered_json places = nlohmann::ordered_json::object();

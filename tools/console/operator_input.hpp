@@ -21,11 +21,11 @@ struct OperatorRequest {
   };
   Kind kind = Kind::kHelp;
   models::OperatorAction action = models::OperatorAction::kHold;  ///< for kCommand
-  std::string robot;  ///< for kCommand, kSelect and kNoRobot; empty: all
+  std::string robot;  ///< for kCommand, kSelect and kNoRobot; empty: all robots
 };
 
 /// Converts keys of a terminal (see key_bytes()) into requests. SPACE: emergency stop of all
-/// vehicles, always. To the selected robot: a arm, t take off, f follow, h hold, l land, e
+/// vehicles, always. Keys for the selected robot: a arm, t take off, f follow, h hold, l land, e
 /// emergency stop. Selection: 0 all, 1 to 9 the first nine, TAB the next, r and a name any robot. q
 /// quits.
 ///

@@ -18,12 +18,12 @@ namespace vantage::tools {
 /// listened, because a robot may not have published before that time.
 class OrderQueue {
  public:
-  /// Time between two orders: vehicles take one order per cycle.
+  /// Time between two orders: a vehicle processes one order per cycle.
   static constexpr Duration kPace = std::chrono::milliseconds(100);
 
   struct Order {
     models::OperatorAction action = models::OperatorAction::kHold;
-    std::string robot;  ///< empty: all
+    std::string robot;  ///< empty: all robots
   };
 
   explicit OrderQueue(OrderSender& sender) : sender_(sender) {}

@@ -18,13 +18,15 @@ namespace vantage::tools {
 /// may only send the emergency stop.
 ///
 /// An allowed second station may also send hold and land. It takes charge after kSilentS without a
-/// heartbeat of the other station. If two stations are in charge, the one with the smaller run id
-/// stays. Only recent heartbeats count, so that a played log is not mistaken for a station.
+/// heartbeat of the other station. If two stations are in charge, the station with the smaller run
+/// id stays in charge. Only recent heartbeats count, so that a played log is not mistaken for a
+/// station.
 class Station {
  public:
   static constexpr double kFreshS = 2.0;   ///< s; equal to drivers::OperatorAuthority::kFreshS
   static constexpr double kListenS = 0.7;  ///< s; longer than three heartbeat periods
-  static constexpr double kSilentS = 1.5;  ///< s; after this silence every vehicle holds
+  /// s; every vehicle holds after this time without a heartbeat
+  static constexpr double kSilentS = 1.5;
 
   enum class Role { kListening, kInCharge, kSecond, kRefused };
 

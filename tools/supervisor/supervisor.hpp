@@ -55,11 +55,11 @@ struct SupervisorEvent {
   std::string text;
 };
 
-/// Supervisor of child processes. It starts the processes, kills those without signs of life,
-/// restarts those that end, and stops all of them at the end. Each process sends its signs of life
-/// by its own pipe, independent of the network. The driver of a vehicle that may be in flight is
-/// restarted without limit. Single-threaded. The caller passes the monotonic clock's time, so that
-/// tests of the back-off do not wait.
+/// Supervisor of child processes. It starts the processes, kills processes without signs of life,
+/// restarts processes that end, and stops all processes at the end. Each process sends its signs of
+/// life by its own pipe, independent of the network. The driver of a vehicle that may be in flight
+/// is restarted without limit. Single-threaded. The caller passes the monotonic clock's time, so
+/// that tests of the back-off do not wait.
 class Supervisor {
  public:
   using Nanoseconds = RestartSchedule::Nanoseconds;

@@ -51,8 +51,9 @@ class LoadMeter {
   std::optional<ProcessorTimes> begin_;
 };
 
-/// Returns `options` with a priority for drivers if the system grants it. Returns them unchanged if
-/// the scenario has no drivers. Prints a warning if drivers would be late on this host.
+/// Returns `options` with a priority for drivers if the system grants it. Returns `options`
+/// unchanged if the scenario has no drivers. Prints a warning if drivers would be late on this
+/// host.
 /// @throws StartupError instead of the warning if `fly` is set and `ignore_load` is not.
 UpOptions with_priority(const scenario::Scenario& scenario, UpOptions options,
                         const LoadMeter& load);

@@ -39,7 +39,7 @@ std::string find_program(const std::string& name) {
   } else {
     std::istringstream folders(std::getenv("PATH") != nullptr ? std::getenv("PATH") : "");
     for (std::string folder; std::getline(folders, folder, ':');) {
-      // A firmware is started in another working folder.
+      // Firmware is started in another working folder.
       candidates.push_back(std::filesystem::absolute(folder + "/" + name).string());
     }
   }

@@ -54,9 +54,9 @@ struct UpResult {
 /// true, or when an essential process is given up.
 ///
 /// At the end the vehicle drivers are ended first; they land or stop their vehicles. All other
-/// processes keep running meanwhile, for at most 60 s. Collisions, separation violations and lost
-/// messages during the landings are counted; the rest of the summary covers the trial only. The log
-/// begins with SCENARIO and ends with the last published message.
+/// processes keep running during this time, for at most 60 s. Collisions, separation violations and
+/// lost messages during the landings are counted; the rest of the summary covers the trial only.
+/// The log begins with SCENARIO and ends with the last published message.
 ///
 /// Publishes the states of the processes on HOST_<host> and receives the reports of other hosts,
 /// which may start and end at any time.
@@ -64,9 +64,9 @@ struct UpResult {
 /// With `fly`, acts as the operator of the vehicles that have drivers. Its commands and heartbeats
 /// are in the log. Any other station may still hold, land or stop a vehicle.
 ///
-/// Listens to the network for kListenTime first (unless ignore_others). Drivers get
-/// SCHED_FIFO if the system grants it. If it does not and the host is busy, `fly` is refused unless
-/// ignore_load is set; without `fly` a warning is printed.
+/// Listens to the network for kListenTime first (unless ignore_others). Drivers get SCHED_FIFO if
+/// the system grants it. If the system does not grant it and the host is busy, `fly` is refused
+/// unless ignore_load is set; without `fly` a warning is printed.
 /// @throws StartupError
 /// - if other processes are alive (conflicts_with_up) and ignore_others is not set;
 /// - if the disk has too little space for the log;
