@@ -100,7 +100,7 @@ class AutopilotLink {
   Time now_{};
   bool has_component_ = false;  ///< a frame of component 1 (the autopilot) was received
   std::int64_t frames_of_vehicle_ = 0;
-  std::int64_t strangers_ = 0;  ///< frames of other systems and components
+  std::int64_t strangers_ = 0;  ///< number of frames from other systems and components
   std::int64_t signatures_refused_ = 0;
 };
 

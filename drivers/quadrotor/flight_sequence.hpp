@@ -78,8 +78,9 @@ class FlightSequence {
   std::optional<Time> kill_since_;
   bool was_armed_ = false;
   bool has_climbed_ = false;
-  bool has_mode_ = false;  ///< the mode of the goal was reached
-  bool had_mode_ = false;  ///< the mode of any goal was reached since kGrounded or a retake
+  bool has_mode_ = false;  ///< true: the mode that the goal requires was reached
+  /// true: the mode of any goal was reached since kGrounded or retake_mode()
+  bool had_mode_ = false;
   bool is_mode_lost_ = false;
   bool is_over_ = false;
   std::optional<std::string> waiting_for_;

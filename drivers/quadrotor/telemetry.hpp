@@ -19,7 +19,7 @@ namespace vantage::drivers {
 /// Complete text message of an autopilot.
 struct AutopilotText {
   Time time{};
-  int severity = 7;  ///< 0: emergency … 7: debug
+  int severity = 7;  ///< severity from 0 (emergency) to 7 (debug)
   std::string text;
 };
 

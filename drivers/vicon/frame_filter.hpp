@@ -113,7 +113,8 @@ class FrameFilter {
   std::vector<double> cost_m_;
   FrameClock clock_;
   Duration waited_{};
-  std::optional<Duration> waits_since_;  ///< start of the period in which frames wait > kQueuedMax
+  /// start of the period in which each frame waits longer than kQueuedMax
+  std::optional<Duration> waits_since_;
   bool is_behind_ = false;
   Duration echo_taken_{};  ///< arrival of the newest echo passed to `clock_`
   Time last_capture_{};

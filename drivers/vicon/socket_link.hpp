@@ -30,8 +30,8 @@ class SocketLink {
   [[nodiscard]] std::int64_t strangers() const { return strangers_; }
 
  private:
-  static constexpr int kReadsMax = 256;  ///< reads per step: a flood of data must not block the
-                                         ///< process
+  /// maximum reads per step: a flood of data must not block the process
+  static constexpr int kReadsMax = 256;
 
   void open(Moment now);
   void open_datagram(Moment now);

@@ -48,16 +48,16 @@ struct ScanCounts {
 
 /// Reads the events of a log in file order and tolerates any damage. Always terminates.
 ///
-/// An event is accepted directly if a header follows its end and either its number and those of its
-/// neighbours are consecutive, or its data contain no sync word. Otherwise its length may be wrong.
-/// The event is refused, and the search continues after its sync word, if
+/// An event is accepted directly if a header follows its end and one of two conditions is true: its
+/// number and its neighbours' numbers are consecutive, or its data contain no sync word. Otherwise
+/// the event's length may be wrong. The event is refused, and the search continues after its sync
+/// word, if
 ///  - the checker reports damaged data; or, unless the checker reports complete data,
 ///  - a header inside its data has a number near the event's own number, or near the numbers that
 ///    are usual in this part of the log while the event's own number is not; or
-///  - no header follows the event, and its data contain the header of an inner event. This inner
-///  event ends beyond the outer event, and its successor follows. If the outer event's number is
-///  usual, successors
-///    of the inner event must also continue to the end of the file.
+///  - no header follows the event, and its data contain the header of an inner event that ends
+///    beyond the outer event and is followed by its own successor. If the outer event's number is
+///    usual, successors of the inner event must also continue to the end of the file.
 /// Therefore sync words, headers and complete logs inside data do not split an event, and a wrong
 /// length does not hide other events. An event is intact if all of its bytes are present. All
 /// intact events are returned, with two exceptions where the bytes are ambiguous:

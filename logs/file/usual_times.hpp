@@ -27,7 +27,7 @@ class UsualTimes {
     Time end{};
     std::int64_t outlying = 0;  ///< number of event times outside the span
   };
-  /// Returns zeros when no time was added.
+  /// Returns the range without outliers; zeros when no time was added.
   [[nodiscard]] Span span() const;
 
  private:

@@ -375,7 +375,7 @@ void Stream::extend_trail(const std::string& body, const Eigen::Vector3d& positi
   if (!points.empty()) {
     const auto& [last_time, last_m] = points.back();
     if (time < last_time) {
-      points.clear();  // a new run has begun
+      points.clear();  // the time decreased, so a new run has begun
     } else if (time - last_time < kTrackPointPeriod ||
                (position_m - last_m).norm() < kTrackPoint_m) {
       return;

@@ -53,9 +53,8 @@ class Sink {
 ///   /transforms /truth/transforms foxglove.FrameTransforms   world → body, mocap and truth
 ///   /world /robots /views /targets   foxglove.SceneUpdate   once, and on change
 ///   /plan/P /proposal/P /measurement/P /belief/P /estimates /tracks   foxglove.SceneUpdate
-///   /grid /belief/P/grid          foxglove.Grid       age of each cell's last scan by any robot,
-///   and by P /map /map/P                   foxglove.Grid       occupancy: newest map of any robot,
-///   and of P
+///   /grid /belief/P/grid          foxglove.Grid       age of each cell's last scan: of all, of P
+///   /map /map/P                   foxglove.Grid       occupancy: newest map of any robot, and of P
 class Stream {
  public:
   explicit Stream(Sink& sink) : sink_(sink) {}

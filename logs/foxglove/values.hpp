@@ -56,7 +56,7 @@ Json team_json(const TrialMetrics& metrics, Time time);
 /// Severity of a foxglove.Log.
 enum class LogLevel { kDebug = 1, kInfo = 2, kWarning = 3, kError = 4, kFatal = 5 };
 
-/// An event to be marked on a time line.
+/// Event to be marked on a time line.
 struct Event {
   Time time{};
   LogLevel level = LogLevel::kInfo;

@@ -60,7 +60,7 @@ class RobotStep {
   std::array<Nees, kAgeClasses> nees_by_age_;
 };
 
-/// Accumulator of RobotMeans over the steps.
+/// Accumulator that computes RobotMeans from all steps.
 class RobotSums {
  public:
   RobotSums(int targets, int position_dim, double prior_entropy_nats);

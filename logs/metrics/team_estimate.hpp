@@ -42,7 +42,7 @@ double isotropic_entropy_nats(double sigma_m, int position_dim);
 class TeamEstimate {
  public:
   void offer(int target_id, const PositionEstimate& candidate);
-  /// Returns nullptr if no robot knows the target.
+  /// Returns the team's estimate of a target; nullptr if no robot knows the target.
   [[nodiscard]] const PositionEstimate* find(int target_id) const;
 
  private:

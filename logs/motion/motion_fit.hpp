@@ -68,8 +68,8 @@ struct MotionSample {
 
 /// Mean of (y(t+h) − y(t))²: the squared displacement of one coordinate within h.
 struct Displacement {
-  double observed_m2 = 0.0;   ///< observed
-  double predicted_m2 = 0.0;  ///< predicted by a model from the same positions and velocities
+  double observed_m2 = 0.0;   ///< m²; observed
+  double predicted_m2 = 0.0;  ///< m²; predicted by a model from the same positions and velocities
 };
 
 /// Quality of a model's position predictions for horizon h, from position and velocity: the

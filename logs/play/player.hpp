@@ -30,7 +30,7 @@ struct PlayTimer {
   std::function<std::int64_t()> now_ns;
   std::function<void(std::int64_t)> sleep_until_ns;  ///< may return early
 };
-/// Returns a timer on CLOCK_MONOTONIC and minimises the timer slack of the calling thread.
+/// Returns a timer that uses CLOCK_MONOTONIC. Minimises the timer slack of the calling thread.
 PlayTimer monotonic_timer();
 
 struct PlayOptions {

@@ -49,7 +49,7 @@ class DiskFile : public AppendFile {
     if (::fdatasync(fd_) != 0) {
       return Error{path_ + ": may not be on the disk: " + reason()};
     }
-    // Sync the folder once, too: without its directory entry the file would be lost.
+    // Also syncs the folder once: without a directory entry the file would be lost.
     if (!std::exchange(is_named_, true)) {
       const int folder = ::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
       const bool is_synced = folder >= 0 && ::fsync(folder) == 0;

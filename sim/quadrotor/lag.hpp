@@ -7,8 +7,8 @@
 namespace vantage::sim {
 
 /// Returns the exact response over `dt_s` of ẋ = (command − x) / time_constant to a constant
-/// command, with the norm of the change limited to `rate_max` · dt_s: x(t + dt) = command + (x −
-/// command) e^(−dt/T) while the change is within the limit.
+/// command, with the norm of the change limited to `rate_max` · dt_s:
+/// x(t + dt) = command + (x − command) e^(−dt/T) while the change is within the limit.
 template <int N>
 Eigen::Matrix<double, N, 1> first_order_lag(const Eigen::Matrix<double, N, 1>& x,
                                             const Eigen::Matrix<double, N, 1>& command,

@@ -82,8 +82,8 @@ class OrderSender {
   /// True if a process that records reported within kLogReportS that the log cannot be written.
   [[nodiscard]] bool is_log_lost(Time now) const;
   /// Returns a heading and one line per vehicle, in which the selected ones are marked. A vehicle
-  /// without a status for 1 s is marked SILENT. Warnings follow: statuses refused as stale,
-  /// unsigned commands, a log that is not written.
+  /// without a status for 1 s is marked SILENT. Then come warnings about statuses refused as stale,
+  /// unsigned commands and a log that is not written.
   [[nodiscard]] std::vector<std::string> vehicle_table(Time now, const std::string& selected) const;
 
  private:

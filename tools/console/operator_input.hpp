@@ -24,10 +24,10 @@ struct OperatorRequest {
   std::string robot;  ///< for kCommand, kSelect and kNoRobot; empty: all robots
 };
 
-/// Converts keys of a terminal (see key_bytes()) into requests. SPACE: emergency stop of all
-/// vehicles, always. Keys for the selected robot: a arm, t take off, f follow, h hold, l land, e
-/// emergency stop. Selection: 0 all, 1 to 9 the first nine, TAB the next, r and a name any robot. q
-/// quits.
+/// Converts keys of a terminal (see key_bytes()) into requests. SPACE always sends an emergency
+/// stop to all vehicles. Keys for the selected robot: a arm, t take off, f follow, h hold, l land,
+/// e emergency stop. Selection: 0 all, 1 to 9 the first nine, TAB the next, r and a name any robot.
+/// q quits.
 ///
 /// After r the keys spell a name until ENTER selects the robot or ESC cancels. The beginning of a
 /// name is enough if it is unique among the robots; letter case is ignored.

@@ -369,7 +369,7 @@ class Reader {
   const std::string& name_;
   std::span<const ColumnSpec> columns_;
   char separator_ = ',';
-  bool is_chosen_ = false;          ///< separator_ is determined
+  bool is_chosen_ = false;          ///< true once separator_ is determined
   std::size_t line_ = 0;            ///< line in which the record begins
   std::size_t ends_in_record_ = 0;  ///< number of ends of lines within the record
   bool has_end_ = true;             ///< an end of line follows the record

@@ -11,8 +11,8 @@ namespace vantage::tools {
 /// Process name of the simulator.
 inline constexpr const char* kSimProcess = "sim";
 
-/// s; longest time without a sign of life. The first constant is for vehicle drivers and the mocap
-/// driver, because vehicles need poses within 0.5 s; the second is for all other processes.
+/// s; longest time without a sign of life. kDriverPatienceS is for vehicle drivers and the mocap
+/// driver, because vehicles need poses within 0.5 s; kPatienceS is for all other processes.
 inline constexpr double kDriverPatienceS = 0.8;
 inline constexpr double kPatienceS = 3.2;
 

@@ -50,8 +50,8 @@ class Broker : public logs::foxglove::Sink {
  public:
   /// With info.range (a log) the broker stores the newest record of every topic except events,
   /// because a paused log sends no new records. Raw messages are stored only while a viewer
-  /// subscribes to them. Without info.range (live) only states are stored. Other records are made
-  /// only for subscribers.
+  /// subscribes to them. Without info.range (live) only states are stored. Records that are not
+  /// stored are made only for subscribers.
   explicit Broker(ServerInfo info);
 
   bool wants(const std::string& topic, logs::foxglove::Schema schema, bool is_state) override;

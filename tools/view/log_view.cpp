@@ -18,7 +18,7 @@ constexpr Duration kPreroll = std::chrono::seconds(20);  // length of the bodies
 constexpr std::int64_t kTimePeriod_ns = 50'000'000;
 constexpr Duration kFirstPictureMax = std::chrono::minutes(2);
 constexpr std::size_t kFirstPictureBytesMax = std::size_t{16} << 20U;
-constexpr Duration kSlice = std::chrono::seconds(1);  // part of a log that one step reads
+constexpr Duration kSlice = std::chrono::seconds(1);  // length of log that one step reads
 constexpr Duration kTick{1};
 constexpr Duration kStepMin = std::chrono::milliseconds(1);
 constexpr Duration kStepMax = std::chrono::seconds(1);

@@ -33,7 +33,7 @@ ActiveChannels find_active_channels(bus::Transport& transport, Duration duration
                                     const std::function<bool()>& stop,
                                     bus::auth::Authenticator* authenticator,
                                     const bus::Clock& clock);
-/// As above, but accepts all messages and returns only the channel names.
+/// Returns the names of all channels on which messages are received, without checks of signatures.
 std::set<std::string> find_active_channels(bus::Transport& transport, Duration duration,
                                            const std::function<bool()>& stop);
 

@@ -184,8 +184,8 @@ class VehicleNode : public bus::Node {
                                                                    ///< 5 s
   /// longest plausible time from a frame's arrival at the stack to its arrival here
   static constexpr Duration kWayMax = std::chrono::seconds(10);
-  static constexpr int kReadsMax = 64;  ///< reads per tick: a flood of data must not delay the
-                                        ///< vehicle
+  /// maximum reads per tick: a flood of data must not delay the vehicle
+  static constexpr int kReadsMax = 64;
 
   bus::Bus& bus_;
   const bus::Clock& clock_;
