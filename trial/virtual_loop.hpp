@@ -46,7 +46,7 @@ class VirtualTimeLoop {
   struct Participant {
     std::unique_ptr<bus::Transport> transport;
     std::unique_ptr<bus::Bus> bus;
-    std::unique_ptr<bus::Node> node;  ///< may be null
+    std::unique_ptr<bus::Node> node;  ///< null for a bus without a node
     std::unique_ptr<bus::HealthReporter> health;
   };
   /// Returns the index ≥ `from` of the first participant with a message in its queue;

@@ -134,7 +134,7 @@ void Telemetry::take_battery(int source, std::int8_t remaining_percent, double v
 void Telemetry::take_timesync(const wire::mavlink::Timesync& reply, Time now) {
   const std::int64_t now_ns = to_utime(now) * 1000;
   if (reply.tc1 == 0 || reply.ts1 > now_ns || reply.ts1 < now_ns - 1'000'000'000) {
-    return;  // a request, or a reply without a request in the last second
+    return;  // ignored: a request, or a reply without a request in the last second
   }
   const std::int64_t round_trip_ns = now_ns - reply.ts1;
   if (!clock_offset_ns_ || round_trip_ns <= round_trip_best_ns_) {

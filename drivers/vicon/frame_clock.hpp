@@ -50,7 +50,7 @@ class FrameClock {
   /// True if the newest frames are late and their lateness does not decrease: the queue is not
   /// emptying. In a queue that empties, newer frames arrive immediately.
   [[nodiscard]] bool is_standing() const { return is_standing_; }
-  /// Restarts: the next frame is not late.
+  /// Restarts the estimator: the next frame counts as not late.
   void restart() { *this = {}; }
 
  private:

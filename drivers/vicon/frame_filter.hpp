@@ -20,7 +20,7 @@ struct FrameCounts {
   std::int64_t frames_lost = 0;      ///< number of missing frame numbers
   std::int64_t frames_repeated = 0;  ///< dropped: repeated frame number
   std::int64_t frames_late = 0;      ///< dropped: arrived after a newer frame
-  std::int64_t frames_queued = 0;  ///< dropped: waited longer than kQueuedMax in an emptying queue
+  std::int64_t frames_queued = 0;  ///< dropped: waited longer than kQueuedMax while a queue emptied
   std::int64_t frames_waited = 0;  ///< published, but waited longer than kQueuedMax
   std::int64_t server_restarts = 0;    ///< restarts of the frame numbers
   std::int64_t latencies_refused = 0;  ///< latencies not finite, negative or above
@@ -32,8 +32,9 @@ struct FrameCounts {
   std::int64_t poses_flipped = 0;
   std::int64_t poses_swapped = 0;  ///< outliers at another body's position (not in poses_outlying)
   std::int64_t poses_unconfirmed = 0;
-  std::int64_t names_refused = 0;  ///< names that are empty, not UTF-8, or too many
-  std::int64_t names_twice = 0;    ///< dropped: a second body of the same name in one frame
+  /// names that are empty, not UTF-8, or beyond the maximum number
+  std::int64_t names_refused = 0;
+  std::int64_t names_twice = 0;  ///< dropped: a second body of the same name in one frame
 };
 
 /// Filter that checks frames and converts them into messages. A message contains every body seen

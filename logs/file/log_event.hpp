@@ -23,7 +23,7 @@ inline constexpr std::size_t kChannelBytesMax = 63;  ///< limit of LCM for names
 
 /// One event. Channel and data are views into the log's bytes, which must outlive the event.
 struct LogEvent {
-  std::int64_t number = 0;  ///< counted by the logger from 0
+  std::int64_t number = 0;  ///< number of the event, counted by the logger from 0
   Time time{};              ///< time of reception by the logger
   std::string_view channel;
   std::span<const std::uint8_t> data;

@@ -46,16 +46,17 @@ struct ScanCounts {
   std::uint64_t bytes_damaged = 0;
 };
 
-/// Reads the events of a log in file order and tolerates any damage. Always terminates.
+/// Reader of the events of a log in file order. It tolerates any damage and always terminates.
 ///
 /// An event is accepted directly if a header follows its end and one of two conditions is true: its
 /// number and its neighbours' numbers are consecutive, or its data contain no sync word. Otherwise
 /// the event's length may be wrong. The event is refused, and the search continues after its sync
-/// word, if
-///  - the checker reports damaged data; or, unless the checker reports complete data,
-///  - a header inside its data has a number near the event's own number, or near the numbers that
-///    are usual in this part of the log while the event's own number is not; or
-///  - no header follows the event, and its data contain the header of an inner event that ends
+/// word, if one of these rules applies. Rules 2 and 3 apply to data that the checker did not
+/// confirm.
+///  1. The checker reports damaged data.
+///  2. A header inside its data has a number near the event's own number, or near the numbers that
+///    are usual in this part of the log while the event's own number is not usual.
+///  3. No header follows the event, and its data contain the header of an inner event that ends
 ///    beyond the outer event and is followed by its own successor. If the outer event's number is
 ///    usual, successors of the inner event must also continue to the end of the file.
 /// Therefore sync words, headers and complete logs inside data do not split an event, and a wrong

@@ -30,15 +30,16 @@ Json world_scene(const models::World& world, Time time);
 Json robots_scene(const scenario::Scenario& scenario, const std::set<std::string>& jammed,
                   Time time);
 
-/// Draws the ground area that each robot's sensor covers without occlusion; red if jammed.
+/// Draws the ground area that each robot's sensor covers without occlusion, in red for jammed
+/// robots.
 Json views_scene(const scenario::Scenario& scenario, const std::set<std::string>& jammed,
                  Time time);
 
 /// Draws every target at its true pose (in its frame from mocap or truth).
 Json targets_scene(const scenario::Scenario& scenario, Time time);
 
-/// Draws one committed trajectory: a line at its height, and a mark at its end. Grey if the plan
-/// was shifted or braked instead of searched, orange if it was late.
+/// Draws one committed trajectory: a line at its height, and a mark at its end. The line is grey if
+/// the plan was shifted or braked instead of searched, and orange if the plan was late.
 /// @param of_robot  the robot's colour; nullopt (no scenario yet): the first robot's colour is used
 Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_robot);
 

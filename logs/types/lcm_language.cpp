@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<std::string_view, 9> kBasic = {
     "int8_t", "int16_t", "int32_t", "int64_t", "byte", "float", "double", "string", "boolean"};
-constexpr std::string_view kSingle = "();\",:'[]{}=";  // each is a token on its own
+constexpr std::string_view kSingle = "();\",:'[]{}=";  // each character is a separate token
 
 bool is_word(std::string_view token) {
   return !token.empty() &&

@@ -15,7 +15,7 @@ struct AutopilotProfile {
   std::uint32_t land_mode = 0;
   std::uint32_t start_mode = 0;
 
-  bool texts_need_station = false;  ///< sends texts only with a ground station present
+  bool texts_need_station = false;  ///< true: texts are sent only if a ground station is present
 
   // Estimator, fed with external poses.
   PoseEstimatorTraits estimator;
@@ -58,7 +58,7 @@ struct AutopilotProfile {
   double acceleration_max_mps2 = 3.0;
   double yaw_gain_per_s = 2.5;
   double yaw_lag_s = 0.0;         ///< s; lag of the yaw rate controller without the airframe
-  double spool_up_s = 2.0;        ///< s; time that the motors turn before they lift
+  double spool_up_s = 2.0;        ///< s; time that the motors turn before the vehicle lifts off
   double landed_delay_s = 1.0;    ///< s; from touch-down to its detection
   double landing_ahead_s = 0.0;   ///< s; extrapolation of the position to the landing point
   double failsafe_pause_s = 0.0;  ///< s; from a failsafe's change to landing mode to the descent

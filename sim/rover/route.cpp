@@ -34,7 +34,7 @@ double RouteMap::clearance_needed_m(double radius_m) const {
   return radius_m + kMarginM + geometry_.resolution_m / std::numbers::sqrt2;
 }
 
-// long: one grid search with its costs and parents.
+// long: performs one grid search with its costs and parents.
 std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
                                              const Eigen::Vector2d& to_m, double radius_m,
                                              const std::vector<Disc>& blocked) const {

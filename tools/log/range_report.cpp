@@ -231,7 +231,7 @@ std::string range_plot_script(const RangeReport& report, const std::string& pict
                        (beacon_m - range.robot_m).norm(), residual_m(fit, range));
   }
   out += "EOD\n$beacons << EOD\n";                      // x y width height angle name
-  constexpr double kAxes95 = 2.0 * 2.4477468306808166;  // full axis: 2 √χ²₂(0.95)
+  constexpr double kAxes95 = 2.0 * 2.4477468306808166;  // axis of the 95 % ellipse: 2 √χ²₂(0.95)
   for (std::size_t b = 0; b < fit.beacons.size(); ++b) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(fit.beacons[b].covariance_m2());
     const Eigen::Vector2d size_m = kAxes95 * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();

@@ -20,7 +20,7 @@ struct Frame {
   bool is_text = false;
   std::uint32_t subscription_id = 0;  ///< for kState
   std::string head;
-  std::shared_ptr<const std::string> body;  ///< may be null
+  std::shared_ptr<const std::string> body;  ///< null: the frame consists of `head` only
 
   [[nodiscard]] std::size_t size() const { return head.size() + (body ? body->size() : 0); }
 };

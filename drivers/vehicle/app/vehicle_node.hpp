@@ -180,8 +180,8 @@ class VehicleNode : public bus::Node {
   }
 
   static constexpr Duration kStatusPeriod = std::chrono::milliseconds(100);
-  static constexpr Duration kMapLease = std::chrono::seconds(12);  ///< SCENARIO is published every
-                                                                   ///< 5 s
+  /// time for which a publisher of SCENARIO stays accepted; it publishes every 5 s
+  static constexpr Duration kMapLease = std::chrono::seconds(12);
   /// longest plausible time from a frame's arrival at the stack to its arrival here
   static constexpr Duration kWayMax = std::chrono::seconds(10);
   /// maximum reads per tick: a flood of data must not delay the vehicle
