@@ -49,7 +49,7 @@ class CommandSender {
     Time next_send{};
     std::optional<Outcome> outcome;
   };
-  std::map<std::uint16_t, Entry> entries_;  ///< by command id; the driver uses few kinds
+  std::map<std::uint16_t, Entry> entries_;  ///< commands by command id; the driver uses few ids
   std::int64_t unanswered_ = 0;
 };
 

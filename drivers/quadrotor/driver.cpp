@@ -199,9 +199,9 @@ bool QuadrotorDriver::is_nearly_down() const {
          tracker_.state()->world_from_body.translation_m.z() - ground_m_.value_or(0.0) < kHandOverM;
 }
 
-// True if the driver may steer a landing that began without poses: poses are received again, the
-// height suffices to avoid bodies below, and the autopilot is in the landing mode commanded by this
-// driver.
+// True if the driver may steer a landing that began without poses. Poses must be received again,
+// the height must suffice to avoid bodies below, and the autopilot must be in the landing mode that
+// this driver commanded.
 bool QuadrotorDriver::may_steer_landing() const {
   return lands_blind_ && settled_s_ >= kSettledS && !is_nearly_down() &&
          !sequence_.is_mode_lost() && link_.telemetry().mode() == traits_of(dialect_).land_mode;

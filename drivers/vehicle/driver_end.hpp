@@ -10,14 +10,14 @@ namespace vantage::drivers {
 
 /// State of a vehicle after its driver was requested to end.
 struct EndFacts {
-  InFlight in_flight = InFlight::kUnknown;  ///< kNo: stationary, motors off
+  InFlight in_flight = InFlight::kUnknown;  ///< kNo: vehicle stationary, motors off
   bool is_pilots = false;                   ///< a pilot controls the vehicle
   bool lands_itself = false;                ///< the autopilot has confirmed its landing mode
 };
 
-/// Decision when the driver of a vehicle may end after a request: once the vehicle is stationary
-/// with motors off, or, after a second request, once its autopilot has confirmed its own landing
-/// mode. Both waits are bounded. Pure.
+/// Decision when the driver of a vehicle may end after a request. It may end once the vehicle is
+/// stationary with motors off. After a second request it may also end once the autopilot has
+/// confirmed its own landing mode. Both waits are bounded. Pure.
 class DriverEnd {
  public:
   /// Time for which a new driver waits for a message of its vehicle before it ends.

@@ -50,8 +50,8 @@ class SerialPort : public Port {
       waiting_.insert(waiting_.end(), message.begin(), message.end());
       sizes_.push_back(message.size());
     }
-    // Drops the oldest message that is not yet partly sent: newer messages matter more, and may be
-    // stop commands.
+    // Drops the oldest message of which no byte was sent: newer messages are more important, and
+    // may be stop commands.
     while (waiting_.size() > kWaitingMax && sizes_.size() > 2) {
       const auto second = waiting_.begin() + static_cast<std::ptrdiff_t>(sizes_[0]);
       waiting_.erase(second, second + static_cast<std::ptrdiff_t>(sizes_[1]));

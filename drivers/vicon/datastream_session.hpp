@@ -36,7 +36,7 @@ class DataStreamSession : public Session {
     std::uint32_t id = 0;
     std::string name;
     std::uint32_t body_segment = 0;  ///< id of the segment that represents the subject
-    SeenBody seen;                   ///< state without the name
+    SeenBody seen;                   ///< pose and its state, without the name
   };
 
   void on_ping(Moment arrival, const wire::vicon::Ping& ping);

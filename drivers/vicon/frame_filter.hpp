@@ -18,7 +18,7 @@ namespace vantage::drivers::vicon {
 struct FrameCounts {
   std::int64_t frames = 0;           ///< published frames
   std::int64_t frames_lost = 0;      ///< number of missing frame numbers
-  std::int64_t frames_repeated = 0;  ///< dropped: repeated frame number
+  std::int64_t frames_repeated = 0;  ///< frames dropped: number repeated
   std::int64_t frames_late = 0;      ///< dropped: arrived after a newer frame
   std::int64_t frames_queued = 0;  ///< dropped: waited longer than kQueuedMax while a queue emptied
   std::int64_t frames_waited = 0;  ///< published, but waited longer than kQueuedMax
@@ -55,7 +55,7 @@ class FrameFilter {
   static constexpr double kLatencyPossible_s = 10.0;
   static constexpr Duration kQueuedMax{100'000};
   static constexpr Duration kWaitedMax{10'000'000};  ///< a frame that waited longer is dropped
-  static constexpr Duration kBehindFor{500'000};     ///< see is_behind()
+  static constexpr Duration kBehindFor{500'000};     ///< minimum duration for is_behind()
   static constexpr std::size_t kBodiesMax = 512;
 
   using Publish = std::function<void(const models::MocapFrame&)>;
@@ -103,7 +103,7 @@ class FrameFilter {
   GateSettings gate_;
   Duration latency_assumed_;
   Publish publish_;
-  std::vector<Body> bodies_;  ///< bodies_[i] belongs to out_.bodies[i]
+  std::vector<Body> bodies_;  ///< state of the body in out_.bodies[i]
   models::MocapFrame out_;
   std::optional<std::uint32_t> last_number_;
   int old_numbers_ = 0;      ///< number of consecutive frames with older numbers

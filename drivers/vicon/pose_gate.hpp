@@ -21,7 +21,7 @@ enum class Verdict {
 };
 
 struct GateSettings {
-  double speed_max_mps = 10.0;   ///< m/s; 0: no gate
+  double speed_max_mps = 10.0;   ///< m/s; 0: poses are not checked
   double turn_max_radps = 20.0;  ///< rad/s; 0: attitudes are not checked
   double jump_margin_m = 0.15;  ///< m; added to the distance at maximum speed, for noise and frames
                                 ///< that arrive in bursts

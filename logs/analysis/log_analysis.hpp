@@ -23,7 +23,7 @@ struct Spread {
   double mean_s = 0.0;
   double median_s = 0.0;
   double p95_s = 0.0;
-  double worst_s = 0.0;  ///< maximum
+  double worst_s = 0.0;  ///< s; maximum
   double least_s = 0.0;
 };
 /// Returns the distribution of `values_s`; zeros if there are no values.
@@ -54,7 +54,7 @@ std::vector<Hop> hops_of(const models::ProcessHealth& health);
 struct CoursePoint {
   double at_s = 0.0;
   std::optional<double> rmse_m;  ///< m; RMSE of the team's estimates of known targets
-  double entropy_nats = 0.0;     ///< mean over all targets
+  double entropy_nats = 0.0;     ///< nats; mean over all targets
   int discovered = 0;
 };
 struct PlanPoint {
@@ -66,13 +66,13 @@ struct PlanPoint {
 
 struct LogAnalysis {
   TrialSummary summary;
-  std::optional<SetMeans> sets;  ///< nullopt without truth
+  std::optional<SetMeans> sets;  ///< errors as a set; nullopt without truth
   /// Latencies from the first named event to the last: "capture → arrival" and "capture → log"
   /// (VICON); "look → belief" (from the newest measurement in a belief until the belief was
   /// logged); "belief → plan" and "look → plan" (until the plan was finished).
   std::map<std::string, Spread> latencies;
-  std::map<std::string, std::vector<Hop>> hops;     ///< by process
-  std::map<std::string, DeadlineRecord> deadlines;  ///< by robot
+  std::map<std::string, std::vector<Hop>> hops;     ///< hops of each process
+  std::map<std::string, DeadlineRecord> deadlines;  ///< record of each robot
   std::map<std::string, std::int64_t> lost;         ///< messages missing in the log, by channel
   std::vector<std::string> contested;  ///< channels on which two processes published at a time
   std::int64_t times_outlying = 0;     ///< events with outlying times, ignored (UsualTimes)

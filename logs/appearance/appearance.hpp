@@ -27,7 +27,7 @@ struct Paint {
 /// Name and unit of a displayed quantity: "entropy per target", "nat".
 struct Measure {
   std::string name;
-  std::string unit;  ///< empty for a count
+  std::string unit;  ///< unit's symbol; empty for a count
 
   /// Returns "entropy per target [nat]".
   [[nodiscard]] std::string title() const;

@@ -17,8 +17,8 @@ namespace vantage::logs {
 struct LogColumn {
   using Values = std::variant<std::vector<double>, std::vector<std::int64_t>,
                               std::vector<std::uint8_t>, std::vector<std::string>>;
-  std::string name;         ///< "cost", "segments.duration_s"
-  bool is_boolean = false;  ///< true for booleans
+  std::string name;         ///< path of the field: "cost", "segments.duration_s"
+  bool is_boolean = false;  ///< true: the values are booleans
   /// Shape of the array in each row if its size is constant; empty: one value per row.
   std::vector<std::size_t> item_shape;
   int list = -1;  ///< index of the list with one element per row; −1: one row per message

@@ -9,8 +9,8 @@
 namespace vantage::logs {
 namespace {
 
-/// Ranges in which the newest SCENARIO before the selected part is searched: this time before the
-/// part (SCENARIO is published every 5 s), then this number of events from the log's start.
+/// The newest SCENARIO before the selected part is searched in two ranges: kScenarioAge before the
+/// part (SCENARIO is published every 5 s), then the log's first kScenarioWithin events.
 constexpr Duration kScenarioAge{15'000'000};
 constexpr int kScenarioWithin = 1000;
 

@@ -16,7 +16,7 @@ using EventSink = std::function<bool(const LogEvent&)>;
 
 struct EditRules {
   Time from = Time::min();
-  Time to = Time::max();  ///< exclusive; Time::max(): no end
+  Time to = Time::max();  ///< end of the range, exclusive; Time::max(): none
   ChannelFilter channels;
   ChannelRenames names;
   bool drops_doubtful = false;

@@ -18,7 +18,7 @@ class Cdr {
     bytes_.resize(kHeader +
                   (bytes_.size() - kHeader + sizeof value - 1) / sizeof value * sizeof value);
     char raw[sizeof value];
-    std::memcpy(raw, &value, sizeof value);  // target machines are little-endian
+    std::memcpy(raw, &value, sizeof value);  // all target machines are little-endian
     bytes_.append(raw, sizeof value);
     return *this;
   }

@@ -94,7 +94,7 @@ struct McapWriter::Compressor {
     return std::string_view(out).substr(0, size);
   }
 
-  static constexpr int kLevel = 3;  // zstd's default
+  static constexpr int kLevel = 3;  // zstd's default compression level
   ZSTD_CCtx* context;
   std::string out;
 };
@@ -148,7 +148,7 @@ std::string McapWriter::topic_record(std::size_t index) const {
                               .number(topic.schema)
                               .text(topic.name)
                               .text(encoding_.message)
-                              .number(std::uint32_t{0}));  // no metadata
+                              .number(std::uint32_t{0}));  // empty metadata
 }
 
 std::uint16_t McapWriter::topic(const std::string& name, const std::string& schema_name,
@@ -248,8 +248,8 @@ std::string McapWriter::statistics_record() const {
                                  .number(messages_)
                                  .number(static_cast<std::uint16_t>(schemas_.size()))
                                  .number(static_cast<std::uint32_t>(topics_.size()))
-                                 .number(std::uint32_t{0})  // attachments
-                                 .number(std::uint32_t{0})  // metadata
+                                 .number(std::uint32_t{0})  // number of attachments
+                                 .number(std::uint32_t{0})  // number of metadata records
                                  .number(static_cast<std::uint32_t>(chunk_index_records_.size()))
                                  .number(span_.first_ns)
                                  .number(span_.last_ns)

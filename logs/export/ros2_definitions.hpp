@@ -8,8 +8,8 @@
 namespace vantage::logs::ros2 {
 
 struct Definition {
-  std::string_view type;    ///< package/Name
-  std::string_view fields;  ///< one field per line
+  std::string_view type;    ///< type's name as package/Name
+  std::string_view fields;  ///< definition text, one field per line
 };
 
 inline constexpr std::array kDefinitions{

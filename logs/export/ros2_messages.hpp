@@ -15,7 +15,7 @@ namespace vantage::logs::ros2 {
 struct Message {
   std::string topic;
   std::string_view type;  ///< "nav_msgs/msg/Path"
-  Time valid{};           ///< stamp in the header
+  Time valid{};           ///< time for the stamp in the header
   std::string cdr;
 };
 

@@ -22,7 +22,7 @@ constexpr std::uint64_t kFormat = 0x564C494E44455804ULL;  // "VLINDEX" and forma
 constexpr std::size_t kEndBytes = 4096;
 constexpr std::size_t kHashBytes = 8;  ///< hash of all preceding bytes, at the end of the index
 
-std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {  // FNV-1a
+std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {  // FNV-1a hash
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   for (const std::uint8_t byte : bytes) {
     hash = (hash ^ byte) * 0x100000001b3ULL;

@@ -20,7 +20,7 @@ namespace vantage::logs {
 /// Mapping that the signal handler can read. Mappings are reused but never freed, so that the
 /// handler can walk the list at any time.
 struct Mapping {
-  std::atomic<const std::uint8_t*> data = nullptr;  ///< null: not in use
+  std::atomic<const std::uint8_t*> data = nullptr;  ///< null: this mapping is not in use
   std::atomic<std::size_t> size_bytes = 0;
   std::atomic<bool> is_cut = false;
   Mapping* next = nullptr;  ///< constant once the mapping is in the list

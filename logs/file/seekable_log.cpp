@@ -232,7 +232,7 @@ std::vector<LocatedEvent> SeekableLog::events(Time from, Time to) const {
 // channel is searched until no remaining block can contain a newer event.
 void SeekableLog::add_newest_from_blocks(Time time,
                                          std::map<std::string_view, LocatedEvent>& newest) const {
-  std::vector<std::pair<Time, std::size_t>> candidates;  // a heap
+  std::vector<std::pair<Time, std::size_t>> candidates;  // heap of (time, block), newest first
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (blocks_[i].time_min < time) {
       candidates.emplace_back(std::min(blocks_[i].time_max, time - kTick), i);

@@ -90,7 +90,8 @@ class SeekableLog {
   bool is_surveyed_ = false;
   std::size_t surveyed_bytes_ = 0;  ///< all events that begin before this offset are in blocks_
   std::vector<LogBlock> blocks_;
-  std::map<std::string, std::vector<std::uint8_t>, std::less<>> in_block_;  ///< by channel
+  /// bits of each channel
+  std::map<std::string, std::vector<std::uint8_t>, std::less<>> in_block_;
   Time first_{};
   Time last_{};
   std::size_t pass_bytes_ = 0;           ///< bytes read by the first pass

@@ -15,7 +15,7 @@ enum class Schema : std::uint8_t {
   kLog,
   kScenario,  ///< world, robots and targets
   kTeam,      ///< quality of the team's estimates
-  kPlan,      ///< numbers of one plan
+  kPlan,      ///< cost, bound and times of one plan
   kVehicle,   ///< state of one vehicle with reasons
   kHealth,    ///< state of one process
   kAttack,    ///< jammed robots

@@ -115,7 +115,7 @@ class Stream {
 
   Sink& sink_;
   std::optional<scenario::Scenario> scenario_;
-  std::optional<TrialMetrics> metrics_;  ///< set whenever scenario_ is
+  std::optional<TrialMetrics> metrics_;  ///< set if scenario_ is set
   std::optional<models::AttackNotice> attack_;
   std::map<std::string, models::VehicleStatus> vehicles_;
   std::map<std::string, HealthStory> processes_;
@@ -125,7 +125,8 @@ class Stream {
   std::optional<Time> next_tracks_;
   OriginTimes captures_;             ///< capture times of measurements
   OriginTimes captures_of_beliefs_;  ///< capture times of each belief's newest measurement
-  std::map<std::string, std::map<std::int64_t, Time>> captures_of_plans_;  ///< by robot and round
+  /// capture times of the plans' newest measurements, by robot and round
+  std::map<std::string, std::map<std::int64_t, Time>> captures_of_plans_;
   /// latency of the plan that each robot follows
   std::map<std::string, Duration> capture_to_setpoint_;
   std::map<int, EstimateView> estimates_;  ///< best estimates of the newest step, by target

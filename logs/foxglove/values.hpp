@@ -47,9 +47,9 @@ Json health_json(const models::ProcessHealth& health);
 Json attack_json(const models::AttackNotice& attack);
 
 /// Returns a vantage.Team: the quality of the team's estimates at the newest evaluated step. The
-/// RMSE is over the known targets with truth; it is absent if there are none. robot_… are means
-/// over the robots, each evaluated by its own belief alone. nees_by_age is the NEES by the time
-/// since a target was last seen; its expected mean is nees_expected if the estimators are
+/// RMSE is over the known targets with truth; it is absent if there are none. The members robot_…
+/// are means over the robots, each evaluated by its own belief alone. nees_by_age is the NEES by
+/// the time since a target was last seen; its expected mean is nees_expected if the estimators are
 /// consistent.
 Json team_json(const TrialMetrics& metrics, Time time);
 

@@ -16,7 +16,7 @@ namespace vantage::logs {
 struct Consistency {
   std::int64_t samples = 0;
   std::optional<double> mean_nees;
-  std::optional<double> median_nees;  ///< accurate to 1 %
+  std::optional<double> median_nees;  ///< median of e, accurate to 1 %
   std::optional<double> coverage_95;  ///< share inside the 95 % ellipse, in [0, 1]
 };
 
@@ -42,8 +42,8 @@ class NeesSums {
   std::array<std::int64_t, kBins> bins_{};
 };
 
-/// Classes of the time since any robot last saw a target, as stated in the belief: class i contains
-/// the ages kAgeEdges_s[i] ≤ age < kAgeEdges_s[i + 1].
+/// Classes of the time since any robot last saw a target. The belief states this time; class i
+/// contains the ages kAgeEdges_s[i] ≤ age < kAgeEdges_s[i + 1].
 inline constexpr std::array<double, 6> kAgeEdges_s = {
     0.0, 1.0, 2.0, 4.0, 8.0, std::numeric_limits<double>::infinity()};
 inline constexpr std::size_t kAgeClasses = kAgeEdges_s.size() - 1;

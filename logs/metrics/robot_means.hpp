@@ -31,7 +31,7 @@ struct RobotMeans {
   double undiscovered_share = 0.0;
   /// Consistency of all robots' position estimates of their known targets, taken together.
   Consistency consistency;
-  std::array<Consistency, kAgeClasses> consistency_by_age;  ///< see kAgeEdges_s
+  std::array<Consistency, kAgeClasses> consistency_by_age;  ///< by age class (kAgeEdges_s)
 };
 
 /// One estimator step, where each robot is evaluated by its own belief alone.
@@ -79,7 +79,7 @@ class RobotSums {
     double rmse_m = 0.0;
     double entropy_nats = 0.0;
     double unknown_share = 0.0;
-    std::vector<std::optional<double>> first_known_s;  ///< by target id
+    std::vector<std::optional<double>> first_known_s;  ///< s; first time of knowledge, by target id
   };
 
   int targets_ = 0;

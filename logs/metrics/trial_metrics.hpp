@@ -105,7 +105,7 @@ class TrialMetrics {
   TrialSummary summary_;  ///< values known from the start: names, seed, sizes
 
   TruthHistory truth_;
-  std::map<std::int64_t, Step> pending_;  ///< by step index
+  std::map<std::int64_t, Step> pending_;  ///< steps not yet evaluated, by step index
   std::int64_t newest_judged_ = -1;
   std::vector<TargetStatus> targets_;
   std::vector<TargetSums> sums_;
@@ -125,7 +125,7 @@ class TrialMetrics {
   std::int64_t plans_ = 0;
   std::int64_t fallbacks_ = 0;
   std::map<std::string, double> map_entropies_nats_;  ///< nats; entropy of each robot's newest map
-  std::map<std::pair<std::string, std::int64_t>, std::int64_t> lost_;  ///< by process and run
+  std::map<std::pair<std::string, std::int64_t>, std::int64_t> lost_;  ///< by process and run id
 };
 
 }  // namespace vantage::logs

@@ -68,7 +68,7 @@ struct MotionSample {
 
 /// Mean of (y(t+h) − y(t))²: the squared displacement of one coordinate within h.
 struct Displacement {
-  double observed_m2 = 0.0;   ///< m²; observed
+  double observed_m2 = 0.0;   ///< m²; in the recorded motion
   double predicted_m2 = 0.0;  ///< m²; predicted by a model from the same positions and velocities
 };
 

@@ -25,7 +25,7 @@ struct TrackPoint {
 
 struct RobotScene {
   std::vector<TrackPoint> track;
-  std::optional<Pose2> world_from_body;  ///< current pose
+  std::optional<Pose2> world_from_body;  ///< newest pose of the body
   std::optional<models::RobotPlan> plan;
 };
 
@@ -42,7 +42,7 @@ struct Scene {
   models::GridGeometry grid;
   /// µs; time of the newest scan of each cell by any robot
   std::vector<std::int64_t> last_seen_utime;
-  std::set<std::string> jammed;         ///< names of robots
+  std::set<std::string> jammed;         ///< names of the jammed robots
   std::optional<models::RobotMap> map;  ///< newest map of any robot; nullopt if no robot maps
   std::map<std::string, double> map_entropies_nats;  ///< entropy of each robot's newest map
 };

@@ -32,9 +32,9 @@ struct SpoolOptions {
 
 /// Counts and state of a LogSpool since its construction.
 struct SpoolReport {
-  std::string path;  ///< current file
+  std::string path;  ///< path of the current file
   int files = 1;
-  std::int64_t events = 0;  ///< events in files
+  std::int64_t events = 0;  ///< number of events written to files
   std::uint64_t bytes = 0;
   /// Events lost because the queue was full, the limit was reached or the disk refused them.
   std::int64_t events_lost = 0;
@@ -107,7 +107,7 @@ class LogSpool {
   mutable std::mutex mutex_;
   std::condition_variable wake_writer_;
   std::condition_variable wake_syncer_;
-  std::vector<std::uint8_t> queued_;  ///< complete events
+  std::vector<std::uint8_t> queued_;  ///< complete events that wait for the writer thread
   std::int64_t queued_since_ns_ = 0;  ///< time of the oldest queued event
   std::size_t taken_bytes_ = 0;       ///< bytes that the writer thread is writing
   std::int64_t taken_since_ns_ = 0;   ///< time of the oldest event being written

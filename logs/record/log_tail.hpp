@@ -19,7 +19,7 @@ struct LogTail {
 LogTail find_tail(std::span<const std::uint8_t> last_bytes);
 
 struct TrimmedLog {
-  std::uint64_t size_bytes = 0;     ///< size after trimming
+  std::uint64_t size_bytes = 0;     ///< size of the file after trimming
   std::uint64_t dropped_bytes = 0;  ///< size of the removed incomplete event
   std::optional<Time> last;         ///< logging time of the last event
 };

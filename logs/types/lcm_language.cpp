@@ -229,7 +229,7 @@ class Parser {
   const std::string& path_;
   std::string_view token_;
   std::size_t next_line_ = 1;   ///< line of the unread text
-  std::size_t token_line_ = 1;  ///< line of token_
+  std::size_t token_line_ = 1;  ///< line of the text in token_
   std::size_t line_ = 1;        ///< line of the token that was read last
   std::string package_;
   /// Constants of the current struct: type and value by name.

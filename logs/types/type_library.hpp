@@ -50,7 +50,7 @@ class TypeLibrary {
   [[nodiscard]] std::uint64_t hash_of(const Layout& layout,
                                       std::vector<const Layout*>& parents) const;
 
-  std::map<std::string, std::unique_ptr<Layout>> structs_;  ///< by name
+  std::map<std::string, std::unique_ptr<Layout>> structs_;  ///< layouts by name of the type
   std::map<std::uint64_t, const Layout*> by_fingerprint_;
 };
 

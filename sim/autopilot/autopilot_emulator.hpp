@@ -18,7 +18,7 @@ namespace vantage::sim {
 
 /// Battery information that an autopilot reports.
 enum class BatteryReport {
-  kShare,        ///< state of charge
+  kShare,        ///< the state of charge
   kVoltageOnly,  ///< only the voltage: no current sensor, so no charge
   kFromFull,     ///< charge by integration of the current; a full battery is assumed at power-up
 };

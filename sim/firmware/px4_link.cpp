@@ -207,7 +207,7 @@ void Px4Link::handle(const wire::mavlink::Frame& frame) {
   newest_.emplace();
   for (std::size_t i = 0; i < kMotors && (controls->mode & wire::mavlink::kArmedFlag) != 0; ++i) {
     const double throttle = controls->controls[i];
-    newest_->throttles[i] = throttle > 0.0 ? std::min(throttle, 1.0) : 0.0;  // a NaN means off
+    newest_->throttles[i] = throttle > 0.0 ? std::min(throttle, 1.0) : 0.0;  // NaN: motor off
   }
 }
 

@@ -82,7 +82,7 @@ class RoverFleet {
     double reach_m = 0.0;  ///< m; distance from first_m to the farthest point of the rover's body
   };
   std::vector<Rover> rovers_;
-  std::vector<Reach> reaches_;  ///< one disc per rover
+  std::vector<Reach> reaches_;  ///< disc of each rover's stopping path
   std::vector<Eigen::Vector2d> kept_out_m_;
   double keep_out_m_ = 0.0;
   std::int64_t way_points_reached_ = 0;

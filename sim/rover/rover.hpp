@@ -12,7 +12,7 @@ namespace vantage::sim {
 
 /// Limits of a small indoor rover.
 struct RoverParameters {
-  double speed_max_mps = 1.4;  ///< m/s; never exceeded
+  double speed_max_mps = 1.4;  ///< m/s; maximum speed, never exceeded
   double acceleration_mps2 = 1.0;
   double brake_mps2 = 2.0;
   double yaw_rate_max_radps = 2.0;

@@ -183,7 +183,7 @@ void DataStreamPeer::append_static(wire::vicon::PacketWriter& packet) const {
 
 void DataStreamPeer::append_dynamic(wire::vicon::PacketWriter& packet,
                                     const EmulatedFrame& frame) const {
-  append(packet, wire::vicon::FrameInfo{frame.number});  // required in every frame
+  append(packet, wire::vicon::FrameInfo{frame.number});  // the protocol requires it in each frame
   if (is_requested(wire::vicon::kHardwareFrameInfo)) {
     append(packet, wire::vicon::HardwareFrameInfo{frame.number});
   }

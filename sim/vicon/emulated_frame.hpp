@@ -12,14 +12,14 @@ namespace vantage::sim::vicon {
 
 struct EmulatedBody {
   std::string name;
-  Pose3 world_from_body;  ///< z up
+  Pose3 world_from_body;  ///< true pose in a world with z up
   bool is_occluded = false;
 };
 
 /// Bodies captured at one instant.
 struct EmulatedFrame {
   std::uint32_t number = 0;
-  Time captured{};         ///< by the server's clock
+  Time captured{};         ///< time of capture by the server's clock
   double latency_s = 0.0;  ///< s; time from capture to sending by the server
   std::vector<EmulatedBody> bodies;
 };

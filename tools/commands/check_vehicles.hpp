@@ -11,13 +11,13 @@ namespace vantage::tools {
 
 struct VehicleCheckOptions {
   std::string robot;                ///< only robot to check; empty: all robots
-  bool is_load = false;             ///< write parameters that differ
-  bool skips_confirmation = false;  ///< write without confirmation
-  bool is_quiet = false;            ///< print nothing on standard output
+  bool is_load = false;             ///< true: write the parameters that differ
+  bool skips_confirmation = false;  ///< true: write without asking the user
+  bool is_quiet = false;            ///< true: print nothing on standard output
 };
 
 struct VehicleReport {
-  nlohmann::ordered_json vehicles;  ///< one object per vehicle
+  nlohmann::ordered_json vehicles;  ///< result with one object per vehicle
   bool is_ready = false;
 };
 

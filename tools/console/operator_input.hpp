@@ -21,7 +21,7 @@ struct OperatorRequest {
   };
   Kind kind = Kind::kHelp;
   models::OperatorAction action = models::OperatorAction::kHold;  ///< for kCommand
-  std::string robot;  ///< for kCommand, kSelect and kNoRobot; empty: all robots
+  std::string robot;  ///< robot of kCommand, kSelect and kNoRobot; empty: all robots
 };
 
 /// Converts keys of a terminal (see key_bytes()) into requests. SPACE always sends an emergency

@@ -23,7 +23,7 @@ class OrderQueue {
 
   struct Order {
     models::OperatorAction action = models::OperatorAction::kHold;
-    std::string robot;  ///< empty: all robots
+    std::string robot;  ///< robot to command; empty: all robots
   };
 
   explicit OrderQueue(OrderSender& sender) : sender_(sender) {}

@@ -106,7 +106,7 @@ void Screen::redraw(const std::vector<std::string>& all_lines) {
   lines = fit(lines, size.ws_row, size.ws_col);
   std::string out;
   if (lines_drawn_ > 0) {
-    out += fmt::format("\x1b[{}A", lines_drawn_);  // cursor up
+    out += fmt::format("\x1b[{}A", lines_drawn_);  // moves the cursor up
   }
   for (const std::string& line : lines) {
     out += "\r" + line + "\x1b[K\n";  // clear the rest of the old line

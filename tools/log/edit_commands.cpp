@@ -16,7 +16,7 @@ namespace {
 
 struct EditArguments {
   std::string input;
-  std::vector<std::string> inputs;  ///< for merge
+  std::vector<std::string> inputs;  ///< input logs of `merge`
   std::string output;
   bool force = false;
   std::optional<double> from_s;

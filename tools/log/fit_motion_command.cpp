@@ -27,7 +27,7 @@ namespace {
 struct FitArguments {
   std::vector<std::string> logs;
   double fitted_share = 0.7;
-  std::string picture;  ///< empty: none
+  std::string picture;  ///< path of the picture; empty: none
   bool as_json = false;
 };
 

@@ -21,11 +21,11 @@ namespace {
 struct RangesArguments {
   std::string source;   ///< table of ranges (with `poses`), or log
   std::string poses;    ///< table of poses; empty: `source` is a log
-  std::string beacons;  ///< survey; empty: none
+  std::string beacons;  ///< table of surveyed beacons; empty: none
   std::string robot;    ///< only robot to read from a log; empty: all robots
   std::optional<double> gap_max_s;
   double fitted_share = 0.7;
-  std::string picture;  ///< empty: none
+  std::string picture;  ///< path of the picture; empty: none
   bool as_json = false;
 };
 

@@ -14,11 +14,11 @@
 namespace vantage::tools {
 
 // Each function adds its subcommands to `vantage log`.
-void add_log_inspect_commands(CLI::App& log, Runner& run);  ///< info, check
-void add_log_edit_commands(CLI::App& log, Runner& run);  ///< repair, slice, filter, rename, merge
+void add_log_inspect_commands(CLI::App& log, Runner& run);  ///< subcommands info and check
+void add_log_edit_commands(CLI::App& log, Runner& run);     ///< subcommands for editing
 void add_log_replay_command(CLI::App& log, Runner& run);
 void add_log_export_command(CLI::App& log, Runner& run);
-void add_log_metrics_commands(CLI::App& log, Runner& run);  ///< metrics, plot
+void add_log_metrics_commands(CLI::App& log, Runner& run);  ///< subcommands metrics and plot
 void add_log_fit_motion_command(CLI::App& log, Runner& run);
 void add_log_fit_ranges_command(CLI::App& log, Runner& run);
 void add_log_play_command(CLI::App& log, Runner& run);

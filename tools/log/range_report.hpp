@@ -16,13 +16,13 @@ namespace vantage::tools {
 struct SurveyedBeacon {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< surveyed position
   double error_m = 0.0;
-  double nees = 0.0;  ///< expected: 2
+  double nees = 0.0;  ///< NEES of the fitted position; expected: 2
 };
 
 struct RangeReport {
   RangeRecording recording;
   estimator::RangeFit fit;
-  std::vector<std::optional<SurveyedBeacon>> surveys;  ///< one per beacon
+  std::vector<std::optional<SurveyedBeacon>> surveys;  ///< comparison for each beacon
   std::vector<std::string> not_fitted;                 ///< surveyed beacons that were not fitted
   /// Score of a fit to the first part of the time, on the rest of the time (held out); nullopt if a
   /// part has too few ranges.

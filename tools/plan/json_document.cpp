@@ -76,7 +76,7 @@ class JsonEvents : public nlohmann::json_sax<nlohmann::json> {
   bool number_integer(std::int64_t /*value*/) override { return add_as_written(); }
   bool number_unsigned(std::uint64_t /*value*/) override { return add_as_written(); }
   bool number_float(double value, const std::string& written) override {
-    constexpr double kExactMax = 9'007'199'254'740'992.0;  // 2⁵³
+    constexpr double kExactMax = 9'007'199'254'740'992.0;  // 2⁵³; larger doubles may not be exact
     const bool is_whole = value == std::floor(value) && std::abs(value) <= kExactMax;
     // Numbers that round to zero, such as 1e-400, and -0.0 are kept as written.
     if (!is_whole || (value == 0.0 && written != "0.0")) {

@@ -19,7 +19,7 @@ namespace vantage::tools {
 /// Description of a process to keep alive.
 struct ProcessSpec {
   std::string name;
-  std::vector<std::string> arguments;  ///< begins with the executable
+  std::vector<std::string> arguments;  ///< command line, begins with the executable
   bool is_essential = false;           ///< the trial ends if this process is given up
   /// Called before each restart.
   std::function<void()> before_restart = {};

@@ -125,7 +125,7 @@ class Broker : public logs::foxglove::Sink {
   std::vector<std::string> topic_of_;  ///< topic by channel id − 1
   std::vector<std::shared_ptr<Client>> clients_;
   std::vector<PlaybackControl> controls_;
-  std::optional<PlaybackState> playback_;        ///< last broadcast state
+  std::optional<PlaybackState> playback_;        ///< playback state that was sent last
   std::map<std::string, std::string> statuses_;  ///< current status messages, by id
   bool is_holding_ = false;
   std::optional<Time> time_;  ///< time of the last reached() since the last jump

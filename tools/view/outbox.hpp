@@ -12,13 +12,13 @@ namespace vantage::tools {
 /// Outgoing WebSocket message to one client. The body is shared with other clients.
 struct Frame {
   enum class Kind : std::uint8_t {
-    kControl,  ///< never dropped
+    kControl,  ///< control message, never dropped
     kState,    ///< replaced by a newer frame of the same subscription
     kFlow,     ///< dropped when the queue is full, the oldest first
   };
   Kind kind = Kind::kControl;
   bool is_text = false;
-  std::uint32_t subscription_id = 0;  ///< for kState
+  std::uint32_t subscription_id = 0;  ///< subscription of a kState frame
   std::string head;
   std::shared_ptr<const std::string> body;  ///< null: the frame consists of `head` only
 
@@ -51,8 +51,8 @@ class Outbox {
   std::size_t bytes_max_;
   std::size_t control_max_;
   std::deque<Frame> frames_;
-  std::size_t bytes_ = 0;       ///< size of all frames
-  std::size_t flow_bytes_ = 0;  ///< size of the flow frames
+  std::size_t bytes_ = 0;       ///< bytes; size of all frames
+  std::size_t flow_bytes_ = 0;  ///< bytes; size of the flow frames
   std::size_t control_waiting_ = 0;
   std::int64_t dropped_ = 0;
 };

@@ -59,7 +59,8 @@ std::string playback_state_frame(const PlaybackState& state);
 
 /// Requests of a client.
 struct Subscribe {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  ///< subscription id, channel id
+  /// pairs of subscription id and channel id
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
 };
 struct Unsubscribe {
   std::vector<std::uint32_t> ids;

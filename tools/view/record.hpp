@@ -12,7 +12,7 @@ namespace vantage::tools {
 
 /// Options of a video of a log.
 struct RecordOptions {
-  std::string path;  ///< WebM file to write
+  std::string path;  ///< path of the WebM file to write
   double from_s = 0.0;
   std::optional<double> to_s;  ///< nullopt: the end of the log
   double speed = 1.0;          ///< seconds of the log per second of the video

@@ -43,8 +43,8 @@ class TrialObserver {
   logs::SceneRecorder recorder_;
   std::set<std::string> robots_;  ///< names of the scenario's robots
   std::optional<models::TruthFrame> truth_;
-  std::map<std::string, models::RobotBelief> beliefs_;  ///< by robot
-  std::map<std::string, models::RobotMap> maps_;        ///< by robot
+  std::map<std::string, models::RobotBelief> beliefs_;  ///< newest belief of each robot
+  std::map<std::string, models::RobotMap> maps_;        ///< newest map of each robot
 };
 
 }  // namespace vantage::trial

@@ -12,8 +12,8 @@
 namespace vantage::drivers {
 
 /// Returns the 32 bytes of a key file; nullopt for an empty name.
-/// @throws StartupError for a file that cannot be read, is not 32 bytes long, belongs to another
-/// user, or can be read or changed by others (its mode must be 0600 or less).
+/// @throws StartupError if the file cannot be read, is not 32 bytes long or belongs to another
+/// user, or if its mode permits more than 0600.
 std::optional<wire::mavlink::SigningKey> load_key(const std::string& file);
 
 /// Bus node of vantage-quadrotor for one robot. It reads MAVLink from its port every 5 ms. It

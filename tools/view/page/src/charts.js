@@ -116,7 +116,7 @@ class Chart {
     this.series = new Map(); // {t, v} by name
     this.box = document.createElement("figure");
     this.box.dataset.chart = spec.key;
-    this.is_off = false; // removed by the user
+    this.is_off = false; // true: the user has removed the chart
     this.caption = document.createElement("figcaption");
     this.title = document.createElement("b");
     this.title.textContent = this.box.title = spec.title ?? title_of(spec.measure);
@@ -354,7 +354,7 @@ class Chart {
   /** Marks the current position in a log by an element over the plot, so that the plot is not drawn again. The mark is placed
       without the plot's scale, which is valid only after drawing. */
   mark_now() {
-    if (!this.mark) return; // no plot yet
+    if (!this.mark) return; // the plot does not exist yet
     const now = this.source.now();
     const [from, to] = this.source.window();
     this.mark.hidden = now === null || now < from || now > to;

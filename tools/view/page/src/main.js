@@ -382,7 +382,7 @@ function plot(topic, path) {
   const field = [topic, path];
   requested_fields.push(field);
   plotted = Promise.all([points_of(topic, path), plotted.catch(() => {}), scenario_known()]).then(([points]) => {
-    if (!requested_fields.includes(field)) return; // cancelled by another layout
+    if (!requested_fields.includes(field)) return; // another layout has cancelled the request
     requested_fields = requested_fields.filter((each) => each !== field);
     charts.plot(topic, path, points);
   });

@@ -92,7 +92,7 @@ export class Disc {
 
   paint(pen, e, view) {
     const radius_px = this.radius_m * view.pixels_at(this.at);
-    if (!(radius_px > 0)) return; // behind the camera
+    if (!(radius_px > 0)) return; // the cylinder is behind the camera
     const corners = kRings[radius_px < 4 ? 0 : radius_px < 12 ? 1 : 2];
     const m = through_scratch.fromArray(e).multiply(this.matrix).elements;
     const ends = [-0.5, 0.5].map((z) =>

@@ -18,7 +18,7 @@ export class Timeline {
     this.speeds = document.getElementById("speed");
     this.speeds.replaceChildren(...kSpeeds.map((speed) => new Option(`${speed}×`, speed, speed === 1, speed === 1)));
     this.events = [];
-    this.length_s = null; // null: live
+    this.length_s = null; // s; length of the log; null: live
     this.now = 0;
     this.is_playing = false;
     on_refresh(() => this.write());

@@ -133,7 +133,7 @@ export class World {
     for (const entity of scene.entities) {
       const item = { frame: this.frame(entity.frame_id), entity };
       this.put(topic, entity.id, item);
-      const lifetime_s = seconds(entity.lifetime); // 0: unlimited
+      const lifetime_s = seconds(entity.lifetime); // s; 0: unlimited lifetime
       if (lifetime_s > 0) {
         this.passing.add({ topic, id: entity.id, item, until: seconds(entity.timestamp) + lifetime_s });
       }
