@@ -14,7 +14,7 @@ namespace {
 using wire::mavlink::f32;
 
 constexpr Duration kSecond = std::chrono::seconds(1);
-// Several heartbeats per second: an autopilot detects their loss after one second.
+// Period of heartbeats; an autopilot detects the loss of heartbeats after one second.
 constexpr Duration kHeartbeatPeriod = std::chrono::milliseconds(200);
 constexpr Duration kStreamAgeMax = std::chrono::seconds(3);
 constexpr Duration kSerialPause = std::chrono::milliseconds(100);

@@ -51,7 +51,7 @@ class Telemetry {
   /// none is known. With a BatterySpec, the charge of a battery is the lower of the autopilot's
   /// value and the estimate from the voltage: ArduPilot assumes a full battery at each start.
   [[nodiscard]] std::optional<double> battery_share() const { return battery_share_; }
-  /// Returns the time of the last message with a charge; nullopt before the first.
+  /// Returns the time of the last message with a charge; nullopt before the first such message.
   [[nodiscard]] std::optional<Time> battery_time() const { return battery_time_; }
   [[nodiscard]] std::optional<std::uint16_t> estimator_flags(Time now) const;
   /// Returns the autopilot's position estimate in the world frame if it is at most 0.5 s old.

@@ -64,7 +64,7 @@ class FrameClock {
   double tick_s_ = 0.0;    ///< s; tick period in use; 0: unknown
   double stated_s_ = 0.0;  ///< s; tick period stated by the server; 0: not stated
   double drift_ = kDrift;
-  bool is_learned_ = false;  ///< the tick period is estimated: none or a wrong one is stated
+  bool is_learned_ = false;  ///< the period is estimated: no or a wrong period is stated
 
   TickPeriodFit fit_;
   double next_fit_s_ = 0.0;         ///< s; time span of data at which the fit is computed again
@@ -73,7 +73,7 @@ class FrameClock {
 
   /// a fast echo (with a short round trip) arrived since the last frame
   bool is_after_echo_ = false;
-  double round_trip_s_ = 0.0;           ///< s; round trip of that echo
+  double round_trip_s_ = 0.0;           ///< s; round trip of the newest echo
   std::optional<FrameMark> echo_mark_;  ///< first frame after a fast echo
   double refuted_tick_s_ = 0.0;         ///< s; tick period that contradicts the stated period
   int refutations_ = 0;                 ///< consecutive intervals with that tick period

@@ -35,11 +35,11 @@ struct GateSettings {
   /// Ratio of the limits to usual motions. Usual motions have up to 2 m/s and 4 rad/s, twice the
   /// values of flights in the lab.
   int usual_divisor = 5;
-  int confirm_frames = 5;  ///< number of consistent poses required of a lost body
+  int confirm_frames = 5;  ///< number of consistent poses that confirm a lost body
   /// A jump is accepted after its poses were consistent for this time. By then, a vehicle with this
   /// body has been without a pose for long enough to land (design §6).
   Duration accept_jump_after{2'000'000};
-  int stuck_frames = 3;  ///< number of repetitions; 0: not checked
+  int stuck_frames = 3;  ///< number of repetitions of a stuck pose; 0: not checked
 };
 
 /// Gate that decides for each pose whether the body can be at the reported pose.

@@ -16,8 +16,8 @@ namespace vantage::drivers::vicon {
 /// over a simulated body of the same name. Without a simulator, frames are unchanged.
 class VirtualBodies {
  public:
-  /// A TRUTH message farther from the instant of the frame is ignored (the simulator has ended, or
-  /// a log is replayed).
+  /// Largest time between TRUTH and the frame; otherwise TRUTH is ignored (the simulator has ended,
+  /// or a log is replayed).
   static constexpr Duration kAgeMax = std::chrono::milliseconds(200);
 
   void on_truth(const models::TruthFrame& truth) { truth_ = truth; }

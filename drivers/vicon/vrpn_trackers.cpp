@@ -9,7 +9,7 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// A longer interval is a loss of tracking, not the tracker's period.
+/// Longest interval that can be a tracker's period; a longer interval is a loss of tracking.
 constexpr std::int64_t kStepMax_us = 250'000;
 /// µs; a leader with unknown period is replaced after this time without a report.
 constexpr std::int64_t kUnknownSilence_us = 100'000;

@@ -20,7 +20,7 @@ struct OperatorRequest {
     kHelp
   };
   Kind kind = Kind::kHelp;
-  models::OperatorAction action = models::OperatorAction::kHold;  ///< for kCommand
+  models::OperatorAction action = models::OperatorAction::kHold;  ///< action of kCommand
   std::string robot;  ///< robot of kCommand, kSelect and kNoRobot; empty: all robots
 };
 

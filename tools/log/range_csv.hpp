@@ -12,7 +12,7 @@ namespace vantage::tools {
 enum class Quantity {
   kTime,    ///< converted to s; the file may have s, ms, us, ns, min
   kLength,  ///< converted to m; the file may have m, cm, mm, km, ft, in
-  kName,    ///< text
+  kName,    ///< text, not converted
 };
 
 /// Column to read, identified by its heading. A unit may follow the heading: `range_cm`,

@@ -145,7 +145,7 @@ class Up {
   std::set<std::string> drives_;  ///< vehicles with a driver on this host
   bool serves_flights_ = false;   ///< the simulator or the mocap driver runs here
   Time next_report_{};
-  int requests_obeyed_ = 1;  ///< number of obeyed requests to end; further ones are urgent
+  int requests_obeyed_ = 1;  ///< number of obeyed requests to end; further requests are urgent
   UpResult result_;
 };
 
