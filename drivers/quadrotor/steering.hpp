@@ -10,8 +10,8 @@ namespace vantage::drivers {
 
 /// Returns the autopilot set-point for the motion `commanded`: position, velocity, acceleration,
 /// yaw and yaw rate. The autopilot controls the position. The speed is limited to the vehicle's
-/// maximum. The position is limited to kReachM from the body's measured position, so that an error
-/// causes no sudden fast motion.
+/// maximum. The position is limited to kReachM from the body's measured position, so that a
+/// position error causes no sudden fast motion.
 Setpoint steer(const Setpoint& commanded, const std::optional<BodyState>& seen,
                const models::VehicleLimits& limits);
 

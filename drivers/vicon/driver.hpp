@@ -25,10 +25,10 @@ struct LinkCounts {
 /// Driver of a mocap server, without sockets. Connection events, bytes and time are passed in; the
 /// driver returns frames, bytes to send, and requests to open or close the connection.
 ///
-/// It requests a connection whenever there is none. The wait after a failure doubles from 0.1 s to
-/// 2 s; a received frame resets it. If frames wait in a queue, the driver closes the connection to
-/// empty the queue, at most once per kBacklogPeriod, and reconnects immediately. The owner of the
-/// socket obeys wants_open() and wants_close() and reports the result.
+/// It requests a connection whenever no connection exists. The wait after a failure doubles from
+/// 0.1 s to 2 s; a received frame resets it. If frames wait in a queue, the driver closes the
+/// connection to empty the queue, at most once per kBacklogPeriod, and reconnects immediately. The
+/// owner of the socket obeys wants_open() and wants_close() and reports the result.
 class ViconDriver {
  public:
   static constexpr Duration kBacklogPeriod = std::chrono::seconds(5);

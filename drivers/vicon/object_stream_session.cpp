@@ -52,8 +52,8 @@ bool ObjectStreamSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
   }
   const bool is_continued = last_number_ == block_.frame_number;
   if (is_continued && !assembly_.is_open()) {
-    // The frame was assumed complete. The missing bodies are published one frame late, and without
-    // delay from now on.
+    // The frame was assumed complete. The missing bodies are published one frame late; the
+    // following frames wait for them.
     bool is_late = false;
     for (const wire::vicon::TrackerObject& object : block_.objects) {
       if (!assembly_.frame().has(object.name())) {

@@ -44,8 +44,8 @@ Json targets_scene(const scenario::Scenario& scenario, Time time);
 Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_robot);
 
 /// Draws all trajectories of a team proposal as thin dashes in the proposer's colour, from its
-/// reception at `received_at` until they would start at the end of the round. Robots that are
-/// adjacent in the scenario have complementary dashes, so that equal trajectories remain
+/// reception at `received_at` until the trajectories would start at the end of the round. Robots
+/// that are adjacent in the scenario have complementary dashes, so that equal trajectories remain
 /// distinguishable. Preconditions: `received_at` < proposal.stamp.time, the proposer is a robot of
 /// the scenario.
 Json proposal_scene(const models::TeamProposal& proposal, const scenario::Scenario& scenario,

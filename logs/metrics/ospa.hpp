@@ -31,7 +31,7 @@ struct SetError {
 ///
 /// OSPA of order 2 with cutoff c between sets of m ≤ n points: √((Σ min(c, d)² + c² (n − m)) / n),
 /// where d are the distances of the best assignment; 0 for two empty sets. A swap is counted if a
-/// target is assigned a track closer than c, and the label differs from that of the target's
+/// target is assigned a track closer than c, and the label differs from the label of the target's
 /// previous track. Allocates only if a set is larger than all previous sets.
 /// Source: Schuhmacher, Vo, Vo, A consistent metric for performance evaluation of multi-object
 /// filters (2008); swaps: Bernardin, Stiefelhagen, Evaluating multiple object tracking performance:

@@ -15,7 +15,7 @@
 namespace vantage::logs {
 
 /// Synchronous writer of an LCM event log, for callers that may wait for the disk: trials in
-/// virtual time, parts of other logs. Real flights are recorded by a LogSpool.
+/// virtual time, and copied parts of other logs. Real flights are recorded by a LogSpool.
 ///
 /// Events are buffered up to 64 KiB. After the first error nothing more is written; the file then
 /// ends with its last complete event.

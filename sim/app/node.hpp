@@ -28,9 +28,9 @@ namespace vantage::sim {
 ///
 /// The world is stepped to the next instant of publication (a mocap capture, a truth frame, a
 /// status report) when the mocap latency has passed since that instant. A frame is therefore
-/// published when a real one would be. The published messages depend on the received plans and
-/// commands, not on the times of tick(). With a `wire` vehicle, the world instead follows the clock
-/// in steps of 5 ms, and frames are delayed until the latency has passed.
+/// published when a real mocap would publish it. The published messages depend on the received
+/// plans and commands, not on the times of tick(). With a `wire` vehicle, the world instead follows
+/// the clock in steps of 5 ms, and frames are delayed until the latency has passed.
 class SimNode : public bus::Node {
  public:
   /// @throws StartupError for a `wire` device if the clock is not real time or the device cannot be

@@ -8,7 +8,7 @@
 
 namespace vantage::sim {
 
-/// Robot of the scenario with the device `wire`: its true state is that of an emulated device,
+/// Robot of the scenario with the device `wire`: its true state is the state of an emulated device,
 /// which its driver commands over UDP.
 class WireVehicle : public Vehicle {
  public:

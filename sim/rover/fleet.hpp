@@ -18,8 +18,8 @@ namespace vantage::sim {
 /// Every decision preserves one invariant. The *stopping area* of a rover is the ground that it
 /// sweeps if it brakes to a stop from now on. This area is clear of all obstacles and of all other
 /// stopping areas. A new command is accepted only if it preserves the invariant; braking always
-/// does. A rover that was clear of all bodies and obstacles at the start therefore never touches
-/// one, but it may stop occasionally.
+/// preserves it. A rover that was clear of all bodies and obstacles at the start therefore never
+/// touches a body or obstacle, but it may stop occasionally.
 class RoverFleet {
  public:
   /// s; time for which a command is applied.

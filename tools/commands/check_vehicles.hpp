@@ -23,7 +23,7 @@ struct VehicleReport {
 
 /// Reads the parameters of a scenario's autopilots and reports those that differ from the rules.
 /// With `is_load` also writes these parameters and reads them back. Arms no vehicle, and writes
-/// nothing to an armed one.
+/// nothing to an armed vehicle.
 /// @throws StartupError if a port cannot be opened, the robot does not exist, or confirmation is
 ///   needed without a terminal.
 VehicleReport check_vehicles(const scenario::Scenario& scenario,

@@ -20,7 +20,7 @@ std::string cut_to(const std::string& line, std::size_t columns);
 
 /// Returns the lines that fit on a screen, each cut to the screen's width. If lines are missing,
 /// the last line states their number. (Lines that wrap or scroll could not be replaced.) If `rows`
-/// or `columns` is 0, it has no limit.
+/// or `columns` is 0, this number is not limited.
 std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t rows,
                              std::size_t columns);
 

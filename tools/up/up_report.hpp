@@ -13,7 +13,7 @@ namespace vantage::tools {
 /// True if all of these conditions hold:
 /// - no process was given up, killed or ended badly, and this program had no error;
 /// - nothing collided, and all vehicles have flown and landed;
-/// - the simulator was not restarted (other processes may be);
+/// - the simulator was not restarted (restarts of other processes are permitted);
 /// - the log is complete, and no other scenario was flown on the network.
 bool is_good(const UpResult& result);
 

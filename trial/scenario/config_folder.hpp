@@ -6,8 +6,8 @@
 namespace vantage::trial {
 
 /// Returns this program's folder of scenario files: share/vantage/config next to bin/ if the
-/// program is installed, otherwise the folder in the source tree. @throws StartupError when there
-/// is none.
+/// program is installed, otherwise the folder in the source tree. @throws StartupError when neither
+/// folder exists.
 std::string config_folder();
 
 /// Returns the names of the scenario files in config_folder(), without .yaml, sorted.
