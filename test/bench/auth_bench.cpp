@@ -74,9 +74,9 @@ void RefuseForged(benchmark::State& state) {
   }
 }
 
-/// All that one vehicle's driver receives and sends in one second of a lab with three vehicles and
-/// five targets: 100 frames of eight bodies, 5 heartbeats, 30 statuses (10 of them its own), one
-/// plan. range(0): whether messages are signed and verified.
+/// Measures one second of one vehicle's driver in a lab with three vehicles and five targets. The
+/// driver receives or sends 100 frames of eight bodies, 5 heartbeats, 30 statuses (10 of its own)
+/// and one plan. range(0): 1 if messages are signed and verified, else 0.
 void SecondOfADriver(benchmark::State& state) {
   bus::InProcessHub hub;
   bus::VirtualClock clock(kStart);

@@ -8,8 +8,8 @@
 
 namespace vantage::bench {
 
-/// The least known cost of each problem, with the controls that reach it, so that everyone can
-/// verify it. The costs in the file only decrease.
+/// The lowest known cost of each problem, with the controls that reach it, so that anyone can
+/// verify the cost. The costs in the file only decrease.
 class BestCosts {
  public:
   struct Entry {
@@ -31,8 +31,9 @@ class BestCosts {
   /// Replaces the listed entry if `entry` costs less; returns true if it did.
   bool offer(const std::string& problem, const Entry& entry);
 
-  /// Writes the lesser of each cost here and in the file, which another run may have changed.
-  /// @throws StartupError if the file has become unreadable; it is then not changed.
+  /// Writes, for each problem, the lower of the cost in this object and the cost in the file, which
+  /// another run may have changed. @throws StartupError if the file has become unreadable; the file
+  /// is then not changed.
   void save();
 
  private:
@@ -40,7 +41,8 @@ class BestCosts {
   std::map<std::string, Entry> entries_;
 };
 
-/// Returns J_T of `controls` by the plain recursion of the models; NaN unless there are T of them.
+/// Returns J_T of `controls`, computed by the direct recursion of the models; NaN unless there are
+/// T controls.
 double score_of(const planner::SearchProblem& problem, const std::vector<int>& controls);
 
 }  // namespace vantage::bench

@@ -19,12 +19,13 @@
 #include "test/bench/field_problem.hpp"
 #include "test/bench/tracking_family.hpp"
 
-// Measures whether a plan is always ready in time: how long the search continues after its
-// deadline, and how late it returns by wall time, for many plans at each budget. If the thread kept
-// its core during a plan (wall time and CPU time agree), its lateness is its work after the
-// deadline. Preempted plans are counted separately, since this is unknown for them. With --timer a
-// signal reads the thread's CPU clock at the deadline. This covers every plan, but costs and hides
-// about 50 µs. At the end, a thread that only reads the clock shows the machine's own part.
+// Measures, for many plans at each budget, how long the search continues after its deadline and how
+// late it returns in wall time. If wall time and CPU time of a plan agree, the thread was not
+// preempted, and its lateness is its work after the deadline. Preempted plans are counted
+// separately, since their work after the deadline is unknown. With --timer, a signal reads the
+// thread's CPU clock at the deadline: every plan is measured, but the signal costs and hides about
+// 50 µs. At the end, a thread that only reads the clock measures the lateness that the machine
+// causes.
 
 namespace vantage::bench {
 namespace {
@@ -39,7 +40,7 @@ struct Arguments {
   RealTime real_time;
 };
 
-constexpr std::int64_t kPreempted_ns = 5'000;  // without a core during a plan
+constexpr std::int64_t kPreempted_ns = 5'000;  // ns, wall minus CPU time; above: preempted
 
 std::atomic<std::int64_t> cpu_at_deadline_ns{0};
 
@@ -112,7 +113,7 @@ struct Lateness {
   Spread wall;
 };
 
-/// Runs `work(i, end_ns)` once per run; it must end at that deadline. Sleeps a tenth of the budget
+/// Calls `work(i, end_ns)` once per run; `work` must return at end_ns. Sleeps a tenth of the budget
 /// before each run, as a planner does between rounds: the kernel stops a FIFO thread that never
 /// sleeps for 50 ms of every second (sched_rt_runtime_us).
 template <class Work>
@@ -139,7 +140,7 @@ Lateness lateness_of(std::size_t runs, double budget_ms, DeadlineTimer* timer, c
     out.preempted += was_preempted ? 1 : 0;
     if (timer != nullptr) {
       timer->stop();
-      // If the signal came after the return, the work ended before the deadline was noticed.
+      // If the signal came after the return, no CPU time was used after the deadline.
       const std::int64_t then_ns = cpu_at_deadline_ns.load(std::memory_order_relaxed);
       const bool came_late = then_ns == 0 || then_ns > cpu_ns;
       out.cpu.us.push_back(came_late ? 0.0 : 1e-3 * static_cast<double>(cpu_ns - then_ns));
@@ -164,9 +165,9 @@ void print(double budget_ms, const std::string& what, const Lateness& late) {
   std::fflush(stdout);
 }
 
-// The effect of the machine alone: reads the clock until the deadline and does nothing else. Its
-// lateness is the timer's signal, interrupts charged to the thread, and time stolen by a
-// hypervisor.
+// Reads the clock until the deadline and does nothing else, which measures the machine alone. The
+// causes of its lateness are the timer's signal, interrupts charged to the thread, and time taken
+// by a hypervisor.
 Outcome idle_until(std::int64_t end_ns) {
   while (monotonic_ns() < end_ns) {
   }

@@ -40,7 +40,7 @@ class RatioTable {
 
   void add(InformationMeasure measure, const std::string& method, std::uint64_t seed, double value,
            double best) {
-    constexpr double kNothing_nats = 1e-9;  // nats; a team that can gain nothing gives no ratio
+    constexpr double kNothing_nats = 1e-9;  // nats; a best value below it gives no ratio
     if (best < kNothing_nats) {
       return;
     }
@@ -95,7 +95,7 @@ void compare_resilience(const planner::TeamOracle& oracle, InformationMeasure me
   using planner::SubSolver;
   for (const int attacks : {1, 2}) {
     if (attacks >= oracle.robot_count()) {
-      continue;  // all plans would be lost
+      continue;  // an attack could remove all plans
     }
     const double best = planner::exhaustive_max_min(oracle, attacks).value;
     const auto note = [&](const std::string& method, int planned_for) {

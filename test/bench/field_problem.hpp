@@ -12,9 +12,9 @@ namespace vantage::bench {
 /// m/s, range and bearing to 10 m within 94°, σ 0.15 m and 5°.
 planner::SearchProblem field_problem(int targets, int horizon_steps, std::uint64_t seed);
 
-/// Returns the same with `obstacles` boxes with sides of 0.5–3 m within 20 m of the start and at
-/// least 1 m from it, a robot of radius 0.2 m, and a distance field of 0.1 m cells. Without boxes:
-/// no world.
+/// Returns a field problem with `obstacles` boxes with sides of 0.5–3 m within 20 m of the start
+/// and at least 1 m from it, a robot of radius 0.2 m, and a distance field of 0.1 m cells. Without
+/// boxes, the problem has no world.
 planner::OwnedProblem obstructed_problem(int targets, int horizon_steps, int obstacles,
                                          std::uint64_t seed);
 

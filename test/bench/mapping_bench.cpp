@@ -1,4 +1,5 @@
-// Cells per second of one core: information of a beam by CSQMI and by FSMI, and of traced views.
+// Measures cells per second on one core: information of a beam by CSQMI and by FSMI, and
+// information of ray-traced views.
 #include <cstdint>
 #include <vector>
 

@@ -10,8 +10,8 @@
 #include "test/bench/study_table.hpp"
 #include "test/bench/tracking_family.hpp"
 
-// Compares planners at each budget of CPU time on a hundred problems of the tracking family (and
-// any problem files given) with the best known cost. The list of best costs is kept in the
+// Compares planners at each budget of CPU time with the best known cost, on a hundred problems of
+// the tracking family and any given problem files. The list of best costs is kept in the
 // repository, and its costs only decrease.
 
 namespace vantage::bench {
@@ -35,8 +35,8 @@ struct Arguments {
   bool each = false;
 };
 
-// Throws if the list was edited or made for another family. The plain recursion is accurate to
-// about 1e-5 where a measurement from 2 mm loses eight digits; the search's own is exact.
+// Throws if the list was edited or made for another family. The tolerance is 1e-4: the direct
+// recursion is accurate to about 1e-5 where a measurement from 2 mm loses eight digits.
 void verify_best_costs(const BestCosts& best, const std::vector<PlanningProblem>& problems) {
   for (const PlanningProblem& drawn : problems) {
     const BestCosts::Entry* entry = best.find(drawn.name);

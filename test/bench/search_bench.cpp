@@ -6,11 +6,11 @@
 #include "test/bench/dense_table.hpp"
 #include "test/bench/field_problem.hpp"
 
-// Time (ns) and memory (bytes) per node of the searches on the field family; CPU time of one core.
-// Each iteration uses another of eight problems, so that the branch predictor cannot learn one;
-// counters are means over the eight. Then compares the engine with a dense reference. On a busy
-// machine use the least of --benchmark_repetitions=9; --benchmark_filter=NONE prints the table
-// alone.
+// Measures time (ns) and memory (bytes) per node of the searches on the field family; CPU time of
+// one core. Each iteration uses another of eight problems, so that the branch predictor cannot
+// learn one problem; counters are means over the eight. Then compares the engine with a dense
+// reference. On a busy machine use the minimum of --benchmark_repetitions=9;
+// --benchmark_filter=NONE prints the table alone.
 
 namespace vantage::bench {
 namespace {

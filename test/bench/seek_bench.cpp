@@ -1,8 +1,8 @@
-// Time of `log play` seeks to an instant of a log of many gigabytes:
+// Measures how long `log play` takes to seek an instant in a log of many gigabytes:
 //   seek_bench LOG GIB SEEKS     e.g. seek_bench /tmp/big.lcmlog 10 200
-// Creates LOG if it does not exist (random bytes of unknown and known types), and makes the first
-// pass if it has no index. Then opens it again and seeks, once with the page cache as it is and
-// once after the kernel has dropped it. Prints ms.
+// Creates LOG if it does not exist (random bytes of unknown and known types), and indexes LOG if it
+// has no index. Then reopens LOG and seeks, once with the present page cache and once after the
+// kernel has dropped the cache. Prints ms.
 
 #include <algorithm>
 #include <chrono>

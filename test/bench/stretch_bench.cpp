@@ -13,16 +13,17 @@
 #include "test/bench/field_problem.hpp"
 #include "test/bench/tracking_family.hpp"
 
-// Measures the time between two clock checks of a search: its largest possible lateness while it
-// has its core. With a budget of nodes a search does the same work every time, so each stretch
-// between two checks is timed in several runs and its shortest time counts. Time lost by preemption
-// or a hypervisor is thereby excluded, unlike in deadline_bench, which measures lateness itself.
+// Measures the time between two clock checks of a search. This time is the search's largest
+// possible lateness while its thread is not preempted. With a budget of nodes a search does the
+// same work every time, so each stretch between two checks is timed in several runs and its
+// shortest time counts. This excludes time lost by preemption or a hypervisor, unlike
+// deadline_bench, which measures lateness itself.
 
 namespace vantage {
 namespace bench {
 namespace {
 
-/// The clock checks of the timed run.
+/// Records the time between clock checks of the timed run.
 class ClockChecks {
  public:
   void begin() {
@@ -59,8 +60,9 @@ struct Arguments {
   double list_us = 1e9;
 };
 
-/// Returns each stretch of a search of `problem`, the last one up to its return: the shortest of
-/// `runs`, ns. Empty if the number of checks differs between runs.
+/// Returns the duration of each stretch of a search of `problem`, ns: the shortest of `runs` runs.
+/// The last stretch ends at the search's return. Empty if the number of checks differs between
+/// runs.
 std::vector<std::int64_t> stretches_of(planner::Search& search,
                                        const planner::SearchProblem& problem,
                                        const Arguments& arguments) {

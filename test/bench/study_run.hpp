@@ -37,9 +37,9 @@ struct StudyRun {
 };
 
 /// Returns the best result within `budget_s` of the thread's CPU time. The machine may be busy, so
-/// budgets are converted to nodes, and the longest of a few runs that fits is used. `nodes_per_s`
-/// is the initial rate and receives the measured one. Budgets of a second and more: at most two
-/// runs.
+/// budgets are converted to nodes, and the longest of a few runs within the budget is used.
+/// `nodes_per_s` is the initial rate and receives the measured one. Budgets of one second or more
+/// get at most two runs.
 StudyRun run_within(const tools::PlanningProblem& drawn, const StudyMethod& method, double budget_s,
                     double& nodes_per_s);
 

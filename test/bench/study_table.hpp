@@ -8,7 +8,8 @@
 
 namespace vantage::bench {
 
-/// The runs of one method at one budget on the problems with `targets` targets (0: on all).
+/// The runs of one method at one budget on the problems with `targets` targets, or on all problems
+/// if `targets` is 0.
 struct StudyRow {
   int targets = 0;
   std::string method;
@@ -25,7 +26,8 @@ struct StudyRow {
   double mean_cpu_s = 0.0;
 };
 
-/// Returns one row per method, budget and number of targets, and one for all targets.
+/// Returns one row per method, budget and number of targets, and one row per method and budget for
+/// all problems.
 std::vector<StudyRow> summarise(const std::vector<StudyRun>& runs, const BestCosts& best);
 
 std::string to_text(const std::vector<StudyRow>& rows);

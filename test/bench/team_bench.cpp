@@ -13,8 +13,8 @@
 #include "planner/decision/resilient.hpp"
 #include "planner/decision/team_bound.hpp"
 
-// Scaling of the team's algorithms with the team: n robots and n targets, decided by one thread.
-// CPU time, and J compared with an upper bound of the value of any choice.
+// Measures how the team's algorithms scale with the team: n robots and n targets, decided by one
+// thread. Reports CPU time, and J compared with an upper bound of the value of any choice.
 
 namespace vantage::bench {
 namespace {
@@ -25,7 +25,8 @@ struct Arguments {
   double budget_s = 0.5;
 };
 
-// Sets all prices to 1. The reference uses 1 … n, at which most of a hundred robots would not move.
+// Sets all prices to 1. The reference uses prices 1 … n, with which most of a hundred robots would
+// not move.
 void make_prices_equal(planner::TeamProblem& team) {
   double price = 1.0;
   for (std::vector<planner::Candidate>& of_robot : team.candidates) {

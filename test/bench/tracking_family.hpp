@@ -14,8 +14,9 @@ namespace vantage::bench {
 /// and bearing to 10 m within a field of view of `fov_deg`, σ 0.15 m and 5°.
 tools::PlanningProblem tracking_problem(int targets, std::uint64_t seed, double fov_deg = 94.0);
 
-/// Returns a hundred problems: M in {1, 3, 9, 16, 25}, twenty seeds each from `first_seed` on. The
-/// planner study reports those from 1; settings are chosen on others.
+/// Returns a hundred problems: for each M in {1, 3, 9, 16, 25}, twenty problems with consecutive
+/// seeds from `first_seed`. The planner study reports the problems from seed 1; settings are chosen
+/// on problems with other seeds.
 std::vector<tools::PlanningProblem> hundred_problems(double fov_deg = 94.0,
                                                      std::uint64_t first_seed = 1);
 

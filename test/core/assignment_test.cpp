@@ -20,7 +20,7 @@ double cost_of(const std::vector<double>& cost, std::span<const int> column, int
   return sum;
 }
 
-// Returns the least cost over every choice of columns in every order.
+// Returns the lowest cost over every choice of columns in every order.
 double least_cost(const std::vector<double>& cost, int rows, int columns) {
   std::vector<int> order(static_cast<std::size_t>(columns));
   std::iota(order.begin(), order.end(), 0);

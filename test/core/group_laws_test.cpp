@@ -5,7 +5,7 @@
 #include "test/support/near.hpp"
 #include "test/support/random.hpp"
 
-// One suite of laws for every group of rigid motions. Poses are compared as homogeneous matrices,
+// Tests the same laws on every group of rigid motions. Poses are compared as homogeneous matrices,
 // which share no code with the groups under test.
 
 namespace vantage {

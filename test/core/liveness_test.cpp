@@ -17,7 +17,7 @@ struct Pipe {
   LivenessReceiver receiver;
   LivenessSender sender{child_end_of(receiver)};
 
-  /// Returns the only descriptor of the child's end.
+  /// Returns the receiver's only descriptor for the child process.
   static int child_end_of(LivenessReceiver& receiver) {
     EXPECT_TRUE(receiver.open());
     const int descriptor = ::dup(receiver.child_end());
@@ -58,7 +58,7 @@ TEST(LivenessReceiver, KeepsTheNewestKnownStateOfTheVehicle) {
 // A supervisor that hangs must not block a driver.
 TEST(LivenessSender, NeverBlocksOnAStalledSupervisor) {
   Pipe pipe;
-  for (int i = 0; i < 200'000; ++i) {  // more than a pipe holds
+  for (int i = 0; i < 200'000; ++i) {  // more messages than fit into a pipe
     pipe.sender.on_loop(kStart + i * milliseconds(100), InFlight::kNo);
   }
   EXPECT_TRUE(pipe.receiver.take().any);

@@ -40,7 +40,8 @@ TEST(Pose3, StaysAUnitRotationOverManyProducts) {
   EXPECT_NEAR(pose.rotation.norm(), 1.0, 1e-14);
 }
 
-// Compares with the same series in long double, which needs no special treatment of these angles.
+// Compares with the same series in long double, which is accurate at small angles without special
+// cases.
 TEST(ExpSe2, KeepsAllDigitsAtSmallAngles) {
   for (double angle_rad = 1e-9; angle_rad < 1.0; angle_rad *= 1.7) {
     const long double w = angle_rad;

@@ -45,8 +45,8 @@ TEST(ProcessorWait, IsTheSumOfTheLastSecond) {
   }
 }
 
-// At any rate of reading the result contains the waits of the last second and none from before the
-// newest reading that is at least one second old.
+// At any reading rate, the result is the wait since the newest reading that is at least one second
+// old. It includes all waits of the last second and none from before that reading.
 TEST(ProcessorWait, CoversTheWindowAtAnyReadingRate) {
   std::mt19937_64 rng(7);
   std::uniform_int_distribution<int> step_ms(31, 900);
@@ -68,7 +68,8 @@ TEST(ProcessorWait, CoversTheWindowAtAnyReadingRate) {
   }
 }
 
-// With more readings than capacity it covers less than a second and stays bounded.
+// With more readings per second than the capacity, the result covers less than a second, and the
+// memory stays bounded.
 TEST(ProcessorWait, KeepsTheNewestReadings) {
   ProcessorWait wait;
   for (int i = 0; i < 1'000; ++i) {

@@ -52,7 +52,7 @@ TEST(TakeRealTime, RequestsNothingByDefault) {
   apply(real_time);
 }
 
-// The query does not change the calling thread; its answer is that of apply().
+// grants_fifo() does not change the calling thread; its result agrees with that of apply().
 TEST(GrantsFifo, AgreesWithApply) {
   const int policy_before = sched_getscheduler(0);
   const bool is_granted = grants_fifo(50);

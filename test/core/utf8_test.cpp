@@ -28,7 +28,7 @@ TEST(Readable, KeepsTextAndEscapesOtherBytes) {
   EXPECT_EQ(readable("\xE2\x82"), "\\xE2\\x82");
 }
 
-// C1's CSI acts like ESC [, and a right-to-left override reverses the text after it.
+// The C1 control CSI acts like ESC [, and a right-to-left override reverses the text after it.
 TEST(Printable, EscapesTerminalControlCharacters) {
   const std::vector<std::pair<std::string, std::string>> rows{
       {"PLAN_ü 日本 \\ – \xF0\x9F\x9A\x81", "PLAN_ü 日本 \\ – \xF0\x9F\x9A\x81"},

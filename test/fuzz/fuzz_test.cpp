@@ -1,5 +1,6 @@
 // Runs every harness on its initial inputs, on inputs that once broke it (test/fuzz/corpus), and on
-// mutations of both: VANTAGE_FUZZ_RUNS of them (default 300), drawn with VANTAGE_FUZZ_SEED.
+// mutations of both. VANTAGE_FUZZ_RUNS is the number of mutations (default 300), VANTAGE_FUZZ_SEED
+// the seed of their random numbers.
 
 #include <algorithm>
 #include <array>
@@ -131,7 +132,7 @@ long long number_or(const char* variable, long long usual) {
   return asked == nullptr ? usual : std::atoll(asked);
 }
 
-/// The progress of the runs; with many runs it is printed every tenth.
+/// The progress of the runs, printed after every tenth of them if VANTAGE_FUZZ_RUNS is set.
 class Progress {
  public:
   Progress(const Harness& harness, long long runs) : harness_(harness), runs_(runs) {}
@@ -147,7 +148,7 @@ class Progress {
     }
   }
 
-  /// Returns the growth of memory since the first tenth of the runs, KiB.
+  /// Returns the growth of resident memory after the first tenth of the runs, KiB.
   [[nodiscard]] std::int64_t growth_kib() const { return resident_kib() - settled_kib_; }
 
  private:
@@ -175,7 +176,7 @@ class Progress {
 class Fuzz : public ::testing::TestWithParam<Harness> {};
 
 TEST_P(Fuzz, KeepsItsPromises) {
-  constexpr long long kManyRuns = 100'000;  // after a tenth of these the heap no longer grows
+  constexpr long long kManyRuns = 100'000;  // the heap stops growing after a tenth of these
   constexpr std::int64_t kGrowthMaxKib = 1'024;
   const long long runs = number_or("VANTAGE_FUZZ_RUNS", 300);
   std::vector<Bytes> inputs = GetParam().samples();

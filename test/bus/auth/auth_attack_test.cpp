@@ -10,7 +10,7 @@
 #include "test/bus/auth/auth_support.hpp"
 #include "test/bus/convert/message_types.hpp"
 
-// An attacker without keys replays recorded messages, and must not delay orders of the operator.
+// An attacker without keys replays recorded messages; this must not delay the operator's orders.
 
 namespace vantage::bus::auth {
 namespace {
@@ -51,14 +51,14 @@ Message status_of(Authenticator& vehicle, Time now) {
   return message;
 }
 
-/// One message that the stranger sends, and under which address.
+/// One message that the attacker sends, and the address from which it is sent.
 struct Forged {
   std::string channel;
   Message message;
   std::uint64_t source = kStranger;
 };
 
-/// Commands of `stations` earlier sessions, ten minutes ago.
+/// Returns kRecorded signed commands of `stations` earlier sessions, recorded ten minutes ago.
 std::vector<Forged> recorded_commands(int stations) {
   constexpr std::array kActions{OperatorAction::kHeartbeat, OperatorAction::kArm,
                                 OperatorAction::kLand, OperatorAction::kEmergencyStop};
@@ -109,7 +109,7 @@ std::vector<Forged> unsigned_names() {
 
 /// Returns the longest time between two accepted operator orders while the attacker sends one
 /// message per kAttackPeriod. The operator sends one per 0.2 s. `repeats_now`: the attacker instead
-/// repeats the operator's latest message from ever new addresses.
+/// repeats the operator's latest message, each time from a new address.
 Duration longest_wait(const std::vector<Forged>& attack, bool repeats_now) {
   const auto vehicle = process();
   const auto station = process();
@@ -169,7 +169,8 @@ TEST(Stranger, DelaysOrdersByOnePeriodAtMostByReplays) {
   }
 }
 
-// A recording of the same session of the station, from before the vehicle was armed.
+// The attacker replays commands recorded in the same session of the station, from before the
+// vehicle was armed.
 TEST(Stranger, UsesNoBudgetByReplayedCommands) {
   const auto vehicle = process();
   const auto station = process();
@@ -194,7 +195,7 @@ TEST(Stranger, UsesNoBudgetByReplayedCommands) {
   EXPECT_EQ(counts[0].count, 1'000);
 }
 
-// The network held an emergency stop up for 5 s; its station has been verified before.
+// The network delayed an emergency stop by 5 s; its station has been verified before.
 TEST(Authenticator, AcceptsALateStopOfAVerifiedStation) {
   for (const bool is_known : {false, true}) {
     const auto vehicle = process();

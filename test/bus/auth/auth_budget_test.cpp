@@ -118,8 +118,8 @@ TEST(SignatureBudgets, StrangersOfAllHostsShareOneBudget) {
   EXPECT_EQ(stops, 5);
 }
 
-// Compared with a complete set of received counters: the guard keeps the newest 64 and refuses
-// everything up to the newest counter that it dropped.
+// Compared with a complete set of received counters: the guard stores the newest 64 counters. It
+// refuses every counter up to the newest one that it no longer stores.
 TEST(ReplayGuard, EqualsAReferenceThatStoresAllNumbers) {
   std::mt19937_64 rng(9);
   for (int trial = 0; trial < 30; ++trial) {

@@ -129,14 +129,15 @@ TEST_F(SecuredBus, IsReadableWithAndWithoutKeys) {
   EXPECT_EQ(viewer.frames.size(), 1U);
   EXPECT_TRUE(viewer.bus.receives_signed());
   EXPECT_EQ(vehicle_.count("VICON.fresh"), 1);
-  // The payload is what it is without keys, byte for byte.
+  // The payload is byte for byte the same as without keys.
   models::MocapFrame sent = frame();
   sent.stamp.run_id = 1;
   const auto payload = auth::payload_of(heard_.at(0).second);
   EXPECT_EQ(std::vector<std::uint8_t>(payload.begin(), payload.end()), test::encoded(sent));
 }
 
-// The run id, the next number and the current time are readable on the network.
+// The run id, the next number and the current time are readable on the network, so a forged frame
+// can contain them.
 TEST_F(SecuredBus, RefusesAForgedFrameWithTheTrueRunAndNumber) {
   lab_.bus.publish(kVicon, frame());
   hear();
@@ -145,7 +146,7 @@ TEST_F(SecuredBus, RefusesAForgedFrameWithTheTrueRunAndNumber) {
   forge("VICON", test::encoded(forged));
   EXPECT_EQ(vehicle_.frames.size(), 1U);
   EXPECT_EQ(vehicle_.count("VICON.unsigned"), 1);
-  // With the trailer of the genuine message appended.
+  // The second forgery ends with the trailer of the genuine message.
   std::vector<std::uint8_t> with_trailer = test::encoded(forged);
   const auto& whole = heard_.at(0).second;
   with_trailer.insert(with_trailer.end(),
@@ -210,8 +211,8 @@ TEST_F(SecuredBus, AcceptsUnsignedMessagesOnUncriticalChannels) {
   EXPECT_EQ(vehicle_.count("CAMERA.unsigned"), 0);
 }
 
-// A forged HEALTH would keep the supervisor from ending a hung process, a forged HOST a trial from
-// starting; a forged COLLISION would decide the exit code.
+// A forged HEALTH would keep the supervisor from ending a hung process, a forged HOST would keep a
+// trial from starting, and a forged COLLISION would decide the exit code.
 TEST_F(SecuredBus, RefusesAndCountsUnsignedMessagesOnCriticalChannels) {
   const auto check = [this](const auto& channel, auto message, const int& received) {
     message.stamp = {clock_.now(), 77, 0};
@@ -346,7 +347,7 @@ TEST_F(SecuredBus, ReplayedStatusesDoNotReplaceTheCurrentNonce) {
   pass(std::chrono::seconds(1));
   vehicle_.bus.renew_session();
   tell_status(vehicle_.bus);
-  Process second(hub_, clock_, 8, test::authenticator(keys_));  // has received neither status
+  Process second(hub_, clock_, 8, test::authenticator(keys_));  // has received neither status yet
   tell_status(vehicle_.bus);
   second.hear();
   send_again(old);
@@ -360,8 +361,8 @@ TEST_F(SecuredBus, ReplayedStatusesDoNotReplaceTheCurrentNonce) {
   EXPECT_EQ(vehicle_.commands.size(), 1U);
 }
 
-// A process that can verify commands cannot sign them: a captured vehicle has every key except the
-// seed.
+// A process that can verify commands cannot sign them: an attacker who has captured a vehicle has
+// every key except the seed.
 TEST_F(SecuredBus, ProcessWithoutSeedCannotSignCommands) {
   auto keys = std::make_shared<auth::Keyring>();
   auth::Key key = test::key_of(auth::Role::kOperator, 160);

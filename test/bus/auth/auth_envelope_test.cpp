@@ -9,7 +9,7 @@
 #include "bus/auth/envelope.hpp"
 #include "test/bus/auth/auth_support.hpp"
 
-// Signing and verification as pure functions.
+// Tests signing and verification as pure functions.
 
 namespace vantage::bus::auth {
 namespace {
@@ -59,8 +59,8 @@ Message signed_by(const Key& key, const std::string& channel, const Message& pay
   return message;
 }
 
-// The expected bytes were made by Python's hashlib.blake2b, as docs/guide/security.md shows for
-// other programs.
+// The expected bytes were made by Python's hashlib.blake2b, with the code that
+// docs/guide/security.md shows for other programs.
 TEST(Sign, EqualsAnIndependentImplementation) {
   const Key key = test::key_of(Role::kMocap, 0);
   EXPECT_EQ(key.id, 0x5b595a32U);
@@ -73,7 +73,7 @@ TEST(Sign, EqualsAnIndependentImplementation) {
   EXPECT_EQ(signed_by(key, "VICON", payload), expected);
 }
 
-// The same with an Ed25519 signature made by OpenSSL.
+// The expected command was signed with Ed25519 by OpenSSL.
 TEST(Sign, CommandEqualsAnIndependentImplementation) {
   const Key key = test::key_of(Role::kOperator, 0);
   const Message payload = bytes_of("land");
@@ -134,13 +134,13 @@ TEST(Verify, RefusesEveryFlippedBit) {
   }
 }
 
-// An attacker with the MAC key, for example from a captured vehicle, changes what the signature
-// covers.
+// An attacker with the MAC key, for example from a captured vehicle, changes bytes that the
+// signature covers.
 TEST(Verify, RefusesACommandWithAValidMacAndAWrongSignature) {
   const Key station = test::key_of(Role::kOperator, 4);
   Key captured = test::key_of(Role::kOperator, 4);
   std::vector<std::uint8_t> other_seed(kSeedBytes, 9);
-  set_seed(captured, other_seed);  // its own pair, under the right MAC key and id
+  set_seed(captured, other_seed);  // the attacker's own key pair, with the true MAC key and id
   captured.id = station.id;
   Receiver receiver = receiver_of({Role::kOperator});
   EXPECT_EQ(receiver.judge("COMMAND", signed_by(captured, "COMMAND", bytes_of("arm"))),
@@ -203,7 +203,7 @@ TEST(Verify, AcceptsOldAndNewKeyDuringARotation) {
 }
 
 // Counters are shuffled within less than the window and repeated at random. Each message is
-// accepted once in any order; messages far older than the newest are refused.
+// accepted once in any order; messages far older than the newest message are refused.
 TEST(ReplayGuard, AcceptsEachMessageOnceWithinWindow) {
   std::mt19937_64 rng(7);
   for (int trial = 0; trial < 50; ++trial) {
@@ -275,7 +275,7 @@ TEST(SignatureBudgets, LimitTheCostOfForgedCommandsAndKeepStopsPossible) {
             Refusal::kNone);
   int verified = 0;
   std::uint64_t counter = kNowCounter;
-  for (int i = 0; i < 20'000; ++i) {  // in 2 s
+  for (int i = 0; i < 20'000; ++i) {  // all within 2 s
     receiver.expectation.now = kNow + Duration{100} * i;
     const std::uint64_t session = i % 2 == 0 ? kSession : static_cast<std::uint64_t>(i);
     const Refusal refusal = receiver.judge(
@@ -290,7 +290,7 @@ TEST(SignatureBudgets, LimitTheCostOfForgedCommandsAndKeepStopsPossible) {
             Refusal::kNone);
 }
 
-// Burst and refill per 0.1 s, by kind of sender and of command.
+// Signature checks allowed at once, and added per 0.1 s, by kind of sender and of command.
 TEST(SignatureBudgets, HaveTheStatedBurstAndRate) {
   enum class Asker { kProven, kOneHost, kManyHosts };
   struct Row {
@@ -324,8 +324,8 @@ TEST(SignatureBudgets, HaveTheStatedBurstAndRate) {
   }
 }
 
-/// An attacker that has the operator's MAC key but not its signing seed, as from any captured
-/// vehicle.
+/// An attacker that has the operator's MAC key, taken from a captured vehicle, but not its signing
+/// seed.
 struct Attack {
   explicit Attack(const Key& station) : captured(test::key_of(Role::kOperator, 4)) {
     set_seed(captured, std::vector<std::uint8_t>(kSeedBytes, 9));
@@ -345,8 +345,8 @@ struct Attack {
   std::uint64_t counter = kNowCounter;
 };
 
-/// Sends one operator command per 0.1 s for 1 s from `source` during a flood; returns how many are
-/// accepted.
+/// Sends one operator command per 0.1 s for 1 s from `source` during a flood; returns the number of
+/// accepted ones.
 int accepted_during_flood(Receiver& receiver, const Key& station, bool is_stop,
                           std::uint64_t source, const std::function<void()>& flood) {
   int heard = 0;
@@ -367,8 +367,8 @@ int accepted_during_flood(Receiver& receiver, const Key& station, bool is_stop,
 constexpr std::uint64_t kStation = (std::uint64_t{0x0a000001} << 16U) | 40'000U;  // 10.0.0.1:40000
 constexpr std::uint64_t kAttacker = (std::uint64_t{0x0a000002} << 16U) | 40'000U;
 
-/// Result of one second of forged commands at a receiver that has, or has not, received the
-/// operator before: accepted operator commands and signature checks of forged ones.
+/// Result of one second of forged commands: the number of accepted operator commands and the number
+/// of signature checks of forged ones. The receiver has, or has not, received the operator before.
 struct Flooded {
   int heard = 0;
   int verified = 0;
@@ -401,7 +401,7 @@ TEST(SignatureBudgets, FloodFromAnotherHostDelaysNoCommand) {
   }
 }
 
-// The attacker also forges its addresses.
+// The attacker also sends from forged source addresses.
 TEST(SignatureBudgets, FloodFromAnyAddressDelaysNoKnownStation) {
   for (const bool is_stop : {false, true}) {
     std::mt19937_64 rng(7);

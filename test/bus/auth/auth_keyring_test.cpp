@@ -326,8 +326,8 @@ TEST_F(KeyFolder, IsRequiredForRealDevices) {
 }
 
 // A command echoes the nonces of at most 64 vehicles. Further vehicles could not be armed and would
-// receive no heartbeat. The status of every robot requests a nonce; without a driver, nothing
-// verifies it.
+// receive no heartbeat. The status of every robot requests a nonce, so all robots count. Without
+// any driver, no process verifies commands, and there is no limit.
 TEST_F(KeyFolder, LimitsTheNumberOfVehiclesPerCommand) {
   using scenario::DeviceSource;
   using scenario::SecurityMode;

@@ -13,7 +13,7 @@
 
 namespace vantage::test {
 
-/// A key of known bytes: `first`, `first` + 1, …; the operator's seed goes on with 32 more.
+/// Returns a key whose bytes are `first`, `first` + 1, …; the operator's seed is the next 32 bytes.
 inline bus::auth::Key key_of(bus::auth::Role role, std::uint8_t first) {
   bus::auth::Key key;
   key.role = role;
@@ -29,7 +29,8 @@ inline bus::auth::Key key_of(bus::auth::Role role, std::uint8_t first) {
   return key;
 }
 
-/// Returns one key of each role, with the signing seeds. `shift` selects another trial's keys.
+/// Returns one key of each role, with the signing seeds. Another `shift` gives another trial's
+/// keys.
 inline std::shared_ptr<const bus::auth::Keyring> keys_of_a_trial(std::uint8_t shift = 0) {
   auto out = std::make_shared<bus::auth::Keyring>();
   for (const bus::auth::Role role : bus::auth::kRoles) {

@@ -9,7 +9,7 @@
 #include "bus/auth/envelope.hpp"
 #include "bus/auth/trailer.hpp"
 
-// Trailer after a payload, the role that signs each channel, and the names of refusals.
+// Tests the trailer after a payload, the role that signs each channel, and the names of refusals.
 
 namespace vantage::bus::auth {
 namespace {
@@ -17,7 +17,8 @@ namespace {
 using Message = std::vector<std::uint8_t>;
 using scenario::TrialMode;
 
-/// Returns a message of these parts. Its MAC and signature are filled with one distinct byte each.
+/// Returns a message composed of the arguments. Its MAC and signature are each filled with one
+/// distinct byte.
 Message message_of(const Message& payload, const Foot& foot, const std::vector<Echo>& echoes,
                    std::size_t signatures) {
   Message out = payload;

@@ -8,8 +8,8 @@
 
 #include "test/bus/auth/auth_support.hpp"
 
-// Authentication in one process, without a bus: which sessions it echoes, and how long it accepts
-// nonces.
+// Tests authentication in one process, without a bus: which sessions an authenticator echoes, and
+// how long it accepts nonces.
 
 namespace vantage::bus::auth {
 namespace {
@@ -67,7 +67,7 @@ TEST(Authenticator, EchoesSixtyFourVehiclesAtMost) {
   }
 }
 
-// The unknown vehicles may be those of an earlier trial with the same keys.
+// The silent, unknown vehicles may be vehicles of an earlier trial with the same keys.
 TEST(Authenticator, EchoesNewVehiclesInsteadOfSilentOnes) {
   const auto station = process();
   const auto hear_at = [&](int i, Time now) {
@@ -143,12 +143,12 @@ TEST_F(Nonces, AreTakenFromTheNewestOrTheOnlyStatus) {
   };
   hear(*station_, "Q1", status(kNow + milliseconds(1)), kNow + milliseconds(1));
   EXPECT_EQ(echoed_by(*station_, kNow), session);
-  for (const int at_ms : {500, 1'000}) {  // the same session goes on
+  for (const int at_ms : {500, 1'000}) {  // further statuses of the same session
     hear(*station_, "Q1", status(kNow + milliseconds(at_ms)), kNow + milliseconds(at_ms));
   }
   hear(*station_, "Q1", old, kNow + seconds(2));
   EXPECT_EQ(echoed_by(*station_, kNow), session) << "older than what was heard";
-  // Last received at 1 s, with a clock that is 1 s ahead: its nonce is kept for two seconds.
+  // The last status arrived at 1 s and is stamped 1 s ahead: its nonce is kept for two seconds.
   for (const bool is_over : {false, true}) {
     const auto station = test::authenticator(test::keys_of_a_trial());
     const auto other = process();

@@ -12,13 +12,14 @@
 
 #include "bus/convert/convert.hpp"
 
-/// Gives the field of a wire message.
+/// A function that returns the field `member` of a wire message.
 #define VANTAGE_FIELD(member) \
   [](auto& w) -> auto& { return w.member; }
 
 namespace vantage::test {
 
-/// A valid message, and checks of the decoder with single fields of it changed.
+/// A valid message and functions that change one field and check whether the decoder accepts the
+/// result.
 template <class Message>
 class Changed {
  public:
@@ -42,7 +43,7 @@ class Changed {
       EXPECT_FALSE(is_taken([&](auto& w) { member(w) = bad; })) << what << ' ' << bad;
     }
   }
-  /// The number is any that is one.
+  /// Checks that `member` may be any finite number.
   template <class Member>
   void finite(const char* what, const Member& member) const {
     for (const double good : {-kMax, -1e9, 0.0, 1e9, kMax}) {
@@ -52,7 +53,7 @@ class Changed {
       EXPECT_FALSE(is_taken([&](auto& w) { member(w) = bad; })) << what << ' ' << bad;
     }
   }
-  /// The number is one that is not negative.
+  /// Checks that `member` may be any finite number that is not negative.
   template <class Member>
   void amount(const char* what, const Member& member) const {
     for (const double good : {0.0, 1e9, kMax}) {
@@ -62,7 +63,8 @@ class Changed {
       EXPECT_FALSE(is_taken([&](auto& w) { member(w) = bad; })) << what << ' ' << bad;
     }
   }
-  /// Counted from `min` up, to `max` where that is stated.
+  /// Checks that the integer `member` is accepted from `min` to `max` (if given) and rejected
+  /// outside.
   template <class Member>
   void whole(const char* what, std::int64_t min, const Member& member,
              std::optional<std::int64_t> max = std::nullopt) const {
@@ -90,7 +92,7 @@ class Changed {
   void boolean(const char* what, const Member& member) const {
     whole(what, 0, member, 1);
   }
-  /// A count that is not that of the elements.
+  /// Checks that `member` must equal the number of elements.
   template <class Member>
   void count(const char* what, const Member& member) const {
     EXPECT_FALSE(is_taken([&](auto& w) { ++member(w); })) << what;
@@ -101,7 +103,7 @@ class Changed {
   static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   static constexpr double kMax = std::numeric_limits<double>::max();
-  /// The year 2286.
+  /// µs since 1970: in the year 2286.
   static constexpr std::int64_t kLatestUtime = 10'000'000'000'000'000;
 
   [[nodiscard]] bool is_taken(const std::function<void(bus::WireOf<Message>&)>& change) const {

@@ -57,7 +57,7 @@ TEST(Limits, HoldForMocapFrames) {
   });
 }
 
-// A quaternion within 10⁻¹² of unit norm keeps its bits; otherwise it is normalised.
+// A quaternion within 10⁻¹² of unit norm keeps its bits; any other is normalised.
 TEST(Limits, AllowRoundingOfUnitVectors) {
   const double position_m[3] = {1.0, 2.0, 3.0};
   for (const double off : {-1.4e-12, -0.7e-12, 0.7e-12, 1.4e-12}) {
@@ -103,7 +103,7 @@ TEST(Limits, HoldForDetections) {
   message.whole("sequence of an input", 0, VANTAGE_FIELD(inputs[1].sequence));
   message.whole("target", models::kNoTargetId, VANTAGE_FIELD(detections[1].target_id));
   message.finite("z", VANTAGE_FIELD(detections[1].z[1]));
-  // Asymmetry of up to 10⁻⁹ of the largest entry is rounding.
+  // Asymmetry of up to 10⁻⁹ of the largest entry is accepted as rounding error.
   for (const double off : {-4.4e-9, -3.6e-9, 3.6e-9, 4.4e-9}) {
     const auto change = [off](auto& w) { w.detections[1].covariance_z[0][1] = off; };
     std::abs(off) < 4e-9 ? message.taken("rounding", change) : message.refused("more", change);
@@ -173,7 +173,7 @@ TEST(Limits, HoldForBeliefs) {
   message.finite("vector", VANTAGE_FIELD(targets[1].information_vector[1]));
   message.utime("seen last", VANTAGE_FIELD(targets[1].last_seen_utime));
   message.utime("cell seen last", VANTAGE_FIELD(last_seen_utime[5]));
-  for (const int dim : {2, 4}) {  // the least and the most
+  for (const int dim : {2, 4}) {  // the smallest and the largest valid dimension
     message.taken("dimension", [dim](auto& w) {
       const auto side = static_cast<std::size_t>(dim);
       w.targets[1].dim = dim;
@@ -272,13 +272,13 @@ TEST(Limits, HoldForMaps) {
   message.count("cells", VANTAGE_FIELD(num_cells));
   message.amount("entropy", VANTAGE_FIELD(entropy_nat));
   message.refused("a team's cell more", [](auto& w) { w.team_looks.push_back(0); });
-  // The team's counts are padded with zeros to the number of cells.
+  // The team's counts are padded with zeros up to the number of cells.
   const auto back = from_wire(to_wire(map));
   ASSERT_TRUE(back);
   EXPECT_EQ(back->team_looks, (std::vector<std::int16_t>{7, 8, 9, 0, 0, 0}));
 }
 
-// Autopilot texts have any length. A text that is too long does not invalidate the other fields.
+// A text of the autopilot that is too long is shortened; the other fields remain valid.
 TEST(Limits, ShortenLongReasons) {
   const auto told = [](const std::string& reason) {
     models::VehicleStatus status;
@@ -295,7 +295,7 @@ TEST(Limits, ShortenLongReasons) {
               (std::vector<std::string>{std::string(253, 'r') + "…", "and this"}))
         << bytes;
   }
-  // No character is split: 253 bytes would end within a character of two, three or four bytes.
+  // No character is split: byte 253 is inside a character of two, three or four bytes.
   for (const std::string& character : {std::string("ü"), std::string("→"), std::string("😀")}) {
     for (std::size_t before = 0; before < 4; ++before) {
       std::string text(before, 'r');

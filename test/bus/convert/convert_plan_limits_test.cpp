@@ -25,7 +25,8 @@ models::Trajectory drive() {
   return trajectory;
 }
 
-/// Checks the limits of a trajectory within any message; `of` returns the part that contains it.
+/// Checks the limits of a trajectory within any message; `of(message)` returns the field that
+/// contains the trajectory.
 template <class Message, class Of>
 void expect_limits_of_a_trajectory(const Changed<Message>& message, const Of& of) {
   const auto at = [&of](const auto& field) {
@@ -52,7 +53,7 @@ models::RobotPlan plan() {
   return out;
 }
 
-/// Checks the limits of a plan, alone or within a proposal.
+/// Checks the limits of a plan, alone or within a proposal; `of(message)` returns the plan.
 template <class Message, class Of>
 void expect_limits_of_a_plan(const Changed<Message>& message, const Of& of) {
   const auto at = [&of](const auto& field) {

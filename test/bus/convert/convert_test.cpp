@@ -57,7 +57,8 @@ TYPED_TEST(EveryMessage, RefusesAnImpossibleStamp) {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A message of `Message` with at least one element in everything that must have one, on the wire.
+/// Returns a random message, as wire type, for which `has_enough` returns true: every list that a
+/// test changes has at least one element.
 template <class Message, class HasEnough>
 WireOf<Message> rich_wire(const HasEnough& has_enough) {
   test::Sampler sampler(3);
@@ -69,7 +70,7 @@ WireOf<Message> rich_wire(const HasEnough& has_enough) {
   }
 }
 
-/// Expects that `good` passes and that it does not once `spoil` has been at it.
+/// Checks that `good` is accepted, and that it is refused after `spoil` has changed it.
 template <class Wire>
 void expect_refused(const Wire& good, void (*spoil)(Wire&), const char* what) {
   ASSERT_TRUE(from_wire(good).has_value()) << "before: " << what;
@@ -256,7 +257,7 @@ TEST(FromWireBelief, RefusesInvalidValues) {
         w.last_seen_utime.assign(1'000'001, 0);
       },
       "more than a million cells");
-  // 65536 · 65536 is 0 in 32 bits.
+  // Rows times columns, 65536 · 65536, is 0 in 32 bits.
   refused(
       [](wire::belief_t& w) {
         w.grid_columns = w.grid_rows = 65'536;

@@ -9,9 +9,9 @@
 
 #include "models/exchange/messages.hpp"
 
-// Random valid messages with every field set, and their content as a flat list of bits. Two
-// messages can be compared exactly (NaN included), and a field that both directions of a conversion
-// omit is detected.
+// Random valid messages with every field set, and their content as a flat list of bits. The lists
+// compare two messages exactly (NaN included) and reveal a field that both directions of a
+// conversion omit.
 
 namespace vantage::test {
 
@@ -36,7 +36,7 @@ class Sampler {
     return {{real(), real(), real()}, q.normalized()};
   }
   models::Viewpoint viewpoint() { return {pose2(), real(0, 3)}; }
-  /// G Gᵀ + I, symmetrised exactly.
+  /// Returns the random positive definite matrix G Gᵀ + I, symmetrised exactly.
   Eigen::MatrixXd definite(int dim) {
     Eigen::MatrixXd G(dim, dim);
     for (int i = 0; i < dim * dim; ++i) {
@@ -297,7 +297,7 @@ inline models::ScenarioNotice sample(Sampler& s) {
   return {s.stamp(), s.text("name: two rovers\nseed: "), s.text("0.1."), s.text("demo")};
 }
 
-/// The content of a message, field by field, exactly.
+/// The exact content of a message, field by field.
 class Flat {
  public:
   template <class Message>

@@ -12,8 +12,8 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 constexpr std::size_t kFingerprintBytes = 8;
 
-/// Damages `bytes` as networks, other versions and attackers do. The fingerprint is never changed:
-/// its check is tested separately.
+/// Changes `bytes` as networks, other versions and attackers may do. The fingerprint is never
+/// changed, because its check is tested separately.
 void mutate(Bytes& bytes, std::mt19937_64& rng) {
   const auto pick = [&](std::size_t below) {
     return std::uniform_int_distribution<std::size_t>(0, below - 1)(rng);
@@ -22,14 +22,14 @@ void mutate(Bytes& bytes, std::mt19937_64& rng) {
       0, 1, 0xFFFFFFFF, 0x80000000, 0x7FFFFFFF, 0x80000001, 0x10000, 0x00FFFFFF, 2, 0xFFFFFFFE};
   const std::size_t body = bytes.size() - kFingerprintBytes;
   switch (pick(6)) {
-    case 0:  // a bit
+    case 0:  // one bit flips
       bytes[kFingerprintBytes + pick(body)] ^= static_cast<std::uint8_t>(1U << pick(8));
       break;
-    case 1:  // a byte
+    case 1:  // one byte changes
       bytes[kFingerprintBytes + pick(body)] = static_cast<std::uint8_t>(pick(256));
       break;
     case 2:
-    case 3: {  // 32 bits: lengths and counts are of this size
+    case 3: {  // 32 bits change: lengths and counts have this size
       const std::uint32_t value = kNasty[pick(kNasty.size())];
       const std::size_t at = kFingerprintBytes + pick(body - 3);
       for (std::size_t i = 0; i < 4; ++i) {
@@ -37,10 +37,10 @@ void mutate(Bytes& bytes, std::mt19937_64& rng) {
       }
       break;
     }
-    case 4:  // cut short
+    case 4:  // the end is cut off
       bytes.resize(kFingerprintBytes + pick(body));
       break;
-    default:  // junk behind
+    default:  // random bytes are appended
       bytes.resize(bytes.size() + 1 + pick(64), static_cast<std::uint8_t>(pick(256)));
   }
 }
@@ -49,8 +49,8 @@ template <class Message>
 class Decoding : public ::testing::Test {};
 TYPED_TEST_SUITE(Decoding, test::MessageTypes);
 
-// 3 000 mutations of each of 11 types. lcm-gen's decoder must consume exactly what the walk
-// accepts, and from_wire must check it; the sanitizers detect errors of either.
+// 3 000 mutations of each of 11 types. The walk must accept exactly what lcm-gen's decoder consumes
+// completely, and from_wire must validate the result; the sanitizers detect errors of either.
 TYPED_TEST(Decoding, SurvivesMutationsAndWalksExactlyAsTheGeneratedDecoder) {
   using Wire = WireOf<TypeParam>;
   const WireSchema* schema = find_wire_schema(Wire::getTypeName());
@@ -73,7 +73,7 @@ TYPED_TEST(Decoding, SurvivesMutationsAndWalksExactlyAsTheGeneratedDecoder) {
       ASSERT_EQ(static_cast<std::size_t>(wire->getEncodedSize()), bytes.size());
       const auto message = from_wire(*wire);
       if (message) {
-        // An accepted message is accepted again and does not change.
+        // An accepted message, once encoded, is accepted again and does not change.
         const auto again = from_wire(to_wire(*message));
         ASSERT_TRUE(again.has_value());
         ASSERT_EQ(test::Flat::of(*again), test::Flat::of(*message));
@@ -108,7 +108,7 @@ TYPED_TEST(Decoding, RefusesAnotherFingerprint) {
   EXPECT_TRUE(decode_wire<WireOf<TypeParam>>(bytes).has_value());
 }
 
-/// `body` with the first string length or count at `at` replaced.
+/// True if an attack_t with the count `num_jammed`, followed by `rest`, is well-formed.
 bool is_attack_well_formed(std::uint32_t num_jammed, const Bytes& rest) {
   Bytes body(24, 0);
   for (std::size_t i = 0; i < 4; ++i) {
@@ -139,7 +139,8 @@ constexpr std::array<WireDim, kWireDims> kScalar{kNoDim, kNoDim, kNoDim, kNoDim}
 constexpr WireField whole_number(std::int32_t bytes) {
   return {WireKind::kInteger, bytes, nullptr, kScalar, "n", WireNumber::kNone, 0};
 }
-/// Elements of `bytes` each, as many as the dimensions say.
+/// Returns a field of byte elements: `bytes` per element, the number of elements given by the
+/// dimensions.
 constexpr WireField elements_of(std::int32_t bytes, WireDim first, WireDim second = kNoDim) {
   return {WireKind::kBytes,  bytes, nullptr, {first, second, kNoDim, kNoDim}, "e",
           WireNumber::kNone, 1};
@@ -149,7 +150,8 @@ bool fits(const std::vector<WireField>& fields, const Bytes& body) {
   return is_well_formed({"made up", fields}, body);
 }
 
-// Counts of each width that an integer may have, of either sign; which one is meant is stated.
+// An integer of any width and either sign can be a count; the schema states which integer is the
+// count.
 TEST(IsWellFormed, AcceptsCountsOfEachIntegerWidth) {
   for (const std::int32_t width : {1, 2, 4, 8}) {
     const std::vector<WireField> fields{whole_number(1), whole_number(width),
@@ -175,7 +177,7 @@ TEST(IsWellFormed, MultipliesDimensions) {
       for (std::size_t bytes = 0; bytes < 40; ++bytes) {
         Bytes body{rows, columns};
         body.resize(2 + bytes, 0);
-        // A matrix with zero rows or zero columns must have zero of both.
+        // A matrix with zero rows must also have zero columns, and conversely.
         const bool is_whole = rows * columns > 0 || rows + columns == 0;
         EXPECT_EQ(fits(fields, body), is_whole && bytes == 2U * rows * columns);
       }
@@ -186,7 +188,7 @@ TEST(IsWellFormed, MultipliesDimensions) {
   EXPECT_FALSE(fits(constant, Bytes(1 + 3 * 2 * 2, 1)));
 }
 
-// 2¹⁶ four times is 2⁶⁴, which is 0 in 64 bits; so is 2³³ times 2³¹.
+// 2¹⁶ · 2¹⁶ · 2¹⁶ · 2¹⁶ is 2⁶⁴, which is 0 in 64 bits; so is 2³³ · 2³¹.
 TEST(IsWellFormed, RefusesOverflowingProducts) {
   WireField huge = elements_of(1, {65'536, -1}, {65'536, -1});
   huge.dims[2] = huge.dims[3] = {65'536, -1};
@@ -195,8 +197,8 @@ TEST(IsWellFormed, RefusesOverflowingProducts) {
   EXPECT_TRUE(fits({elements_of(1, {0, -1}, {1 << 30, -1})}, {}));
 }
 
-// Without the limit, a message could request any number of empty rows; the number of its bytes is
-// the maximum.
+// Without a limit, a short message could request any number of empty rows. The limit is the number
+// of bytes of the message.
 TEST(IsWellFormed, RefusesMoreEmptyRowsThanBytes) {
   const std::vector<WireField> fields{whole_number(2), whole_number(1),
                                       elements_of(8, {0, 0}, {0, 1}), elements_of(1, {5, -1})};

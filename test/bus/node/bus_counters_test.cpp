@@ -10,7 +10,7 @@
 #include "test/bus/convert/message_types.hpp"
 #include "test/support/bus_pair.hpp"
 
-// Counters of received and missed messages of a process.
+// Tests the counters of received and missed messages of a process.
 
 namespace vantage::bus {
 namespace {
@@ -50,7 +50,7 @@ TEST(BusCounters, NameEachTransportCounter) {
   stats.oversized_messages = 7;
   stats.duplicate_fragments = 8;
   stats.kernel_drops = 9;
-  stats.receive_buffer_bytes = 10;  // a size, not a count of trouble
+  stats.receive_buffer_bytes = 10;  // a size; not an error counter
   stats.receive_buffer_short_bytes = 11;
   const Bus bus(transport, 1);
   EXPECT_EQ(counters_of(bus),
@@ -68,7 +68,7 @@ TEST(BusCounters, NameEachTransportCounter) {
   EXPECT_TRUE(bus.counters().empty()) << "zeros are not told";
 }
 
-/// A bus that receives what `say` publishes.
+/// A bus that receives the plans that `say` publishes.
 class Counted : public ::testing::Test {
  protected:
   void say(const std::string& channel, std::int64_t run, std::int64_t sequence, int utime) {
@@ -77,15 +77,15 @@ class Counted : public ::testing::Test {
     raw_->publish(channel, test::encoded(plan));
     bus_.handle(kNow);
   }
-  /// Publishes one message of each outcome, and two that are fresh in the end.
+  /// Publishes seven messages with every possible outcome; three of them are fresh.
   void say_all(const std::string& channel) {
     say(channel, 1, 0, 10);
-    say(channel, 1, 5, 10);       // four are missing
-    say(channel, 1, 3, 10);       // three
+    say(channel, 1, 5, 10);       // numbers 1 to 4 are missing
+    say(channel, 1, 3, 10);       // reordered: three remain missing
     say(channel, 1, 5, 10);       // a duplicate
     say(channel, 1, 50'000, 10);  // too far ahead
-    say(channel, 2, 0, 20);       // another run
-    say(channel, 1, 6, 30);       // the old one
+    say(channel, 2, 0, 20);       // a new run
+    say(channel, 1, 6, 30);       // an old run: refused
   }
   [[nodiscard]] std::vector<std::int64_t> of(const std::string& stream) const {
     const auto counters = counters_of(bus_);
@@ -135,7 +135,7 @@ TEST_F(Counted, Reports256StreamsSinglyAndMoreByKind) {
   EXPECT_EQ(bus_.messages_lost(), 9);
 }
 
-// Losses counted while subscribed stay in the counters after unsubscribing, for every kind of
+// Losses counted while subscribed remain in the counters after unsubscribing, for every kind of
 // channel.
 TEST_F(Counted, KeepsTotalsOfAnUnsubscribedStream) {
   const Channel<models::RobotPlan> shared{"SHARED", true};
@@ -169,7 +169,7 @@ TEST_F(Counted, ContinuesWhenAPatternStillMatches) {
   EXPECT_EQ(of("left"), (Counts{0, 0, 0, 0, 0, 0, 0}));
 }
 
-// A malformed message counts once, however many subscriptions match.
+// A malformed message is counted once, whatever the number of matching subscriptions.
 TEST_F(Counted, CountsAnUndecodableMessageOnce) {
   for (int i = 0; i < 3; ++i) {
     bus_.subscribe<models::RobotPlan>(plan_channel("A"), [](const auto&) {});
@@ -207,7 +207,7 @@ TEST(BusCounters, CountUndecodableMessagesOf1024Channels) {
   EXPECT_EQ(counters_of(bus)["C7.decode_errors"], 2) << "those that are known go on";
 }
 
-// At least the time measured inside the handlers, and less than the total time.
+// The result is at least the time measured inside the handlers, and less than the total time.
 TEST(BusHandling, MeasuresTheTimeInHandlers) {
   test::BusPair net(1, 2);
   std::int64_t inside_ns = 0;

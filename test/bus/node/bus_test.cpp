@@ -26,7 +26,7 @@ std::int64_t count_of(const Bus& bus, const std::string& name) {
   return 0;
 }
 
-/// Two endpoints on one hub: `raw_` sends arbitrary bytes, `bus_` must handle them.
+/// Two endpoints on one hub: `raw_` sends arbitrary bytes, which `bus_` must handle.
 class BusAgainstRawBytes : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -75,7 +75,7 @@ TEST(Bus, CountsNoLossWhileUnsubscribed) {
   listen();
   say(3);
   EXPECT_EQ(received, 6);
-  bus.unsubscribe(kAttack.name);  // its place is taken by one of the next
+  bus.unsubscribe(kAttack.name);  // a later subscription reuses its entry
   bus.unsubscribe(kCommand.name);
   say(3);
   EXPECT_EQ(received, 6);
@@ -190,7 +190,7 @@ TEST_F(BusAgainstRawBytes, CountsAndDropsInvalidMessages) {
 TEST_F(BusAgainstRawBytes, ReceivesFromAnyNumberOfConsoles) {
   send(stamped(1, 0, 10));
   send(stamped(2, 0, 20));
-  send(stamped(1, 1, 15));  // its clock is behind the other's
+  send(stamped(1, 1, 15));  // stamped earlier than the other console's message
   send(stamped(2, 1, 25));
   send(stamped(1, 1, 15));
   send(stamped(1, 3, 30));
@@ -199,7 +199,7 @@ TEST_F(BusAgainstRawBytes, ReceivesFromAnyNumberOfConsoles) {
   EXPECT_EQ(count_of(bus_, "COMMAND.duplicates"), 1);
   EXPECT_EQ(count_of(bus_, "COMMAND.old_runs"), 0);
   EXPECT_EQ(bus_.messages_lost(), 1);
-  // A flood of consoles displaces those silent the longest; the bookkeeping stays bounded.
+  // A flood of consoles displaces those that were silent longest; memory stays bounded.
   for (std::int64_t run = 100; run < 1'100; ++run) {
     send(stamped(run, 0, 40));
   }
@@ -207,7 +207,8 @@ TEST_F(BusAgainstRawBytes, ReceivesFromAnyNumberOfConsoles) {
   EXPECT_EQ(bus_.messages_lost(), 1);
 }
 
-// A forged sequence number does not suppress a stop; the receiver decides.
+// A safer command is delivered whatever its sequence number, since a forged number must not
+// suppress a stop; the receiver decides.
 TEST_F(BusAgainstRawBytes, DeliversSaferCommandsWithAnyNumber) {
   using models::OperatorAction;
   send(stamped(1, std::int64_t{1} << 40, 10));
@@ -265,7 +266,7 @@ TEST(Bus, KeepsTheFirstMocapWhileItPublishes) {
   expect_first_is_kept(kVicon, models::MocapFrame{});
 }
 
-// A second simulation on the network of a flight reports the same robots as standing on the ground.
+// A second simulation on the network of a real flight reports the same robots as on the ground.
 TEST(Bus, KeepsTheFirstPublisherOfAVehicleWhileItPublishes) {
   models::VehicleStatus status;
   status.robot = "Q1";

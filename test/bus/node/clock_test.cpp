@@ -19,7 +19,7 @@ using std::chrono::seconds;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// A machine with a wall clock that is set.
+/// A machine with a monotonic clock and a wall clock that the test can set.
 struct Machine {
   Duration since_boot = hours(5);
   Duration set{};  ///< by how much its wall clock was set since its start
@@ -69,8 +69,8 @@ TEST(SteadyClock, ApproachesANearWallClockWithoutGoingBack) {
   }
 }
 
-// The clock is slewed by 5 ms per second and checked every 20 ms. Offsets up to half a second are
-// followed, larger ones are not.
+// The clock is slewed by 5 ms per second and checked every 20 ms. The clock follows wall-clock
+// offsets up to half a second and ignores larger ones.
 TEST(SteadyClock, ApproachesAtTheStatedRateAndRange) {
   for (const int sign : {-1, 1}) {
     for (const int apart_ms : {10, 100, 500}) {
@@ -103,7 +103,7 @@ TEST(SteadyClock, ReadsTheWallClockEvery20Milliseconds) {
   }
 }
 
-// The handed-on offset includes the slewing so far.
+// The offset that a child process receives includes the slewing so far.
 TEST(SteadyClock, PassesItsOffsetToChildren) {
   Machine machine;
   machine.set = milliseconds(100);

@@ -16,7 +16,7 @@ scenario::Scenario in_a_row(int robots, double neighbourhood_m) {
   return scenario;
 }
 
-/// Robots 10 m apart along x, the first one at `x_m`.
+/// Returns a frame with robots 10 m apart along x, the first one at `x_m`.
 models::MocapFrame frame_of(const scenario::Scenario& scenario, Time time, double x_m) {
   models::MocapFrame frame;
   frame.stamp.time = time;
@@ -61,7 +61,7 @@ TEST_F(Listened, ToNearRobotsOnly) {
   EXPECT_EQ(to, (Names{"Q62", "Q63", "Q64", "Q65"}));
 }
 
-// One frame from next year, or a clock that was ahead and is set back.
+// One frame is stamped a year ahead, or the clock was ahead and is set back.
 TEST_F(Listened, ContinuesAfterAFutureFrame) {
   const scenario::Scenario scenario = in_a_row(9, 20.0);
   NeighbourWatch near = watch(scenario);
@@ -119,7 +119,7 @@ TEST_F(Listened, KeepsUnseenRobots) {
   NeighbourWatch near = watch(scenario);
   near.on_frame(frame_of(scenario, kStart, 0.0));
   models::MocapFrame dark = frame_of(scenario, kStart + kStep, 25.0);
-  dark.bodies[1].occluded = true;  // its new position would have ended or started a subscription
+  dark.bodies[1].occluded = true;  // occluded; its new position would change the result
   dark.bodies[3].occluded = true;
   near.on_frame(dark);
   EXPECT_EQ(to, (Names{"Q2", "Q3"}));

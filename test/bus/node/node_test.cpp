@@ -13,7 +13,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// An endpoint with its own hub.
+/// An endpoint that owns its hub.
 class OwnHub : public Transport {
  public:
   void subscribe(const std::string& channel, Handler handler) override {
@@ -32,7 +32,7 @@ class OwnHub : public Transport {
   std::unique_ptr<Transport> own_ = hub_.connect();
 };
 
-/// A transport that advances the clock by the duration of each wait, and keeps published messages.
+/// A transport that advances the clock by the duration of each wait, and stores published messages.
 class WaitMovesTheClock : public OwnHub {
  public:
   explicit WaitMovesTheClock(VirtualClock& clock) : clock_(clock) {}
@@ -108,7 +108,7 @@ TEST_F(RunNode, TicksAtTheRequestedTimes) {
   }
 }
 
-// A thread that waits 10 ms in every 100 ms from 2 s on.
+// From 2 s on, a thread waits 10 ms in every 100 ms for a processor.
 TEST_F(RunNode, ReportsTheWaitOfTheLastSecondBeforeTicks) {
   class Waiter : public Ticker {
    public:
@@ -181,7 +181,8 @@ TEST_F(RunNode, WaitsForADeviceUntilTheNextTickOnly) {
   EXPECT_FALSE(node.has_spoken());
 }
 
-// The wait must not be shorter either, or the node would poll thousands of times per second.
+// The loop must also not wait less than until the next tick: otherwise the node would poll
+// thousands of times per second.
 TEST_F(RunNode, TicksOnTimeWithASilentDevice) {
   TickerWithADevice node(start_ + milliseconds(20), milliseconds(20));
   node.start();
@@ -202,7 +203,7 @@ TEST_F(RunNode, TicksWhenItsDeviceHasData) {
   EXPECT_EQ(node.ticks, (std::vector<Time>{start_, start_, start_})) << "long before its time";
 }
 
-/// A node that needs time to stop, as the driver of a vehicle that has to land.
+/// A node that needs time to stop, like the driver of a vehicle that must land.
 class Lander : public Ticker {
  public:
   using Ticker::Ticker;
@@ -311,7 +312,8 @@ TEST_F(Health, IsPublishedAtOnceAndDegradedAfterADrop) {
   EXPECT_EQ(loop(milliseconds(2'500)), 5U) << "nothing is wrong with resting";
 }
 
-// Ten times a second at most, to the microsecond; and a second after the last full one.
+// Health is published at most ten times per second, to the microsecond, and one second after the
+// last report of a full second.
 TEST_F(Health, IsPublishedAtMostTenTimesPerSecond) {
   HealthReporter reporter(bus_, node_);
   const auto reports = [&](Duration at) {
@@ -388,7 +390,7 @@ TEST_F(Health, ContainsCountersAndTheWorstLoopSinceTheLastReport) {
   EXPECT_EQ(health_[0].loop_worst_s, 0.004);
   EXPECT_EQ(health_[1].loop_worst_s, 0.2);
   EXPECT_EQ(health_[1].loops, 3);
-  for (int more = 2; more <= 3; ++more) {  // each second has a worst loop of its own
+  for (int more = 2; more <= 3; ++more) {  // each second has its own worst loop
     reporter.on_loop(start_ + seconds(more), 0.003);
     observer_.handle(std::chrono::microseconds{0});
     EXPECT_EQ(health_.back().loop_worst_s, 0.003);
@@ -402,7 +404,8 @@ TEST_F(Health, ContainsCountersAndTheWorstLoopSinceTheLastReport) {
   EXPECT_EQ(counters["process.memory_bytes"], 4096);
 }
 
-/// Waiting on it moves the machine's monotonic clock; at given times somebody sets its wall clock.
+/// An endpoint whose waits advance the machine's monotonic clock; the wall clock is set at given
+/// times.
 class SetWallClock : public OwnHub {
  public:
   int handle(std::chrono::microseconds timeout) override {

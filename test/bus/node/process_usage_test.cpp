@@ -17,7 +17,8 @@
 namespace vantage::bus {
 namespace {
 
-// A line of proc(5), fields 3 to 24: state, …, utime 250, stime 50, …, start, vsize, rss 1000.
+// Fields 3 to 24 of a line of proc(5) stat: state, …, utime 250, stime 50, …, start, vsize, rss
+// 1000.
 const std::string kRest =
     " S 1 9 9 0 -1 4194560 100 0 0 0 250 50 0 0 20 0 3 0 1234 500000000 1000 18446744073709551615";
 
@@ -70,7 +71,7 @@ TEST(WaitedUsFromSchedstat, RefusesMalformedLinesAndZeroCounters) {
   EXPECT_FALSE(waited_us_from_schedstat("0 0 0"));
 }
 
-/// Keeps the calling thread to the first processor that it may use.
+/// Restricts the calling thread to the first processor that it may use.
 void stay_on_one_processor() {
   cpu_set_t allowed;
   ASSERT_EQ(sched_getaffinity(0, sizeof(allowed), &allowed), 0);
@@ -84,7 +85,7 @@ void stay_on_one_processor() {
   ASSERT_EQ(sched_setaffinity(0, sizeof(one), &one), 0);
 }
 
-/// Returns the waiting time of all threads of this process by the kernel's statistics.
+/// Returns the waiting time of all threads of this process, µs, by the kernel's statistics.
 std::int64_t waited_us_by_thread() {
   std::int64_t sum_us = 0;
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -97,7 +98,7 @@ std::int64_t waited_us_by_thread() {
   return sum_us;
 }
 
-// Threads of one processor take turns: while one runs, the others wait.
+// Threads on one processor take turns: while one thread runs, the others wait.
 TEST(WaitedUsOf, SumsTheWaitsOfAllThreads) {
   if (!waited_us_of(::getpid())) {
     GTEST_SKIP() << "this kernel does not count it";
@@ -144,7 +145,7 @@ TEST(ThreadWait, ReadsTheCounterOfTheThreadThatOpenedIt) {
   EXPECT_GE(wait.waited_us().value_or(-1), *read_us) << "read again from the beginning";
 }
 
-// The kernel's values before and after bound the reported ones.
+// The kernel's values read before and after bound the reported values.
 TEST(UsageCounters, EqualTheKernelsFigures) {
   const auto asked = [] {
     rusage own{};

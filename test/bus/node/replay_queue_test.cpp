@@ -11,7 +11,7 @@
 namespace vantage::bus {
 namespace {
 
-/// Makes again all but `missing`, of which it takes down when it gave up.
+/// Reproduces all logged values except `missing`; counts how often the queue gives up on `missing`.
 struct Player {
   ReplayQueue<int> queue{3};
   int missing = 0;
@@ -87,7 +87,7 @@ TEST(ReplayQueue, MeasuresWaitsFromTheArrival) {
   for (int i = 0; i < 15; ++i) {
     player.queue.tick();
   }
-  player.work();  // 1 is made, and nothing waits
+  player.work();  // 1 is reproduced, and nothing waits
   player.queue.add(7);
   for (int i = 0; i < 19; ++i) {
     player.queue.tick();
@@ -151,7 +151,7 @@ TEST(InputStore, KeepsTheLastMessageOfASilentPublisher) {
 TEST(ReplayQueue, GivesUpAfterTwoSecondsPerRequest) {
   Player player;
   player.missing = 7;
-  for (int i = 0; i < 30; ++i) {  // with nothing to wait for
+  for (int i = 0; i < 30; ++i) {  // no entry waits for input
     player.queue.tick();
   }
   player.queue.add(7);

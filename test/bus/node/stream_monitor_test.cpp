@@ -130,11 +130,11 @@ TEST(StreamMonitor, AcceptsALargeGapAfterSilenceIfTheRunContinues) {
     return monitor.judge({now, 1, sequence}, {now, {}});
   };
   EXPECT_EQ(judge(0, 0.0), Arrival::kFresh);
-  for (int i = 0; i < 100; ++i) {  // forged, between the true ones
+  for (int i = 0; i < 100; ++i) {  // forged messages between genuine ones
     EXPECT_EQ(judge(50'000 + i, 0.01 * i), Arrival::kTooFarAhead);
     EXPECT_EQ(judge(1 + i, 0.01 * i), Arrival::kFresh);
   }
-  for (int i = 0; i < 9; ++i) {  // a network that was away for 500 s
+  for (int i = 0; i < 9; ++i) {  // after 500 s without network
     EXPECT_EQ(judge(60'000 + i, 500.0 + i), Arrival::kTooFarAhead);
   }
   EXPECT_EQ(judge(60'009, 509.0), Arrival::kFresh);
@@ -176,7 +176,8 @@ TEST(StreamMonitor, IgnoresFutureTimesWhenComparingRuns) {
   EXPECT_EQ(monitor.judge({now + seconds(3), 2, 0}, {now + seconds(3), {}}), Arrival::kFresh);
 }
 
-/// Judged at `at_s` by the listener's clock, said then.
+/// Returns the monitor's result for a message that is stamped and received at `at_s`, s, of the
+/// listener's clock.
 Arrival judged_at(StreamMonitor& monitor, double at_s, std::int64_t run, std::int64_t sequence,
                   Duration lease = {}) {
   const Time now = from_utime(0) + from_seconds(at_s);
@@ -216,7 +217,7 @@ TEST(StreamMonitor, KeepsTheNewest256NumbersOfManyGaps) {
   EXPECT_EQ(monitor.counts().lost, 300 - 256);
 }
 
-// Three were lost before the forged gap, and stay counted as lost.
+// Three messages were lost before the forged gap; they remain counted as lost.
 TEST(StreamMonitor, RestoresEarlierGapsBeforeAForgedOne) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0, 1, 1000)), Arrival::kFresh);
@@ -273,7 +274,7 @@ TEST(StreamMonitor, AcceptsAnotherRunAtTheEndOfTheLease) {
   }
 }
 
-// Two seconds ahead of the listener's clock at most, when runs are compared.
+// When runs are compared, a stamp may be at most two seconds ahead of the listener's clock.
 TEST(StreamMonitor, AcceptsAStampTwoSecondsAhead) {
   for (const bool is_older : {false, true}) {
     StreamMonitor monitor;
@@ -310,7 +311,7 @@ TEST(StreamMonitor, ExpectsALaterRunToStartAtZeroIfPossible) {
   }
 }
 
-// A new run starts with empty books: gaps, missing numbers and times of the previous run are
+// A new run starts without history: gaps, missing numbers and times of the previous run are
 // dropped.
 TEST(StreamMonitor, ResetsItsStateForEachRun) {
   StreamMonitor missing;
@@ -352,7 +353,7 @@ TEST(StreamCounts, AddWithSaturation) {
   EXPECT_EQ(full.duplicates, kMax);
 }
 
-// A forgotten run is accepted as if it were new; its counts are kept.
+// A run that was dropped is accepted as if it were new; its counts are kept.
 TEST(SharedStreamMonitor, DropsTheLongestSilentOf33Runs) {
   SharedStreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0, 1)), Arrival::kFresh);
@@ -375,7 +376,7 @@ TEST(SharedStreamMonitor, DropsTheLongestSilentOf33Runs) {
   EXPECT_EQ(counts.runs, 35);
 }
 
-// Compared with a set of all numbers; gaps stay below what the monitor remembers.
+// Compared with a set of all received numbers; gaps are small enough for the monitor to store them.
 TEST(StreamMonitor, EqualsAReferenceOnShuffledStreams) {
   std::mt19937_64 rng(7);
   for (int trial = 0; trial < 50; ++trial) {

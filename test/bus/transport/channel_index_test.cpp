@@ -43,7 +43,7 @@ TEST(ChannelIndex, EqualsALinearSearchWhileEntriesChange) {
   const std::vector<std::string> patterns = {"A", "AB", "A*", "*", "PLAN_Q1", "PLAN_*"};
   const std::vector<std::string> channels = {"A", "AB", "PLAN_Q1", "PLAN_", "B"};
   ChannelIndex index;
-  std::vector<std::string> held;  // by number; empty: free
+  std::vector<std::string> held;  // indexed by number; empty: unused
   for (int i = 0; i < 3'000; ++i) {
     const std::string& pattern = patterns[rng() % patterns.size()];
     if (rng() % 4 != 0) {

@@ -21,7 +21,7 @@ Transport::Handler into(std::vector<Bytes>& list) {
   };
 }
 
-/// Two endpoints that keep what they receive; b receives everything.
+/// Two endpoints that store the messages that they receive; b receives everything.
 struct TwoListeners {
   explicit TwoListeners(const char* of_a) {
     a->subscribe(of_a, into(at_a));
@@ -122,7 +122,8 @@ TEST(InProcessHub, ForgetsDestroyedEndpoints) {
   EXPECT_TRUE(stays->publish("X", Bytes{1}));
 }
 
-// New endpoints reuse its memory: they receive what they subscribed to, once.
+// New endpoints reuse the memory of destroyed ones; they receive only what they subscribed to,
+// once.
 TEST(InProcessHub, DeliversNothingToDestroyedEndpoints) {
   for (const char* const pattern : {"X", "X*"}) {
     InProcessHub hub;
@@ -194,7 +195,7 @@ TEST(Decoded, HoldsTheLastStoredValueOfOneType) {
   EXPECT_EQ(*decoded.get<unsigned>(), 6U);
 }
 
-// The decoded form of a message is shared by all its receivers, and by no other message.
+// The decoded form of a message is shared by all its receivers and never used for another message.
 TEST(InProcessHub, SharesADecodedMessage) {
   InProcessHub hub;
   const auto a = hub.connect();

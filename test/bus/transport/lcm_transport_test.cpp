@@ -108,7 +108,7 @@ TEST(LcmTransport, CountsSentAndReceivedMessages) {
   EXPECT_EQ(transport->stats().send_errors, 0);
 }
 
-// A flood must not keep the caller; what it left is handled next time.
+// handle() must return during a flood; the next call handles the remaining messages.
 TEST(LcmTransport, HandlesTheRequestedNumberOfMessages) {
   const auto transport = open_transport("memq://");
   int received = 0;
@@ -124,7 +124,7 @@ TEST(LcmTransport, HandlesTheRequestedNumberOfMessages) {
 
 TEST(LcmTransport, WaitsForTheTimeoutWithoutMessages) {
   const auto transport = open_transport("memq://");
-  for (const int wait_us : {20'000, 500, 0, -1'000}) {  // a part of a millisecond is a whole one
+  for (const int wait_us : {20'000, 500, 0, -1'000}) {  // parts of a millisecond are rounded up
     const std::int64_t begin_ns = monotonic_ns();
     EXPECT_EQ(transport->handle(std::chrono::microseconds(wait_us)), 0);
     EXPECT_GE(monotonic_ns() - begin_ns, std::int64_t{1'000} * wait_us) << wait_us;

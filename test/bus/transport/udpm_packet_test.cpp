@@ -78,7 +78,7 @@ Bytes fragment(std::uint32_t message_bytes, std::uint32_t offset, std::uint16_t 
   return joined(PacketHead::of_fragment(1, message_bytes, offset, number, count, "T"), payload);
 }
 
-// The datagrams that crash liblcm 1.3.1.
+// These datagrams crash liblcm 1.3.1.
 TEST(ParsePacket, RefusesDatagramsThatCrashOtherReceivers) {
   EXPECT_FALSE(parse_packet(fragment(0x180, 0xFFFFFF00, 1, 2, Bytes(0x180))).has_value())
       << "offset wraps";
@@ -99,7 +99,7 @@ TEST(ParsePacket, RefusesImpossibleNumbering) {
       << "more fragments than bytes";
 }
 
-// All values of all bytes of each number, and every length of a name.
+// Tests all values of each byte of each number, and every length of a channel name.
 TEST(ParsePacket, ReadsEveryValidHead) {
   std::mt19937_64 rng(12);
   for (int i = 0; i < 5'000; ++i) {
@@ -140,7 +140,7 @@ TEST(ParsePacket, ReadsEveryValidHead) {
 TEST(ParsePacket, AcceptsOneFragmentPerByte) {
   EXPECT_TRUE(parse_packet(fragment(4, 3, 3, 4, Bytes(1))).has_value());
   EXPECT_FALSE(parse_packet(fragment(4, 3, 3, 5, Bytes(1))).has_value());
-  const auto bytes = fragment(1, 0, 0, 1, Bytes(1));  // what is parsed looks into it
+  const auto bytes = fragment(1, 0, 0, 1, Bytes(1));  // the parsed packet refers to these bytes
   const auto whole = parse_packet(bytes);
   ASSERT_TRUE(whole.has_value());
   EXPECT_EQ(whole->channel, "T");
@@ -153,7 +153,8 @@ TEST(PacketHead, ShortensALongName) {
   EXPECT_EQ(packet->channel, std::string(63, 'N'));
 }
 
-// Every view must lie inside the datagram; buffers of exact size let the sanitizer see a step over.
+// Every view must lie inside the datagram. The buffers have the exact size, so the sanitizer
+// detects a read beyond the end.
 TEST(ParsePacket, StaysInsideRandomAndTruncatedDatagrams) {
   std::mt19937_64 rng(11);
   int accepted = 0;
@@ -197,7 +198,7 @@ TEST(CutMessage, KeepsTheMeasuredLimitsOfLcm) {
   EXPECT_FALSE(cut_message(4, kFragmentBytesMax * 65'535).has_value());
 }
 
-// UDP over IPv4 carries 65 535 bytes less two headers, of 20 and 8.
+// A UDP packet over IPv4 carries 65 535 bytes minus the two headers, of 20 and 8 bytes.
 TEST(CutMessage, FillsDatagramsCompletely) {
   EXPECT_EQ(kDatagramBytesMax, 65'535U - 20U - 8U);
   EXPECT_EQ(kShortHeaderBytes + kShortBytesMax, kDatagramBytesMax);

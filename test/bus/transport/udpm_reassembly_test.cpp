@@ -133,8 +133,8 @@ TEST(Reassembler, DropsOnlyTheMessagesThatAreTooOld) {
   EXPECT_TRUE(reassembler.add(1, last.piece(1), 2 * kSecondNs).has_value());
 }
 
-// The newest 256 completed messages are remembered for a second; further fragments of them do not
-// start a new message.
+// The newest 256 completed messages are remembered for one second; repeated fragments of them do
+// not start a new message.
 TEST(Reassembler, RecognisesDuplicatesOfTheNewest256ForOneSecond) {
   for (const std::uint32_t messages : {1U, 256U, 257U, 600U}) {
     Reassembler reassembler;
@@ -272,8 +272,9 @@ TEST(Reassembler, LimitsEachSenderToItsShare) {
             100 - static_cast<std::int64_t>(reassembler.messages_kept()));
 }
 
-// The two of 16 messages with the newest additions are kept. The one of the others with the fewest
-// bytes is dropped, the oldest of equal ones. Compared with a plain list.
+// Up to 16 incomplete messages are stored. When another arrives, the two that grew last are kept.
+// Of the other 14, the one with the fewest bytes is dropped; of equal ones, the oldest. Compared
+// with a plain list.
 TEST(Reassembler, DropsTheLeastCompleteMessageExceptTheNewestEighth) {
   struct Held {
     std::uint32_t sequence;
@@ -282,10 +283,10 @@ TEST(Reassembler, DropsTheLeastCompleteMessageExceptTheNewestEighth) {
   std::mt19937 rng(17);
   for (int trial = 0; trial < 20; ++trial) {
     Reassembler reassembler({.messages_max = 16});
-    std::vector<Held> held;  // the newest last
+    std::vector<Held> held;  // ordered by last growth, newest last
     std::int64_t given_up = 0;
     for (std::uint32_t sequence = 0; sequence < 200; ++sequence) {
-      if (!held.empty() && rng() % 3 == 0) {  // one more piece of an older one
+      if (!held.empty() && rng() % 3 == 0) {  // one more fragment of a stored message
         const auto at = held.begin() + static_cast<std::ptrdiff_t>(rng() % held.size());
         const Message message(at->sequence, 3'000, 1'000);
         if (at->bytes < 1'000) {
@@ -308,7 +309,7 @@ TEST(Reassembler, DropsTheLeastCompleteMessageExceptTheNewestEighth) {
       ASSERT_EQ(reassembler.messages_kept(), held.size());
       ASSERT_EQ(reassembler.counts().incomplete, given_up);
     }
-    // The kept messages recognise their first fragment as a duplicate.
+    // The first fragment of each stored message is recognised as a duplicate.
     for (const Held& each : held) {
       const std::int64_t before =
           reassembler.counts().duplicates + reassembler.counts().conflicting;
@@ -350,8 +351,8 @@ TEST(Reassembler, LimitsAllSendersTogether) {
   EXPECT_GE(reassembler.messages_kept(), 6U) << "of 4 kB each, and little more";
 }
 
-// Memory is charged by what arrived: per fragment its bytes and an allowance for book-keeping; per
-// message an allowance and one bit per fragment.
+// Memory is charged by what arrived: per fragment its bytes and an overhead allowance; per message
+// an overhead allowance and one bit per fragment.
 TEST(Reassembler, ChargesFragmentsAndMessageSize) {
   Reassembler reassembler;
   const Message message(1, 8'000, 10);
@@ -368,7 +369,8 @@ TEST(Reassembler, ChargesFragmentsAndMessageSize) {
   EXPECT_EQ(charged[0], charged[1] + 256U + message.count() / 8U);
 }
 
-// 100 000 first fragments from ever new senders arrive between the two halves of a good message.
+// 100 000 first fragments, each from a new sender, arrive between the two halves of a genuine
+// message.
 TEST(Reassembler, CompletesMessagesDuringAFloodOfFirstFragments) {
   const ReassemblyLimits limits;
   Reassembler reassembler(limits);
@@ -382,8 +384,8 @@ TEST(Reassembler, CompletesMessagesDuringAFloodOfFirstFragments) {
   EXPECT_EQ(reassembler.add(7, good.piece(1), 2)->payload, good.payload());
 }
 
-// Nearly complete messages from ever new senders arrive between the fragments of a good one, which
-// therefore has the fewest bytes.
+// Nearly complete messages, each from a new sender, arrive between the fragments of a genuine
+// message, which therefore has the fewest bytes.
 TEST(Reassembler, CompletesMessagesDuringAFloodOfIncompleteOnes) {
   Reassembler reassembler;
   std::uint64_t stranger = 1'000;
@@ -408,8 +410,8 @@ TEST(Reassembler, CompletesMessagesDuringAFloodOfIncompleteOnes) {
   }
 }
 
-// An attacker that uses the sender's address and next number does not destroy a message of another
-// size or count.
+// An attacker that uses the sender's address and next number, but another size or count, does not
+// destroy the sender's message.
 TEST(Reassembler, SeparatesAMessageFromAForgeryOfItsNumber) {
   Reassembler reassembler;
   for (std::uint32_t i = 0; i < 20; ++i) {
@@ -427,8 +429,8 @@ TEST(Reassembler, SeparatesAMessageFromAForgeryOfItsNumber) {
   EXPECT_GT(reassembler.counts().conflicting, 0);
 }
 
-// With the same size and count, the attacker destroys that message only, and the conflict is
-// counted.
+// If the attacker also uses the same size and count, only that message is destroyed, and the
+// conflict is counted.
 TEST(Reassembler, LosesOnlyTheForgedMessage) {
   Reassembler reassembler;
   const Message forged(0, 300, 100, 99);

@@ -116,7 +116,7 @@ TEST(ParseUrl, SplitsOptions) {
   EXPECT_THROW(parse_url("udpm://?a=1&&b=2"), StartupError);
 }
 
-/// $LCM_DEFAULT_URL for as long as it lives; then what it was.
+/// Sets $LCM_DEFAULT_URL during its lifetime and then restores the previous value.
 class DefaultUrl {
  public:
   explicit DefaultUrl(const char* url) {

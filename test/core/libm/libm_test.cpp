@@ -8,8 +8,8 @@
 
 #include "core/uniform.hpp"
 
-// The bits of sin, exp, log, … are those below with every compiler, set of flags, processor and C
-// library (docs/decisions/0014).
+// With every compiler, set of flags, processor and C library, sin, exp, log, … return exactly the
+// bits below (docs/decisions/0014).
 
 namespace {
 
@@ -138,7 +138,8 @@ TEST(Libm, IsWithinItsStatedUlps) {
   }
 }
 
-// The results at the edges are those that the C standard demands of the C library.
+// At special arguments (zeros, infinities, NaN), the results are those that the C standard
+// requires.
 TEST(Libm, HandlesSpecialValues) {
   const double infinity = HUGE_VAL;
   EXPECT_TRUE(std::isnan(std::sin(infinity)));
@@ -158,7 +159,8 @@ TEST(Libm, HandlesSpecialValues) {
             std::numeric_limits<double>::denorm_min());
 }
 
-// Constant folding by the compiler would round correctly, which a library need not do.
+// A compiler that folds constants would round correctly; the library's results may differ in the
+// last bit. Constant arguments must therefore also use the library.
 TEST(Libm, IsUsedForConstantArguments) {
   Digest folded;
   Digest asked;
@@ -181,7 +183,7 @@ TEST(Libm, IsUsedForConstantArguments) {
   EXPECT_EQ(folded.value(), asked.value());
 }
 
-// Library templates call the same functions, without fused multiply-add.
+// Templates of libraries (Eigen, <random>) call the same functions, without fused multiply-add.
 TEST(Libm, IsUsedInLibraryTemplates) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;

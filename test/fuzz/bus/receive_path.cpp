@@ -75,7 +75,7 @@ scenario::Scenario lab() {
   return out;
 }
 
-/// A vehicle as in its driver's process, without the autopilot.
+/// A vehicle's bus and guard as in its driver's process, without the autopilot.
 struct Vehicle {
   Vehicle() : bus(transport, 1), guard(scenario, "Q1", drivers::limits_for(scenario, "Q1")) {
     bus.secure(authenticator(keys), clock);
@@ -133,8 +133,8 @@ struct Vehicle {
   int inputs = 0;
 };
 
-/// Returns the vehicle; it is reused, since making one costs more than using it, and replaced from
-/// time to time.
+/// Returns the vehicle. It is reused, since its construction costs more than its use, and replaced
+/// after 1000 inputs.
 Vehicle& vehicle() {
   static std::unique_ptr<Vehicle> one;
   if (!one || ++one->inputs > 1'000) {

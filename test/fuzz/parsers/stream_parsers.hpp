@@ -9,17 +9,17 @@
 
 namespace vantage::test {
 
-/// MAVLink: a stream, cut into pieces according to its first byte; every message is unpacked and
-/// its signature verified.
+/// Passes `input`, cut into pieces according to its first byte, to the MAVLink parser; every
+/// message is unpacked and its signature verified.
 void fuzz_mavlink(std::span<const std::uint8_t> input);
 std::vector<std::vector<std::uint8_t>> mavlink_samples();
 
-/// An LCM log with arbitrary errors.
+/// Reads `input` as an LCM log with arbitrary errors.
 void fuzz_log(std::span<const std::uint8_t> input);
 std::vector<std::vector<std::uint8_t>> log_samples();
 
-/// Requests of a browser to the viewer: Host, Origin, subprotocols, texts and binary frames.
-/// (civetweb handles HTTP and WebSocket framing.)
+/// Passes `input` to the viewer as a browser's requests: Host, Origin, subprotocols, texts and
+/// binary frames. (civetweb handles HTTP and WebSocket framing.)
 void fuzz_viewer(std::span<const std::uint8_t> input);
 std::vector<std::vector<std::uint8_t>> viewer_samples();
 

@@ -13,7 +13,7 @@
 namespace vantage::test {
 namespace {
 
-/// Reads `input`; an error must be one line of text that begins with the file's name.
+/// Calls `read` on `input`; an error must be one line of text that begins with the file's name.
 template <class Read>
 void read_or_refuse(std::span<const std::uint8_t> input, const Read& read) {
   try {

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <span>
 
-// Harnesses of files that people write. Invalid input must be refused by StartupError with a
-// message; any other exception, or an abort(), is a bug. The initial inputs are the files in
-// config/ and test/tools/problems.
+// Harnesses for the parsers of files that people write. Invalid input must be refused by
+// StartupError with a message; any other exception, or an abort(), is a bug. The initial inputs are
+// the files in config/ and test/tools/problems.
 
 namespace vantage::test {
 

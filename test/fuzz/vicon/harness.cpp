@@ -44,8 +44,8 @@ scenario::MocapSpec plain_spec(MocapProtocol protocol) {
   return spec;
 }
 
-/// One driver per protocol, reconnected for each input, since making one costs more than using it.
-/// It is replaced from time to time, with the bodies that it remembers.
+/// One driver per protocol. It reconnects for each input, since its construction costs more than
+/// its use. It is replaced from time to time, because it remembers bodies.
 struct Client {
   explicit Client(MocapProtocol protocol) : driver(plain_spec(protocol), check) {}
   drivers::vicon::ViconDriver driver;
@@ -67,7 +67,7 @@ Client& client_of(MocapProtocol protocol) {
   return *client;
 }
 
-/// Returns the size of the pieces: 1 … 64 bytes, or everything at once.
+/// Returns the size of the pieces, bytes: 1 … 64, or `size`, so that everything arrives at once.
 std::size_t chunk_of(std::uint8_t first, std::size_t size) {
   return first < 128 ? std::max<std::size_t>(size, 1) : std::size_t{first} % 64 + 1;
 }

@@ -8,19 +8,19 @@
 
 namespace vantage::test {
 
-/// Gives a driver `input` as the bytes of a server, cut into pieces according to its first byte.
-/// Calls abort() when a promise is broken: a value that is not finite or a body without a name is
-/// published, or memory grows.
+/// Passes `input` to a driver as the bytes of a server, cut into pieces according to its first
+/// byte. Calls abort() when a promise is broken: a value that is not finite or a body without a
+/// name is published, or memory grows.
 void fuzz_client(scenario::MocapProtocol protocol, wire::vicon::Bytes input);
 
-/// Gives the emulated server `input` as the bytes of a client. Not for object streams, which have
-/// no clients.
+/// Passes `input` to the emulated server as the bytes of a client. Not for object streams, which
+/// have no clients.
 void fuzz_server(scenario::MocapProtocol protocol, wire::vicon::Bytes input);
 
-/// Returns the initial inputs: the bytes of a correct server over a few frames, including the first
-/// byte.
+/// Returns the initial inputs for a client: the bytes of a correct server over a few frames, after
+/// the first byte that selects the size of the pieces.
 std::vector<std::vector<std::uint8_t>> server_samples(scenario::MocapProtocol protocol);
-/// Returns the bytes of a correct client.
+/// Returns the initial inputs for a server: the bytes of a correct client.
 std::vector<std::vector<std::uint8_t>> client_samples(scenario::MocapProtocol protocol);
 
 }  // namespace vantage::test

@@ -1,4 +1,5 @@
-// Entry point of libFuzzer; VANTAGE_FUZZ_TARGET is one of the calls below. See build.sh.
+// Entry point of libFuzzer; VANTAGE_FUZZ_TARGET is a call of fuzz_client() or fuzz_server(),
+// defined by build.sh.
 
 #include "test/fuzz/vicon/harness.hpp"
 
