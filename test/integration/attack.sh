@@ -1,8 +1,8 @@
 #!/bin/bash
-# attack.sh BIN_DIR SCENARIO SECONDS PROPOSALS: flies SCENARIO. Its robots publish proposals on the
-# channels PROPOSALS_R before they plan. One robot is jammed from 4 s on, and the planner of another is
-# killed (signal 9). It must be restarted, all robots must go on proposing and planning, nothing may come
-# too near, and a replay of the log must reproduce every plan and every proposal. To be run in its own
+# attack.sh BIN_DIR SCENARIO SECONDS PROPOSALS: flies SCENARIO. Its robots publish proposals on the channels
+# PROPOSALS_R before they plan. One robot is jammed from 4 s on, and the planner of another robot is killed
+# (signal 9). The planner must be restarted, all robots must continue to propose and plan, no two bodies may
+# come too close, and a replay of the log must reproduce every plan and every proposal. Runs in its own
 # network: in_network.sh attack.sh …
 . "$(dirname "$0")/up_support.sh"
 seconds=$3 proposals=$4
@@ -39,6 +39,6 @@ for robot in ("Q1", "Q2", "Q3"):
 assert events["ATTACK"] >= 1
 print({name: count for name, count in events.items() if "PLAN" in name or "PROPOSAL" in name})
 PYTHON
-# The replay must be exact. Output that depends on a message that was not recorded cannot be reproduced.
+# The replay must be exact. An output that depends on a message that was not recorded cannot be reproduced.
 "$bin/vantage" log replay "$dir/flight.lcmlog" --node planner:Q1 --node planner:Q2 \
   --node planner:Q3 || fail "plans or proposals differ"

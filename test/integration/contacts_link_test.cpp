@@ -10,7 +10,7 @@
 #include "test/integration/network_support.hpp"
 #include "test/sim/lab_scenario.hpp"
 
-// Collisions of real vehicles that the cameras see are judged and published on the network.
+// Collisions of real vehicles that mocap sees are judged and published on the network.
 
 namespace vantage {
 namespace {

@@ -107,7 +107,7 @@ def trial(binaries, scenario, folder, extra, hold=None, is_slow_disk=False):
     code = up.end(CTRL_C, lambda: hold == PLANNER and command_of(held))
     assert "^C" in up.said, "the terminal does not echo"
     assert not [child for child in started if command_of(child)], "processes are left"
-    # On a busy machine a process may not end within its 1.2 s; that is reported, too.
+    # On a busy machine, a process may need more than its 1.2 s to end; this is also reported.
     is_slow = "did not end when requested" in up.said
     assert code == (1 if (hold and not is_slow_disk) or is_slow else 0), f"exit code {code}:\n{up.said}"
     check = subprocess.run([binaries / "vantage", "log", "check", log], capture_output=True,
@@ -129,7 +129,7 @@ def main():
     for hold in (None, PLANNER):
         lines = fly(hold=hold)
         first = next(i for i, line in enumerate(lines) if line.startswith("lab with "))
-        # The terminal's echo of the later keys is not on a line of its output.
+        # The terminal echoes the later keys; the echo must not be on a line of the program's output.
         unclean = [line for line in lines[first if hold else 0:] if "^C" in line]
         assert not unclean, unclean
         assert (at_once in lines) == bool(hold) and no_end not in lines

@@ -12,9 +12,9 @@
 
 namespace vantage::test {
 
-/// Chooses the next event and its vehicle when each vehicle of a flight has its own sequence of
-/// events, independent of the others. Only a vehicle that has followed a plan for 1.5 to 4 s and is
-/// commanded to move faster than kMovingMps gets an event.
+/// Chooses the next event and its vehicle for a flight in which each vehicle has its own sequence
+/// of events, independent of the others. A vehicle gets an event only if it has followed a plan for
+/// 1.5 to 4 s and is commanded to move faster than kMovingMps.
 class DrillLanes {
  public:
   static constexpr double kMovingMps = 0.3;
@@ -24,12 +24,12 @@ class DrillLanes {
     std::string robot;
   };
 
-  /// Each of `kinds` is to happen `times` times in all.
+  /// Sets the kinds of events; each kind is to happen `times` times over all vehicles.
   DrillLanes(const std::vector<std::string>& kinds, int times, std::uint64_t seed);
 
   void on_status(const models::VehicleStatus& status);
-  /// Returns the event that is due, if any. The caller confirms it with happened() once it was
-  /// done.
+  /// Returns an event that is due, if any. The caller calls happened() after the event was carried
+  /// out.
   std::optional<Event> due(Time now);
   void happened(const Event& event);
   /// Suppresses events of `robot` until the given time.

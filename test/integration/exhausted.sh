@@ -1,12 +1,13 @@
 #!/bin/bash
-# exhausted.sh BIN_DIR SCENARIO: each process is started with too few descriptors, too little memory or no
-# thread available. It must report what it lacks and end, or serve until it is asked to end, without a
-# crash or a hang. To be run in its own network.
+# exhausted.sh BIN_DIR SCENARIO: starts each process with too few descriptors, too little memory or no
+# available thread. The process must report the missing resource and end, or serve until it is requested to
+# end, without a crash or a hang. Runs in its own network.
 . "$(dirname "$0")/up_support.sh"
 processes=("vantage-sim" "vantage-contacts" "vantage-sensor --robot Q1" "vantage-estimator --robot Q1"
   "vantage-planner --robot Q1")
 
-# run_within LIMIT VALUE PROGRAM…: its exit code is 0 if it served for a second and ended on request.
+# run_within LIMIT VALUE PROGRAM…: returns 0 if PROGRAM served for one second under the limit and then ended
+# on request.
 run_within() {
   local status=0
   (
@@ -28,7 +29,7 @@ run_within() {
 }
 
 for process in "${processes[@]}"; do
-  # Two sockets and one to query the route, in addition to standard input, output and error.
+  # Needed: standard input, output and error, two sockets, and one descriptor to query the route.
   for descriptors in 4 5 6; do
     # shellcheck disable=SC2086
     run_within -n "$descriptors" $process

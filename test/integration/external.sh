@@ -1,9 +1,9 @@
 #!/bin/bash
-# external.sh BIN_DIR SCENARIO PYTHON EXAMPLE LCMTYPES: a signed flight of three robots with plans from
+# external.sh BIN_DIR SCENARIO PYTHON EXAMPLE LCMTYPES: runs a signed flight of three robots with plans from
 # external planners. EXAMPLE answers Q1 and is killed (signal 9) in flight; Q2's answers are too late; Q3's
-# cannot be flown. Every plan must still be in time (unless the machine held the flight up), nothing may
-# collide, each answer must be counted as what it is, and a replay of the log must reproduce every plan. To
-# be run in its own network.
+# answers cannot be flown. Every plan must be in time (unless an overloaded host delayed the flight), no
+# bodies may collide, each answer must be counted by its kind, and a replay of the log must reproduce every
+# plan. Runs in its own network.
 . "$(dirname "$0")/up_support.sh"
 python=$3 example=$4 types=$5 here=$(dirname "$0")
 lcm-gen --python --ppath "$dir/py" "$types"/*.lcm

@@ -78,7 +78,8 @@ double silence_s(const std::string& what) { return std::stod(what.substr(what.fi
 bool is_outage(const std::string& what) { return what.starts_with("outage:"); }
 bool is_stall(const std::string& what) { return what.starts_with("stall:"); }
 
-/// True if the affected vehicle lands because of the event. A pose counts as lost after 0.5 s.
+/// True if the affected vehicle lands because of the event. A vehicle lands after 0.5 s without
+/// poses; a silence of more than 0.4 s may cause this.
 bool causes_landing(const std::string& what) {
   return what == "cut" || what == "battery" || what == "motor" || what.ends_with("quadrotor") ||
          what.ends_with("vicon") || ((is_outage(what) || is_stall(what)) && silence_s(what) > 0.4);
@@ -182,7 +183,7 @@ class Drill {
     }
   }
 
-  /// True if a vehicle has landed although events are left.
+  /// True if a vehicle is landing or down although events are left.
   [[nodiscard]] bool is_anybody_down() const {
     return left_ > 0 && std::any_of(states_.begin(), states_.end(), [this](const auto& each) {
              const bool is_down = each.second == FlightState::kLand ||
@@ -192,7 +193,7 @@ class Drill {
            });
   }
 
-  /// Runs the independent sequences; a vehicle that has landed is flown again with the others.
+  /// Runs the independent sequences of events; a landed vehicle flies again with all others.
   void step_lanes(Time now) {
     has_grounded_ = is_anybody_down();
     if (has_grounded_) {
@@ -213,7 +214,7 @@ class Drill {
     }
   }
 
-  /// Returns false if the event cannot be done now.
+  /// Carries out the event; returns false if this is not possible at present.
   bool do_to(Time now, const std::string& what, const std::string& robot) {
     last_act_ = now;
     if (what == "hold") {
@@ -228,8 +229,8 @@ class Drill {
     return true;
   }
 
-  /// Runs events that ground vehicles: each vehicle gets its event while the others fly; then all
-  /// land, and the next round begins.
+  /// Runs events that make vehicles land: each vehicle gets its event while the others fly; then
+  /// all land, and the next round begins.
   void go_round(Time now) {
     const double since_s = to_seconds(now - last_act_);
     program_since_ = since_s < 90.0 ? now : program_since_;
@@ -270,8 +271,8 @@ class Drill {
     }
   }
 
-  /// Arms vehicles in the state `killed`, since they stay down until then. Returns false if there
-  /// is none.
+  /// Arms vehicles in the state `killed`, which otherwise remain in that state. Returns false if
+  /// there is no such vehicle.
   bool unlatch_killed(Time now) {
     bool is_there = false;
     for (const auto& [robot, state] : states_) {
@@ -352,7 +353,7 @@ class Drill {
         robot.empty() ? std::vector<std::string>{} : std::vector<std::string>{"--robot", robot});
   }
 
-  /// Does kill:PROGRAM or stop:PROGRAM. Returns false unless exactly one such process exists.
+  /// Executes kill:PROGRAM or stop:PROGRAM. Returns false unless exactly one process matches.
   static bool signal(const std::string& what, const std::string& robot) {
     const std::string program = what.substr(5);
     const auto found = processes(program, program == "vicon" ? "" : robot);
@@ -382,8 +383,8 @@ class Drill {
     return is_done;
   }
 
-  /// Keeps the processes of each silence stopped, restarted ones too. Continues them when the
-  /// silence is over.
+  /// Keeps the processes of each silence stopped, including restarted ones. Continues them at the
+  /// end of the silence.
   void keep_silent(Time now) {
     const bool is_over = std::any_of(silences_.begin(), silences_.end(),
                                      [now](const Silence& each) { return now > each.until; });
@@ -406,7 +407,7 @@ class Drill {
     });
   }
 
-  /// The other station returns the autopilots that it took, and the operator has the vehicles
+  /// Makes the other station return the autopilots to their drivers, and commands the vehicles to
   /// follow.
   void give_back(Time now) {
     for (const auto& [robot, until] : taken_until_) {

@@ -1,16 +1,15 @@
 #!/bin/bash
 # forged.sh BIN_DIR SCENARIO LCMTYPES: flies SCENARIO (devices on the wire) while an attacker without a key
-# forges VICON, PLAN_* and COMMAND with the live streams' own run ids and numbers. Where signatures are
-# required nothing changes, and the replay of the log is identical bit for bit. Without signatures the
-# flight is lost. To be run in its own network.
+# forges VICON, PLAN_* and COMMAND with the live streams' own run ids and numbers. If signatures are
+# required, the forgeries have no effect, and the replay of the log is identical bit for bit. Without
+# signatures, the forgeries disturb the flight. Runs in its own network.
 . "$(dirname "$0")/up_support.sh"
 types=$3 here=$(dirname "$0")
 lcm-gen --python --ppath "$dir/py" "$types"/*.lcm
 "$bin/vantage" keys new "$dir/keys"
 
-# fly NAME SCENARIO: a flight that ends after the forgery; its log is $dir/NAME.lcmlog. If the machine held
-# the flight up so that a vehicle landed before the forgery, the flight is repeated once, since a vehicle
-# that has landed stays down.
+# fly NAME SCENARIO: runs a flight that ends after the forgery; its log is $dir/NAME.lcmlog. If an
+# overloaded machine made a vehicle land before the forgery, the flight is repeated, at most twice.
 fly() {
   local status forged
   for _ in 1 2 3; do

@@ -16,7 +16,8 @@ sys.path.insert(0, sys.argv[1])
 from vantage_lcm.health_t import health_t  # noqa: E402
 from vantage_lcm.vehicle_t import vehicle_t  # noqa: E402
 
-# Reasons for which a driver lands when a stream is silent. A forged order has no reason, a false pose another.
+# Reasons for which a driver lands when a stream is silent. A landing by a forged order has no reason; a
+# landing by a forged pose has another reason.
 SILENCES = {"pose lost", "operator lost", "autopilot lost"}
 NAMES = {0: "idle", 1: "follow", 2: "hold", 3: "land", 4: "killed"}
 

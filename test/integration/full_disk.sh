@@ -1,7 +1,7 @@
 #!/bin/bash
-# full_disk.sh BIN_DIR SCENARIO: a disk without room for the log is refused before take-off. When it fills
-# up in flight, or the log is removed, this is reported at once, and the flight goes on. To be run in its
-# own network, as root there: the disk is a small one in memory.
+# full_disk.sh BIN_DIR SCENARIO: tests that a disk with too little free space for the log is refused before
+# take-off. When the disk fills up in flight, or the log is removed, this is reported immediately, and the
+# flight continues. Runs in its own network as root: the disk is a small one in memory.
 if [[ $1 != --mounted ]]; then
   unshare -m true 2> /dev/null || { echo "skipped: no mount namespace"; exit 77; }
   exec unshare -m "$0" --mounted "$@"
@@ -30,8 +30,8 @@ plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "the flight does not continue"
 rm "$disk/else"
 until_true 30 grep -q 'log: written as usual, with' "$dir/up.err" || fail "writing the log does not resume"
-# Someone deletes the log, then the recorder dies, and a folder has the log's name. The vehicles' processes
-# stay the same.
+# The log is moved away, a folder gets its name, and the recorder is killed. The vehicles' processes must
+# not restart.
 pids=$(pgrep -P "$up" | sort)
 recorder=$(child_of "$up" 'log record')
 mv "$disk/flight.lcmlog" "$disk/elsewhere.lcmlog"

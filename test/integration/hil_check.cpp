@@ -2,22 +2,19 @@
 // hil_check --held-up LOG
 // hil_check --collisions LOG
 // hil_check --flown ROUNDS LOG
-//
 // Reads the log of a trial with devices on the wire. Checks that every vehicle took off, followed
-// plans of the team and landed, that nothing collided, and that VICON has no gap after the first
-// plan is followed. The named robots (ground robots, `direct` ones) may stay at their heights, but
-// must follow plans and move. A ground robot has no minimum share of time in FOLLOW: it is held
-// while a target that its planner does not know stands in its path. Prints its observations, and
-// the latency of poses and set-points at the autopilots.
-//
-// Exit code 0 when all is well; with --strict only if no flight invariant was broken (BROKEN)
-// either; --speed-share is the bound of one of them. Timing is not judged where the machine held
-// the flight up (HELD UP): test/support/flight_invariants. FILE is the output of flight_drill: one
-// line per event and vehicle and a table are then printed.
-//
-// --held-up, --collisions, --flown check one thing only: whether the machine held the flight up;
-// whether no collision was judged; whether every robot of the scenario has followed plans of ROUNDS
-// rounds (the log may still be being written). Exit code 0 if so.
+// plans of the team and landed, that no collision was judged, and that VICON has no gap after the
+// first plan is followed. The named robots (ground robots, `direct` ones) may stay at their
+// heights, but must follow plans and move. A ground robot has no minimum share of time in FOLLOW:
+// it is held while a target that its planner does not know is in its path. Prints its observations,
+// and the latency of poses and set-points at the autopilots.
+// Exit code 0 if all checks pass; with --strict only if all flight invariants hold, too (each
+// violation is printed as BROKEN). --speed-share is the maximum of the speed invariant. Timing is
+// not judged where an overloaded host delayed the flight (HELD UP): test/support/flight_invariants.
+// FILE is the output of flight_drill: one line per event and vehicle and a table are then printed.
+// --held-up, --collisions and --flown each check one thing only: whether the host delayed the
+// flight, whether no collision was judged, or whether every robot of the scenario has followed
+// plans of ROUNDS rounds (also in a log that is still being written). Exit code 0 if so.
 
 #include <algorithm>
 #include <cstdio>
@@ -49,7 +46,7 @@ struct Flight {
   double highest_m = 0.0;
   double last_m = 0.0;
   std::optional<Eigen::Vector2d> first_m;
-  double farthest_m = 0.0;  // m, from the first position
+  double farthest_m = 0.0;  // m; greatest distance from the first position
   FlightState state = FlightState::kIdle;
   std::set<std::string> ended_for;  // reasons reported while killed, or before it followed a plan
 };
@@ -132,7 +129,7 @@ bool judge(const Seen& seen, const std::set<std::string>& level, bool is_held_up
               static_cast<long long>(seen.frames), static_cast<long long>(seen.frame_gaps),
               static_cast<long long>(seen.frames_lost_on_lcm));
   for (const auto& [robot, flight] : seen.flights) {
-    // Without a pose the motors stop near the floor.
+    // Without a pose, the autopilot stops the motors near the floor.
     const bool ends_blind = is_held_up && flight.state == FlightState::kKilled &&
                             std::ranges::any_of(flight.ended_for, [](const std::string& reason) {
                               return reason.starts_with("pose lost low");
@@ -214,10 +211,10 @@ bool judge_course(const test::FlightRecord& record, const test::FlightBounds& bo
 
 struct Worst {
   int times = 0;
-  int moving = 0;  // number of these that began in motion
+  int moving = 0;  // number of vehicles that moved when their event began
   double speed_mps = 0.0;
   double distance_m = 0.0;
-  double beyond_m = -1e9;  // m, greatest distance beyond the budget
+  double beyond_m = -1e9;  // m; greatest distance travelled beyond the budget
   double outside_m = 0.0;
   double separation_m = 1e9;
   double off_course_m = 0.0;
@@ -227,9 +224,9 @@ struct Worst {
 
 constexpr double kMovingMps = 0.1;
 
-// Returns the distance that a vehicle may travel after the event. A vehicle that is hung up, killed
-// or cut off has its autopilot's time-out; one that must stop has its reaction and its brake.
-// Without an operator it also follows its plan until the absence is detected.
+// Returns the distance, m, that a vehicle may travel after the event: the distance until it has
+// stopped. If its driver is stopped, killed or cut off, the autopilot's time-out is included.
+// Without an operator, the vehicle first follows its plan until the absence is detected.
 double budget_m(const std::string& what, const drivers::SafetyLimits& limits, double speed_mps) {
   if (what == "hold") {
     return drivers::stopping_distance_m(limits, speed_mps);

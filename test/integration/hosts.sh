@@ -1,7 +1,7 @@
 #!/bin/bash
-# hosts.sh BIN_DIR SCENARIO: flies SCENARIO on two hosts with a cable between them. One is ended and
-# restarted, then killed and restarted, then the cable is removed and put back. The other host must report
-# this and restart nothing, and all robots must go on planning. To be run in its own network:
+# hosts.sh BIN_DIR SCENARIO: flies SCENARIO on two hosts with a cable between them. The host AIR is ended
+# and restarted, then killed and restarted; then the cable is removed and put back. The host LAB must report
+# each event and restart nothing, and all robots must continue to plan. Runs in its own network:
 # in_network.sh hosts.sh …
 . "$(dirname "$0")/up_support.sh"
 url='udpm://239.255.76.67:7667?ttl=1'  # over the cable
@@ -42,7 +42,7 @@ fi
 grep -q 'has the hosts LAB, AIR' "$dir/none.err" || fail "the missing option is not named"
 
 start_witness
-start AIR air1; air=$!  # no other host is up yet, so the order of starting is free
+start AIR air1; air=$!  # the other host is down, so either host may start first
 start LAB lab --log "$dir/flight.lcmlog"; lab=$!
 until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "not all robots publish plans"
 until_true 20 said lab 'host AIR is up' || fail "LAB does not report that AIR is up"
@@ -55,7 +55,7 @@ plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 said lab 'host AIR was started again' || fail "LAB does not report the restart of AIR"
 until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "not all robots publish plans again"
 
-# A supervisor that is killed takes its processes with it: no process is left without a supervisor.
+# When a supervisor is killed, its processes end too: no process continues without a supervisor.
 planner=$(child_of "$air" 'vantage-planner .*--robot Q2')
 kill -9 "$air"
 wait "$air" || true
@@ -65,7 +65,7 @@ start AIR air3; air=$!
 plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "not all robots publish plans a third time"
 
-# Without the cable each host goes on alone; with it they find each other again.
+# Without the cable each host continues alone; with the cable the hosts receive each other again.
 "${in_air[@]}" ip link set air down
 until_true 20 said air3 'host LAB has been silent' || fail "AIR does not report that LAB is silent"
 "${in_air[@]}" sh -e -c 'ip link set air up; ip route add 224.0.0.0/4 dev air'

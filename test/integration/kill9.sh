@@ -1,7 +1,7 @@
 #!/bin/bash
-# kill9.sh BIN_DIR SCENARIO: flies SCENARIO and kills (signal 9) one process of each kind in turn, including
-# the logger, and stops (SIGSTOP) another. Each must be restarted, all robots must go on planning, the log
-# must be whole and contain the last messages, and losses must be reported. To be run in its own network:
+# kill9.sh BIN_DIR SCENARIO: flies SCENARIO, kills (signal 9) one process of each kind in turn, including
+# the logger, and stops (SIGSTOP) another. Each must be restarted, all robots must continue to plan, the log
+# must be complete and contain the last messages, and losses must be reported. Runs in its own network:
 # in_network.sh kill9.sh …
 . "$(dirname "$0")/up_support.sh"
 
@@ -26,7 +26,7 @@ kill_and_see 'vantage-sensor .*--robot Q1'
 kill_and_see 'vantage-estimator .*--robot Q2'
 kill_and_see 'vantage-planner .*--robot Q3'
 kill_and_see 'vantage log record '
-# Stopped, not killed: the process exists but does nothing.
+# Stops the process instead of killing it: the process exists but does nothing.
 kill_and_see 'vantage-planner .*--robot Q1' STOP
 grep -q 'planner Q1 sent no sign of life' "$dir/up.err" || fail "the stopped planner was not reported"
 
@@ -34,7 +34,8 @@ status=0
 kill -INT "$up"
 wait "$up" || status=$?
 cat "$dir/up.err" "$dir/up.json"
-# The simulation was restarted, so the trial as such is not good; nothing worse may have happened.
+# The simulation was restarted, so `vantage up` must end with exit code 1; the checks below allow no other
+# error.
 [[ $status == 1 ]] || fail "vantage up ended with $status, not 1"
 "$bin/vantage" log check "$dir/flight.lcmlog" || fail "the log is damaged"
 python3 - "$dir/up.json" <<'PYTHON' || fail "the report is wrong"
@@ -54,7 +55,7 @@ assert report["log"]["unrecorded_s"] > 0
 print("stopped in", report["stop_s"], "s; not recorded for", report["log"]["unrecorded_s"], "s;",
       report["plans_missing"], "plans missing of", report["rounds"], "rounds of 3")
 PYTHON
-# Messages that only the witness has were sent while the logger was down.
+# Messages that only the witness recorded were sent while the logger was down.
 "$bin/vantage" log export "$dir/flight.lcmlog" --to csv --out "$dir/csv" --channels 'HEALTH_.*'
 for counter in process.cpu_us process.memory_bytes process.memory_most_bytes; do
   grep -q "$counter" "$dir"/csv/HEALTH_PLANNER_Q1.csv || fail "HEALTH has no $counter"

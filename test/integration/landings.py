@@ -160,8 +160,8 @@ class Trial:
 
     def take_off(self):
         self.until(lambda: "TRUTH" in self.witness.newest and self.all_in({IDLE, KILLED}), "vehicles")
-        # Motors that idle for long stop: `hold`, which is repeated for 0.75 s, starts again. If the motors
-        # were stopped, the first `arm` only ends that state.
+        # Motors that idle for long are stopped. `hold`, repeated for 0.75 s, drops old orders. If the
+        # motors were stopped, the first `arm` only ends the state `killed`.
         steps = [(0.0, {IDLE: ("hold",), KILLED: ("arm",)}), (1.5, {IDLE: ("arm", "take-off")})]
         begin, done = time.monotonic(), 0
 

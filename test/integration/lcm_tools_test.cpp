@@ -28,7 +28,7 @@ namespace {
 using test::Bytes;
 using Messages = std::vector<std::pair<std::string, Bytes>>;
 
-/// A running program that is interrupted and waited for in the destructor.
+/// A running program. The destructor interrupts it and waits until it has ended.
 class Program {
  public:
   explicit Program(std::vector<std::string> words) : pid_(fork()) {
@@ -69,7 +69,7 @@ class LcmTools : public ::testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
   [[nodiscard]] std::string log() const { return (folder_ / "flight.lcmlog").string(); }
-  /// Returns the messages on `channel` in the log, which may still be being written.
+  /// Returns the messages on `channel` in the log; the program may still be writing the log.
   [[nodiscard]] std::vector<Bytes> recorded(const std::string& channel) const {
     std::vector<Bytes> out;
     const std::unique_ptr<lcm_eventlog_t, decltype(&lcm_eventlog_destroy)> reader(
@@ -93,15 +93,14 @@ class LcmTools : public ::testing::Test {
 
 TEST_F(LcmTools, LcmLoggerRecordsOurMessages) {
   constexpr unsigned kMessages = 100;
-  constexpr unsigned kAtOnce = 20;  // fewer than the 31 that the logger's queue holds, so none is
-                                    // lost while it gets no processor
+  constexpr unsigned kAtOnce = 20;  // less than the capacity of lcm-logger's queue, 31
   const auto ours = bus::open_transport(test::kUrl);
   {
     Program logger({"lcm-logger", "-q", "-f", "--lcm-url=" + test::kUrl, log()});
     const std::int64_t give_up_ns =
         monotonic_ns() + std::chrono::nanoseconds(test::kPatience).count();
-    // The logger misses messages until it has started, and writes late: send until they are in the
-    // log.
+    // The logger misses messages until it has started, and writes late. Sends until the messages
+    // are in the log.
     const auto knock_until = [&](const std::function<bool()>& holds) {
       while (!holds() && monotonic_ns() < give_up_ns) {
         ours->publish("KNOCK", Bytes{1});
@@ -144,7 +143,7 @@ TEST_F(LcmTools, LcmLogplayerReplaysToOurTransport) {
 }
 
 // LCM's logger and player do not change a byte of signed messages. A receiver that requires
-// signatures refuses the replayed messages, whether it received the flight or not.
+// signatures refuses the replayed messages, whether or not it received the original ones.
 TEST_F(LcmTools, KeepSignedMessagesAndReplayIsRefused) {
   constexpr unsigned kMessages = 25;  // a receiver queues 30 and drops the oldest of a larger burst
   const auto keys = test::keys_of_a_trial();
@@ -159,7 +158,8 @@ TEST_F(LcmTools, KeepSignedMessagesAndReplayIsRefused) {
     Program logger({"lcm-logger", "-q", "-f", "--lcm-url=" + test::kUrl, log()});
     const std::int64_t give_up_ns =
         monotonic_ns() + std::chrono::nanoseconds(test::kPatience).count();
-    // The log keeps the order of sending: when `name` is in it, all earlier messages are.
+    // The log keeps the order of sending: when the log contains `name`, it contains all earlier
+    // messages.
     const auto knock_until_log_has = [&](const std::string& name) {
       const auto has = [&] {
         std::ifstream in(log(), std::ios::binary);

@@ -1,8 +1,8 @@
 #!/bin/bash
-# mapping.sh BIN_DIR SCENARIO SECONDS: a team maps with one process each while the scenario jams a robot;
-# one planner is killed (signal 9) in flight. All must go on planning, the uncertainty of the map must fall,
-# and a replay must reproduce every plan, belief and map of the log bit for bit. To be run in its own
-# network: in_network.sh mapping.sh …
+# mapping.sh BIN_DIR SCENARIO SECONDS: runs a team that maps, with one process per node, while the scenario
+# jams a robot; one planner is killed (signal 9) in flight. All robots must continue to plan, the
+# uncertainty of the map must decrease, and a replay must reproduce every plan, belief and map of the log
+# bit for bit. Runs in its own network: in_network.sh mapping.sh …
 . "$(dirname "$0")/up_support.sh"
 seconds=$3
 

@@ -19,7 +19,7 @@ namespace vantage::test {
 using Bytes = std::vector<std::uint8_t>;
 
 inline const std::string kUrl = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304";
-/// Long enough that only a broken transport reaches it.
+/// Time after which the transport counts as broken; a working transport needs much less.
 inline constexpr std::chrono::seconds kPatience{10};
 
 inline Bytes random_bytes(std::size_t size, unsigned seed) {
@@ -31,20 +31,20 @@ inline Bytes random_bytes(std::size_t size, unsigned seed) {
   return bytes;
 }
 
-/// True if the kernel grants the receive buffer of kUrl (net.core.rmem_max is 4 MiB or more).
-/// Without it bursts and large messages may be lost, so tests of them prove nothing.
+/// True if the kernel grants the receive buffer of kUrl (net.core.rmem_max is 4 MiB or more). With
+/// a smaller buffer the kernel may lose bursts and large messages, so tests of them are skipped.
 inline bool has_large_buffers() {
   return bus::open_transport(kUrl)->stats().receive_buffer_short_bytes == 0;
 }
 inline constexpr const char* kNeedsLargeBuffers = "needs sysctl net.core.rmem_max >= 4194304";
 
-/// Handles `transport` until `is_done`, or until nothing has arrived for a long time.
+/// Handles messages until `is_done` returns true, or until none has arrived for kPatience.
 inline void handle_until(bus::Transport& transport, const std::function<bool()>& is_done) {
   while (!is_done() && transport.handle(kPatience) > 0) {
   }
 }
 
-/// liblcm's own udpm transport, with a queue that holds a burst.
+/// The udpm transport of liblcm, with a queue long enough for a burst.
 class Liblcm {
  public:
   explicit Liblcm(const std::string& expression) : lcm_(lcm_create(kUrl.c_str())) {
@@ -56,8 +56,8 @@ class Liblcm {
     return lcm_publish(lcm_.get(), channel.c_str(), bytes.data(),
                        static_cast<unsigned>(bytes.size())) == 0;
   }
-  /// Handles until `count` messages were received in all, or until nothing has arrived for a long
-  /// time.
+  /// Handles messages until `count` were received in total, or until none has arrived for
+  /// kPatience.
   void handle_until(std::size_t count) {
     constexpr int kPatienceMs = 10'000;
     while (heard_.size() < count && lcm_handle_timeout(lcm_.get(), kPatienceMs) > 0) {

@@ -9,7 +9,8 @@
 #include "core/check.hpp"
 #include "test/integration/network_support.hpp"
 
-// Runs in a network without a multicast route. If opening waits, the test's time limit ends it.
+// Runs in a network without a multicast route. If open_transport() blocks, the test fails by its
+// time limit.
 
 namespace vantage {
 namespace {
@@ -33,7 +34,7 @@ struct Waiting {
   Waiting() {
     transport->subscribe("A", [this](std::string_view, const bus::Payload&) { ++received; });
   }
-  /// True if a message of its own comes back within a few tries.
+  /// True if the transport receives its own message within 100 tries.
   bool receives_own_message() {
     const int before = received;
     for (int i = 0; i < 100 && received == before; ++i) {
@@ -42,7 +43,7 @@ struct Waiting {
     }
     return received > before;
   }
-  /// True if the last report contains `words` within a few tries.
+  /// True if the newest report contains `words` within 100 tries.
   bool reports_at_last(const std::string& words) {
     for (int i = 0; i < 100 && reports.back().find(words) == std::string::npos; ++i) {
       transport->handle(std::chrono::milliseconds(20));

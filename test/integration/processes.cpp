@@ -30,8 +30,8 @@ std::string network_of(const fs::path& process) {
   return fs::read_symlink(process / "ns" / "net", error).string();
 }
 
-/// A datagram socket's filter sees the packet from the UDP header on: source port, destination
-/// port.
+/// Attaches or removes a filter that drops datagrams from or to `port`. A filter of a datagram
+/// socket sees each packet from its UDP header on: source port, destination port.
 bool filter_socket(int fd, int port, bool is_cut) {
   if (!is_cut) {
     const int nothing = 0;

@@ -144,7 +144,7 @@ def test_kill_9_loses_100_ms_at_most():
 
         speaker = threading.Thread(target=speak)
         speaker.start()
-        # Size of the log before the part that may be lost.
+        # Log size, bytes; only messages after it may be lost.
         kept_bytes = os.path.getsize(recorder.log) + 240 * rng.randrange(100, 300)
         until(lambda: os.path.getsize(recorder.log) > kept_bytes, "traffic")
         enough = len(sent) + rng.randrange(200)
@@ -282,13 +282,13 @@ def test_datagrams_that_end_lcm_logger_do_not_end_it():
             recorder.sender.publish("GOOD", good[-1])
         if i % 100 == 0:
             attacker = Sender()
-            # Sends at the recorder's own pace: this test is not about the capacity of a socket's buffer.
+            # Sends no faster than the recorder writes, since this test is not about the socket's buffer.
             until(lambda: os.path.getsize(recorder.log) >= sum(map(len, good)),
                   "good messages in the log")
     assert recorder.end() == 1, "forged first fragments were not counted as incomplete messages"
     assert "parts of them never arrived" in recorder.said(), recorder.said()
     assert [data for _, data in of(recorder.log, "GOOD")] == good
-    # The claim itself: one such datagram ends lcm-logger.
+    # Shows that one such datagram ends lcm-logger.
     stock = Recorder(FOLDER / "stock.lcmlog",
                      command=["lcm-logger", "-q", f"--lcm-url={url()}", FOLDER / "stock.lcmlog"]).start()
     attacker.raw(fragment(1, 400, 200, 0, 1, b"A" * 5))
@@ -363,7 +363,7 @@ def test_large_messages_are_recorded_or_named():
 def test_a_message_that_lacks_a_part_is_reported():
     recorder = Recorder(FOLDER / "lacks.lcmlog").start()
     recorder.sender.raw(fragment(900, 100_000, 0, 0, 2, b"CAMERA\0" + bytes(60_000)))
-    # Abandoned one second after its newest fragment.
+    # The incomplete message is dropped one second after its newest fragment.
     lacks = b"transport.incomplete_messages\0"
     until(lambda: any(lacks in data for _, data in of(recorder.log, "HEALTH_RECORDER")), "count of it")
     assert recorder.end() == 1, recorder.said()

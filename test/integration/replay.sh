@@ -1,7 +1,7 @@
 #!/bin/bash
-# replay.sh BIN_DIR SCENARIO SECONDS: flies SCENARIO with one process each and lcm-logger, kills everything,
-# replays the log with lcm-logplayer into one fresh estimator and one fresh planner, and compares. To be run
-# in its own network: in_network.sh replay.sh …
+# replay.sh BIN_DIR SCENARIO SECONDS: flies SCENARIO with one process per node and lcm-logger, and kills all
+# processes. Then replays the log with lcm-logplayer into one new estimator and one new planner, and
+# compares their output. Runs in its own network: in_network.sh replay.sh …
 . "$(dirname "$0")/up_support.sh"
 seconds=$3
 robot=Q2
@@ -16,13 +16,14 @@ lcm-logger -q -f -c 'REPLAY_(BELIEF|PLAN)_.*' --lcm-url="$url" "$dir/again.lcmlo
   --publish-prefix REPLAY_ & estimator=$!
 "$bin/vantage-planner" --scenario "$scenario" --robot "$robot" --url "$url" --replay \
   --publish-prefix REPLAY_ & planner=$!
-# Each of the three has joined the group when the kernel lists its socket on the port.
+# A process has joined the multicast group when the kernel lists its socket on the port; waits for all
+# three.
 for _ in $(seq 200); do
   [[ $(grep -c ':1DF3 ' /proc/net/udp) -ge 3 ]] && break
   sleep 0.1
 done
 lcm-logplayer -l "$url" "$dir/flight.lcmlog" > /dev/null
-# A step that lacks an input is given up after two seconds of ticks: wait until the log stops growing.
+# A step that lacks an input is skipped after two seconds of ticks. Waits until the log stops growing.
 size=-1
 until [[ $(stat -c %s "$dir/again.lcmlog") == "$size" ]]; do
   size=$(stat -c %s "$dir/again.lcmlog")
@@ -31,5 +32,5 @@ done
 kill -TERM "$estimator" "$planner"; wait "$estimator" "$planner"
 kill -TERM "$logger"; wait "$logger" || true
 "$bin/replay_check" "$dir/flight.lcmlog" "$dir/again.lcmlog" "$robot" $((seconds / 2))
-# The command that a person would type: the same nodes on the log alone.
+# Replays with the user's command: the same nodes on the log alone.
 "$bin/vantage" log replay "$dir/flight.lcmlog" --node "planner:$robot" --node "estimator:$robot"

@@ -7,8 +7,8 @@
 namespace vantage::test {
 
 /// A second ground station for the autopilot of a firmware that `vantage up` started on this host.
-/// It uses the autopilot's second link (ArduPilot: TCP 5762 + 10 instance, PX4: UDP 18570 +
-/// instance) and so bypasses the driver.
+/// The station uses the autopilot's second link (ArduPilot: TCP 5762 + 10 instance, PX4: UDP 18570
+/// + instance), so its messages do not pass through the driver.
 class SecondStation {
  public:
   SecondStation(models::AutopilotDialect dialect, int instance, int system_id);
@@ -23,7 +23,7 @@ class SecondStation {
   /// Must be called at least 10 times per second until give_back().
   bool keep();
   bool give_back();
-  /// Empties the simulated battery: at once (ArduPilot), within half a minute (PX4).
+  /// Empties the simulated battery: immediately (ArduPilot) or within half a minute (PX4).
   bool empty_battery();
   bool fill_battery();
   /// Stops the first motor permanently; ArduPilot only.

@@ -1,7 +1,7 @@
 #!/bin/bash
-# switch_trial.sh BIN_DIR SCENARIO: a trial on two hosts, over a switch that loses every tenth frame,
-# duplicates some and reorders others. Nothing collides, all robots go on planning, losses are counted, and
-# the log is whole. To be run in its own network: in_network.sh switch_trial.sh …
+# switch_trial.sh BIN_DIR SCENARIO: runs a trial on two hosts over a switch that loses every tenth frame,
+# duplicates some and reorders others. No bodies may collide, all robots must continue to plan, losses must
+# be counted, and the log must be complete. Runs in its own network: in_network.sh switch_trial.sh …
 . "$(dirname "$0")/up_support.sh"
 
 {

@@ -10,7 +10,7 @@
 #include "test/integration/network_support.hpp"
 #include "test/support/resident_memory.hpp"
 
-// Datagrams that crash, confuse or fill other receivers, sent between good ones.
+// Sends datagrams that crash, confuse or fill other receivers, between valid ones.
 
 namespace vantage {
 namespace {
@@ -86,9 +86,9 @@ Bytes hostile_datagram(std::mt19937& rng) {
   }
 }
 
-// Sends 20 hostile datagrams after each good one, for 500 rounds. Every 10th good message has 200
-// kB, and its sender is unknown to the attackers. The attackers change their port from time to
-// time.
+// Sends 20 hostile datagrams after each valid message, for 500 rounds. Every 10th valid message has
+// 200 kB and comes from a sender that the attackers do not know. The attackers change their port
+// from time to time.
 TEST(UdpmUnderAttack, LosesNoValidMessageAndStaysBounded) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
@@ -130,8 +130,8 @@ TEST(UdpmUnderAttack, LosesNoValidMessageAndStaysBounded) {
   }
 }
 
-// An attacker's fragments arrive between those of a good message, with the same sequence number but
-// from another port. They must not be assembled into the message.
+// An attacker's fragments arrive between those of a valid message, with the same sequence number
+// but from another port. They must not be assembled into the valid message.
 TEST(UdpmUnderAttack, KeepsForeignFragmentsOutOfMessages) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;

@@ -4,7 +4,7 @@
 #include "core/deadline.hpp"
 #include "test/integration/network_support.hpp"
 
-// Our udpm transport against liblcm, in both directions, on a real network.
+// Compares our udpm transport with liblcm, in both directions, on a real network.
 
 namespace vantage {
 namespace {
@@ -71,7 +71,7 @@ TEST(UdpmInterop, SharesThePortWithLiblcm) {
   EXPECT_EQ(theirs.heard().size(), 1U);
 }
 
-// 1000 messages of 200 B, sent back to back before any is handled.
+// 1000 messages of 200 B are sent back to back before the receiver handles the first one.
 TEST(UdpmInterop, ReceivesABurstWithoutLoss) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;

@@ -7,7 +7,7 @@
 #include "core/deadline.hpp"
 #include "test/integration/network_support.hpp"
 
-// Errors and drops of the kernel, and lost interfaces, are noticed and counted.
+// Errors and drops of the kernel, and lost interfaces, are detected and counted.
 
 namespace vantage {
 namespace {
@@ -22,7 +22,7 @@ TEST(UdpmLink, CountsDatagramsDroppedByTheSocket) {
       "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=65536&max_message_size=65536");
   Messages received;
   test::collect(*receiver, "X", received);
-  // The kernel reports all drops since the start with the next datagram that it accepts.
+  // The kernel reports the total number of drops with the next datagram that it accepts.
   std::int64_t dropped = 0;
   for (int burst = 1; burst <= 3; ++burst) {
     for (int i = 0; i < kSent; ++i) {
@@ -38,8 +38,8 @@ TEST(UdpmLink, CountsDatagramsDroppedByTheSocket) {
   }
 }
 
-// During a flood on a subscribed channel the caller still gets control back: handle() does not call
-// a handler that takes 1 ms once for every waiting message.
+// During a flood, handle() returns before it has handled all waiting messages: a handler that takes
+// 1 ms is not called for each of them in one call.
 TEST(UdpmLink, ReturnsDuringAFlood) {
   constexpr int kSent = 200;
   const auto sender = bus::open_transport(test::kUrl);
@@ -62,8 +62,8 @@ TEST(UdpmLink, ReturnsDuringAFlood) {
   EXPECT_EQ(received + receiver->stats().kernel_drops, kSent) << "the rest waits, nothing is lost";
 }
 
-// Each handler call causes ten new messages, so nine more wait than are handled. The oldest waiting
-// ones are dropped, and the newest is received.
+// Each handler call publishes ten new messages, so the queue grows by nine per handled message. The
+// oldest messages are dropped, and the newest is received.
 TEST(UdpmLink, DropsTheOldestForASlowReader) {
   constexpr std::uint32_t kSent = 5'000;
   constexpr std::size_t kBytes = 500;
@@ -160,7 +160,7 @@ TEST_F(UdpmCards, AreSeparate) {
 }
 
 TEST_F(UdpmCards, TransmitOverTheirCable) {
-  // Otherwise the kernel refuses packets from outside that carry this host's own address.
+  // The kernel otherwise refuses packets from outside with this host's own address.
   if (std::system("for key in accept_local=1 rp_filter=0; do for card in all va1 vb1; do"
                   " sysctl -qw net.ipv4.conf.$card.$key || exit 1; done; done") != 0) {
     GTEST_SKIP() << "these settings are not ours to make";
@@ -175,8 +175,8 @@ TEST_F(UdpmCards, TransmitOverTheirCable) {
   ASSERT_EQ(far_a.received.size(), 1U);
   EXPECT_TRUE(far_a.received[0].second == test::random_bytes(150'000, 3));
   // Both ends of the cable belong to one host. Its kernel (early demultiplexing of multicast, with
-  // accept_local) sometimes also delivers a datagram to the socket of the other end: END comes
-  // twice. HERE was never on the cable, so it does not arrive.
+  // accept_local) sometimes also delivers a datagram to the socket of the other end; END then
+  // arrives twice. HERE was never sent over this cable, so it does not arrive.
   EXPECT_EQ(far_b.receive_until_end().find("HERE"), std::string::npos)
       << "a time to live of 0 does not leave the host";
 }

@@ -1,6 +1,6 @@
-# Sourced first by tests of `vantage up` with the arguments BIN_DIR SCENARIO …: sets $bin, $scenario, $url
-# of a bus that stays on this machine, and $dir, a folder. At the end the folder is removed and all started
-# processes are ended.
+# Sourced first by tests of `vantage up` with the arguments BIN_DIR SCENARIO …. Sets $bin, $scenario, $url
+# (a bus on this machine only) and $dir, a temporary folder. At the end, removes the folder and ends all
+# processes that the test started.
 set -euo pipefail
 bin=$1 scenario=$2
 url='udpm://239.255.76.67:7667?ttl=0'
@@ -13,7 +13,7 @@ fail() {
   exit 1
 }
 
-# until_true SECONDS COMMAND…: waits for COMMAND to succeed.
+# until_true SECONDS COMMAND…: repeats COMMAND until it succeeds, for at most SECONDS.
 until_true() {
   local tries=$(($1 * 10))
   shift
@@ -35,7 +35,7 @@ counts = {name: c["events"] for name, c in channels.items() if name.startswith("
 print(" ".join(f"{name[5:]} {count}" for name, count in sorted(counts.items())))'
 }
 
-# True if each of the robots $3… has at least two plans more in log $1 than in the counts $2.
+# True if log $1 has at least two more plans of each of the robots $3… than the counts $2.
 plans_go_on() {
   local log=$1 before=" $2 " now robot was is
   now=" $(plans_in "$log") "
@@ -48,8 +48,8 @@ plans_go_on() {
   done
 }
 
-# True if the only remarks of `vantage up` (files $dir/$1.json, .err and .lcmlog) are effects of an overloaded
-# machine: a log that was late but is whole, or collisions that are then not judged.
+# True if `vantage up` (files $dir/$1.json, .err and .lcmlog) reports nothing except effects of an
+# overloaded machine: a log that was late but is complete, or collisions that are therefore not judged.
 is_machine_overload() {
   local remarks
   remarks=$(grep '^vantage: ' "$dir/$1.err" || true)
@@ -61,7 +61,7 @@ is_machine_overload() {
   "$bin/hil_check" --held-up "$dir/$1.lcmlog" && "$bin/hil_check" --collisions "$dir/$1.lcmlog"
 }
 
-# Starts a separate witness: a logger of the plans that is never killed.
+# Starts an independent logger of the plans, the witness, which is never killed.
 start_witness() {
   lcm-logger --quiet --force --channel='PLAN_.*' --lcm-url="$url" "$dir/witness.lcmlog" &
   witness=$!

@@ -145,7 +145,7 @@ TEST(ContactJudge, IgnoresContactsOfIdleVehicles) {
   lab.fly("Q1");
   lab.see(apart);
   EXPECT_EQ(lab.see(together).size(), 2U);
-  // A killed vehicle counts while it falls, but not afterwards.
+  // A killed vehicle is judged while it falls, but not afterwards.
   lab.judge.on_status(status_of("Q1", FlightState::kKilled, lab.now));
   lab.see(apart);
   EXPECT_EQ(lab.see(together).size(), 2U);
@@ -183,7 +183,7 @@ TEST(ContactJudge, CountsOldFramesAndExcessBodies) {
   }
   lab.see(crowd);
   EXPECT_EQ(lab.count("contacts.bodies_left_out"), 5);
-  // A new run with an older clock means that the mocap computer was restarted.
+  // A new run whose clock is earlier means that the mocap computer was restarted.
   lab.judge.on_frame(frame_of(kStart, {}, 2), kStart + Duration{5'000});
   EXPECT_EQ(lab.count("contacts.gaps"), 1);
 }

@@ -82,8 +82,8 @@ TEST(BodyTracker, RefusesAJumpInTheAir) {
             BodyVerdict::kJumped);
 }
 
-// Regression, seen in a flight: after a restart of the mocap driver all poses were refused, because
-// the vehicle had moved meanwhile. Five seconds later the autopilot had no position estimate.
+// Regression, seen in a flight: the vehicle moved while the mocap driver restarted, so all poses
+// after the restart were refused. Five seconds later the autopilot had no position estimate.
 TEST(BodyTracker, ContinuesAfterAMocapRestartInFlight) {
   for (const Duration other_clock : {Duration{}, Duration{std::chrono::hours(-3)}}) {
     BodyTracker tracker("Q1", 1.0);

@@ -126,8 +126,7 @@ class FlightBench : public SteppedBench {
   bool has_mocap = true;
   bool has_operator = true;
   bool is_wire_cut = false;
-  bool driver_receives_nothing = false;  ///< the driver receives nothing from the vehicle; the
-                                         ///< vehicle still receives the driver
+  bool driver_receives_nothing = false;  ///< the vehicle still receives the driver
   using Loses = std::function<bool(const std::vector<std::uint8_t>& datagram)>;
   Loses loses_received;  ///< selects datagrams of the vehicle that are lost
   Loses loses_sent;      ///< selects datagrams of the driver that are lost

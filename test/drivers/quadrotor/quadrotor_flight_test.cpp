@@ -138,11 +138,12 @@ std::set<std::uint16_t> sent_type_masks(const std::vector<std::vector<std::uint8
   return out;
 }
 
-// Regression: at a HOLD in motion a real ArduCopter overshot by one metre. The driver sent one kind
-// of set-point in motion and another at rest. At each change of the kind the autopilot attributes
-// its current braking to wind (RecordedMotion.OvershootsAsRecordedWhenTheTargetKindChanges verifies
-// this for the emulator). The driver now sends one kind for the whole flight. The vehicle must stop
-// within the budgeted distance and stay there, also when repeated.
+// Regression: at a HOLD in motion, a real ArduCopter overshot by one metre. The driver sent one
+// kind of set-point to a moving vehicle and another kind to a stationary one. At each change of the
+// kind, ArduCopter attributes its present braking to wind
+// (RecordedMotion.OvershootsAsRecordedWhenTheTargetKindChanges verifies this for the emulator). The
+// driver must send one kind for the whole flight. The vehicle must stop within the budgeted
+// distance and stay there, also after a second HOLD.
 TEST_P(Flight, StopsWithinTheBudgetedDistance) {
   constexpr double kRecordedM = 0.12;  // m; accuracy of the emulated autopilots
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
@@ -205,9 +206,9 @@ TEST_P(Flight, StopsTheMotorsImmediatelyOnAnEmergencyStop) {
   EXPECT_FALSE(bench.is_armed());
 }
 
-// The emergency stop comes at all times from the ground to the end of the climb, also directly
-// after arming, before a heartbeat reports the armed state. The motors stop immediately and run
-// again only after `arm`.
+// The emergency stop is sent at many times from the ground to the end of the climb, including
+// directly after arming, before a heartbeat reports the armed state. The motors stop immediately
+// and run again only after `arm`.
 TEST_P(Flight, StopsTheMotorsImmediatelyDuringTakeOff) {
   for (const double above_m : {-1.0, 0.02, 0.1, 0.3, 0.8}) {
     SCOPED_TRACE(above_m);

@@ -16,7 +16,7 @@
 
 namespace vantage::test {
 
-/// Argument of set_velocity(): leaves this axis free.
+/// Argument of set_velocity(): does not change the velocity along this axis.
 inline constexpr double kFreeAxis = std::numeric_limits<double>::quiet_NaN();
 
 /// Flight bench that collects the reasons in the status of the driver.
@@ -94,7 +94,7 @@ struct ReasonBench : FlightBench {
         {wire::mavlink::BatteryStatus::kMessage.id, wire::mavlink::SysStatus::kMessage.id});
   }
   void charge(double share) { vehicle.controller().airframe().set_battery_share(share); }
-  /// Sets the vehicle's velocity in the world frame at each step; NaN leaves an axis free.
+  /// Sets the vehicle's velocity in the world frame at each step; NaN does not change that axis.
   void set_velocity(double x_mps, double y_mps, double z_mps) {
     each_step = [=, this](Time) {
       const Eigen::Vector3d now_mps = vehicle.velocity_world_mps();

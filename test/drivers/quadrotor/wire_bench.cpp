@@ -227,9 +227,9 @@ std::int64_t WireBench::count_of(const Vehicle& vehicle, const std::string& coun
   return -1;
 }
 
-// Vehicles lift one after the other. A waiting order is dropped after 10 s, and motors that were
-// stopped meanwhile need a new order. All orders are therefore repeated until all vehicles have
-// flown.
+// Vehicles lift one after the other. A waiting vehicle's order is dropped after 10 s, and after its
+// motors have been stopped it needs a new order. All orders are therefore repeated until all
+// vehicles have flown.
 void WireBench::fly_up(double until_s) {
   constexpr std::int64_t kCycleTicks = 2'000;
   while (time_s() < until_s) {

@@ -89,8 +89,7 @@ class WireBench : public FlightBench {
   bus::VirtualClock clock_;
   std::unique_ptr<bus::Transport> mocap_side_ = hub_.connect();
   bus::Bus mocap_bus_{*mocap_side_, 33};
-  std::unique_ptr<bus::Transport> planner_side_ = hub_.connect();  ///< publishes encoded plans,
-                                                                   ///< commands
+  std::unique_ptr<bus::Transport> planner_side_ = hub_.connect();  ///< plans, commands
   std::unique_ptr<bus::Transport> lab_side_ = hub_.connect();
   bus::Bus lab_{*lab_side_, 44};
   ViconBench vicon_;

@@ -1,4 +1,5 @@
-// Conditions that forbid arming and taking off, and the handling of orders meanwhile.
+// Conditions that forbid arming and taking off, and the handling of orders while they are
+// forbidden.
 
 #include <cmath>
 

@@ -246,7 +246,7 @@ TEST_F(Authority, ForgetsTheLongestSilentStation) {
     EXPECT_TRUE(is_known(run)) << run;
   }
   EXPECT_FALSE(is_known(9));
-  admit(OperatorAction::kHeartbeat, 3, 0.9);  // then 4 is silent longest, but for the one in charge
+  admit(OperatorAction::kHeartbeat, 3, 0.9);  // 4 is now silent longest, except 1
   admit(OperatorAction::kHeartbeat, 2, 0.95);
   for (const std::int64_t newcomer : {9, 10}) {
     admit(OperatorAction::kHeartbeat, newcomer, 0.96 + 0.001 * static_cast<double>(newcomer));
@@ -285,8 +285,8 @@ TEST_F(Authority, IgnoresTheClockOfReplayedHeartbeats) {
   }
 }
 
-// A silent station is replaced by another station that sends a new heartbeat. A replayed heartbeat
-// or an order does not replace it.
+// If the station in charge is silent, another station takes over with a new heartbeat. A replayed
+// heartbeat, or an order, does not make a station take over.
 TEST_F(Authority, PassesToAStationWithANewHeartbeat) {
   for (const std::int64_t first : {0, 1}) {  // ids of a station may have any value
     authority = {};

@@ -31,9 +31,9 @@ double stop_m(const OtherBody& body, double own_mps, const SafetyLimits& limits)
   return compute_surroundings(kHere_m, way, {&body, 1}, limits).separation_stop_m;
 }
 
-// A person walks head-on towards the vehicle. The predicted distance is reduced by the vehicle's
-// stopping distance v T + v²/2a, by the person's path at constant speed, and by the greatest
-// deviation of the person from that straight path.
+// A person walks head-on towards the vehicle. The predicted distance is reduced by three amounts:
+// the vehicle's stopping distance v T + v²/2a, the person's path at constant speed, and the
+// greatest deviation of the person from that straight path.
 TEST(ComputeSurroundings, PredictsAPersonUntilTheVehicleStops) {
   const SafetyLimits limits = bench_limits();
   for (const double own_mps : {0.0, 0.5, 1.0}) {

@@ -79,9 +79,9 @@ TEST(Course, EqualsThePlanWithoutAWindow) {
   }
 }
 
-// A plan applies from its exact start time, after a hover and after another plan, regardless of
-// earlier queries. After a plan that followed a hover has begun, the course returns the plan's
-// start position for earlier times.
+// A plan applies from its exact start time, after a hover and after another plan, whether or not
+// the course was queried before. After a plan that followed a hover has begun, the course returns
+// the plan's start position for earlier times.
 TEST(Course, FollowsAPlanFromItsStartTime) {
   Course course(kHalfWindowS);
   Eigen::Vector3d before_m(5.0, 5.0, 1.0);

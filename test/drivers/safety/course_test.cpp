@@ -270,8 +270,8 @@ TEST(Course, OnTimeReturnsThePositionWithoutSlowing) {
                             never.at(after(2.0)).position_world_m, 1e-5));
 }
 
-// If a next plan is expected, the predicted path beyond the round continues straight until that
-// plan arrives or is due. Tested for the first plan and the next.
+// If a next plan is expected, the predicted path beyond the round continues straight until the next
+// plan arrives or is due. Tested for the first plan and the next one.
 TEST(Course, ContinuesStraightUntilTheNextPlan) {
   constexpr double kRoundS = 1.0;
   Course course(kHalfWindowS, kRoundS);
@@ -363,8 +363,8 @@ TEST(BrakeWay, MatchesTheEquationsOfMotion) {
   }
 }
 
-// When the vehicle follows a plan, its braking path stays on the planned path, shifted to the
-// vehicle, and ends at rest. Later parts of the plan have no effect.
+// While the vehicle follows a plan, its braking path is the planned path, shifted to the vehicle,
+// and ends at rest. Later parts of the plan have no effect.
 TEST(BrakeWay, FollowsThePlannedPathUntilStationary) {
   test::Random random(8);
   for (int trial = 0; trial < 200; ++trial) {

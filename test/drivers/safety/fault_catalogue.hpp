@@ -33,8 +33,7 @@ struct Fault {
   Act act;
   std::vector<Stage> stages;      ///< empty: the vehicle flies on
   const char* reason = nullptr;   ///< condition that must be among the reasons
-  const char* counter = nullptr;  ///< name of a count that must have increased, for an input
-                                  ///< refused without a reaction
+  const char* counter = nullptr;  ///< name of a counter that must have increased
   models::FlightState end = models::FlightState::kFollow;
   bool trusts_plans = false;  ///< see FlightBench
   double delays_s = 0.0;      ///< s; during this time no other fault can be detected either

@@ -71,15 +71,15 @@ void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& ot
   if (fault.needs_undisturbed_flight && !other.stages.empty()) {
     return;
   }
-  // A vehicle may have landed before its motors would be stopped near the floor.
+  // The motors need not be stopped near the floor, because the vehicle may have landed before.
   const bool ends_at_floor = !fault.stages.empty() && fault.stages.back().within_s >= kFloorS;
-  // A hold that the operator can end is ended by the second station, which sends `follow`.
+  // The fault `other` (a second station that sends `follow`) ends a hold that an operator can end.
   const bool is_resumed =
       std::string(other.name) == kSecondStationFault && fault.end == models::FlightState::kHold;
   const int needed = is_resumed ? 0 : std::min(severity_of(fault.end), ends_at_floor ? 2 : 3);
   EXPECT_GE(severity_of(outcome.end), needed)
       << fault.name << " ends in " << name_of(outcome.end) << " with " << other.name;
-  // If the other fault suppresses the plan that would have had the effect, the next plan has it.
+  // If the other fault suppresses the plan with this fault's effect, the next plan has the effect.
   const double later_s = fault.acts_through_plans && other.acts_through_plans ? kRoundS : 0.0;
   for (std::size_t s = 0; s < fault.stages.size() - (ends_at_floor ? 1 : 0); ++s) {
     EXPECT_GE(outcome.stage_s[s], 0.0) << fault.name << " never reaches "
@@ -91,9 +91,9 @@ void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& ot
 
 bool is_of_cameras(const Fault& fault) { return fault.number <= 12; }
 
-// Returns the reason why the count of `fault` need not appear together with the other fault,
-// nullptr if it must appear. The catalogue is sorted by number, so in a pair with one camera fault
-// the camera fault is first.
+// Returns the reason why `fault` need not be counted when it occurs together with `other`; nullptr
+// if it must be counted. The catalogue is sorted by number, so in a pair with one camera fault the
+// camera fault is first.
 const char* hides_count(const Fault& fault, const Fault& other, bool is_first) {
   if (!is_first && is_of_cameras(fault)) {
     return "the first of two faults of the cameras may leave no frame, or no pose, to be wrong";
@@ -118,10 +118,9 @@ void expect_counted(const Fault& fault, const Outcome& outcome, const Fault& oth
 }
 
 // Expects that each state is reached as early as when the first fault occurs alone. The tolerance
-// is a telemetry tick, a guard tick, one tick for rounding and the delay of the other fault.
-//
+// is one telemetry tick, one guard tick, one tick for rounding and the delay of the other fault.
 // Skips stages that wait for the floor. Also skips stages that depend on positions or plans if the
-// other fault may have changed those; for them the limits of the table apply.
+// other fault may have changed them; expect_as_alone() checks such stages by the table's limits.
 void expect_as_soon(const Fault& fault, const Outcome& alone, const Outcome& outcome,
                     const Fault& other) {
   constexpr double kTicksS = 0.03;
@@ -139,7 +138,7 @@ void expect_as_soon(const Fault& fault, const Outcome& alone, const Outcome& out
 
 // Expects that a pair of faults does not bring vehicles closer together than the lanes, which are
 // 1.3 m apart. Faults with `trusts_plans` are excluded, because they bring vehicles much closer;
-// for them the collision check of each pair applies.
+// pairs with such a fault are checked for collisions only.
 void expect_as_far_apart(const Fault& a, const FaultRun& alone, const Fault& b,
                          const FaultRun& run) {
   constexpr double kLanesKeptM = 1.0;  // m; checked by FaultTable for faults without a reaction

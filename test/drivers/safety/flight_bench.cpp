@@ -319,8 +319,8 @@ void FlightBench::corrupt(models::MocapFrame& frame) {
   }
 }
 
-// Returns a plan along the lane to its end, a turn, and back. It starts at the predicted position
-// if the vehicle keeps to its plan, otherwise at the current one.
+// Returns a plan along the lane to its end, a turn, and back. The plan starts at the vehicle's
+// predicted position if the vehicle tracks its present plan, otherwise at its current position.
 models::RobotPlan FlightBench::nominal_plan(Vehicle& vehicle, Time start) {
   models::RobotPlan plan;
   plan.robot = vehicle.name;
@@ -398,7 +398,7 @@ void FlightBench::corrupt(models::RobotPlan& plan, Vehicle& vehicle) {
       straight_to(0.0, 0.65);
       break;
     case PlanFault::kMeetsTeammate: {
-      // Predicted position of the other vehicle when this one arrives.
+      // Computes the predicted position of the other vehicle when this vehicle arrives there.
       const Vehicle& other = vehicles_[vehicle.name == "Q1" ? 1 : 0];
       Eigen::Vector2d meeting_m = other.position_m.head<2>();
       for (int i = 0; i < 10; ++i) {

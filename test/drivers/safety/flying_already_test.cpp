@@ -152,7 +152,8 @@ TEST_F(FlyingAlready, IsIdleWhenDisarmedOnTheGround) {
 }
 
 // Only mocap measures the ground height. A vehicle on the ground is unseen while its estimate
-// drifts, then is seen again and armed without a command. It must not count as flying.
+// drifts; then it is seen again and its motors are armed without a command. It must not count as
+// flying.
 TEST_F(FlyingAlready, IgnoresADriftedEstimateOnTheGround) {
   bench.run(1.0);
   bench.run(2.0, [&] {

@@ -20,9 +20,9 @@ constexpr double kLiftM = 0.2;
 
 double asked_m(const OneVehicle& one) { return one.out.setpoint.position_world_m.z(); }
 
-// It climbs at 0.5 m/s to 0.2 m, where its identity is verified, and then to 1 m. Set-points lead
-// by 0.1 s. Plans are refused until it is within 0.15 m of its height. A second flight does the
-// same.
+// The vehicle climbs at 0.5 m/s to 0.2 m, where its identity is verified, and then to 1 m.
+// Set-points lead by 0.1 s. Plans are refused until the vehicle is within 0.15 m of 1 m. All this
+// also holds in a second flight.
 TEST(GuardClimb, ReachesLiftHeightThenFlightHeight) {
   OneVehicle one;
   for (int flight = 0; flight < 2; ++flight) {
@@ -255,8 +255,8 @@ TEST(GuardClimb, ReachesTheHeightOfThePlan) {
   }
 }
 
-// Position, velocity, acceleration and yaw of a set-point are consistent. They are those of the
-// plan in 0.1 s, averaged over the window.
+// Position, velocity, acceleration and yaw of a set-point are consistent. They are the averages of
+// the plan over a window that is centred 0.1 s after the current time.
 TEST(GuardClimb, SetpointsLeadByATenthOfASecond) {
   OneVehicle one({0.0, 0.0, 1.5});
   one.hover_without_plan();
@@ -317,7 +317,8 @@ TEST(GuardClimb, LiftEndsWithAStopOrLanding) {
   }
 }
 
-// Plans are accepted while following, or while only a plan is missing for it.
+// A plan is accepted while the vehicle follows, and during a hold that lasts only because a plan is
+// missing.
 TEST(GuardClimb, AcceptsPlansOnlyWhileWaitingForThem) {
   OneVehicle one;
   const auto verdict = [&] { return one.follow(0.2, 0.0, 0.2, 1.5, 0.3); };

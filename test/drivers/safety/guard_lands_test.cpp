@@ -209,7 +209,7 @@ TEST(Landing, DescendsAfterTheTimeLimitWithoutAFreeSpot) {
   }
 }
 
-// A landing that begins this low ignores bodies below. The second flight does the same.
+// A landing that begins close to the ground ignores bodies below. The second flight does the same.
 TEST(Landing, IgnoresBodiesWhenItBeginsLow) {
   OneVehicle one;
   for (const double from_m : {0.33, 0.37, 0.33, 0.37}) {

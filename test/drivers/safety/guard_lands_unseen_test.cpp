@@ -34,8 +34,8 @@ TEST(LandingUnseen, DescendsBlindlyWhenTheEstimatorFails) {
   }
 }
 
-// A vehicle that is not seen waits at its hover position for 1.4 s and descends blindly after 1.5
-// s, even with a body below.
+// An unseen vehicle still waits at its hover position after 1.4 s. It descends blindly after 1.5 s,
+// even with a body below.
 TEST(LandingUnseen, DescendsBlindlyAfterTheTimeLimit) {
   OneVehicle one;
   one.run(0.4);

@@ -172,8 +172,9 @@ TEST(GuardStop, PredictsADriftingHover) {
   }
 }
 
-// A vehicle that has only just begun a plan stops at its position and does not continue the plan.
-// This applies if the commanded speed exceeds twice its actual speed by more than 0.1 m/s.
+// A vehicle that has just begun a plan may be much slower than the plan. If the commanded speed
+// exceeds twice the vehicle's speed by more than 0.1 m/s, the vehicle stops at its position and
+// does not continue the plan.
 TEST(GuardStop, StopsAtItsPositionWhenThePlanHasJustBegun) {
   struct Case {
     double own_mps, asked_mps;

@@ -149,8 +149,8 @@ TEST_F(LadderOrders, TakeOffWaitsForNearBodies) {
   }
 }
 
-// Idle motors may still be stopped up to 2.5 s (stop delay plus one heartbeat) after they are
-// wanted again. Motors that run longer will not stop, so the take-off begins.
+// Idle motors may still stop up to 2.5 s (stop delay plus one heartbeat) after they are requested
+// again. If they still run after this time they will not stop, so the take-off begins.
 TEST_F(LadderOrders, TakeOffWaitsForStoppingMotors) {
   wait_for_its_turn();
   for (int time = 0; time < 2; ++time) {

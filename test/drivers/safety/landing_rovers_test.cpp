@@ -44,7 +44,7 @@ TEST(LandingSpot, IsOnTheNearestFreeRing) {
   }
 }
 
-// Stationary robots are ignored because they wait for their turn; moving robots and all other
+// Stationary robots are ignored, because they may wait for their turn. Moving robots and all other
 // bodies count.
 TEST(PredictedDistance, IgnoresStationaryRobotsOnly) {
   const Eigen::Vector3d here_m(1.0, 2.0, 0.0);

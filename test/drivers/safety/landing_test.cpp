@@ -275,9 +275,9 @@ TEST(FlightGuard, StaysOnTheGroundWhenABodyApproaches) {
   EXPECT_LT(seen.took_s, 15.0);
 }
 
-// All vehicles land simultaneously, each with bodies below or close. No vehicle moves to where
-// another lands. If landings considered only bodies below, four of 400 seeds would end in a
-// contact; three of those seeds are tested here.
+// All vehicles land simultaneously, each with bodies below or close. No vehicle moves to the
+// landing position of another. If landings considered only bodies below, four of 400 seeds would
+// end in a contact; three of those seeds are tested here.
 TEST(FlightGuard, KeepsSeparationInSimultaneousLandings) {
   std::vector<std::uint64_t> seeds = {226, 251};
   for (std::uint64_t seed = 80; seed < 100; ++seed) {
@@ -389,8 +389,8 @@ TEST(FlightGuard, LandsWhileItIsPushed) {
   EXPECT_LT(seen.took_s, 15.0);
 }
 
-// While mocap does not see the vehicle but sees a body below, the vehicle waits as long as it can
-// before it descends.
+// While mocap sees a body below but not the vehicle, the vehicle waits for the longest permitted
+// time before it descends.
 TEST(FlightGuard, WaitsForABodyBelowWithoutAPose) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);

@@ -11,9 +11,9 @@
 
 #include "test/support/random.hpp"
 
-// Timing, latching and clearing of conditions, tested with an artificial table. Each row holds
-// while its bit is set. The result is compared with a brute-force evaluation of the complete
-// history.
+// Timing, latching and clearing of conditions, tested with an artificial table. The condition of a
+// row is true while the row's bit is set. The result is compared with a brute-force evaluation of
+// the complete history.
 
 namespace vantage::drivers {
 namespace {
@@ -117,8 +117,8 @@ TEST(Latches, EqualTheEvaluationOfTheCompleteHistory) {
   EXPECT_TRUE(ladder.latched[kRows - 1]) << "what only arming again ends is there for good";
 }
 
-/// Evaluates `ask` for each row alone, and for the row together with all rows for which it is
-/// false.
+/// Evaluates `ask` for each row alone, and for each row together with all rows for which false is
+/// expected.
 template <class Ask>
 void expect_of_rows(const std::vector<Condition>& rows, const Ask& ask,
                     const std::vector<bool>& expected) {

@@ -111,7 +111,7 @@ TEST(LiftQueue, OrdersByCommandThenByName) {
 }
 
 // A report of lifting blocks other lifts for 0.5 s plus the vehicle's additional wait. The
-// vehicle's own reports and those of unknown vehicles are ignored.
+// vehicle's own reports and reports of unknown vehicles are ignored.
 TEST(LiftQueue, WaitsTheStatedTimeAfterAReport) {
   const std::vector<std::string> names = {"Q1", "Q2", "Q3"};
   for (std::size_t own = 0; own < names.size(); ++own) {

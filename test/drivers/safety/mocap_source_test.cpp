@@ -136,7 +136,7 @@ TEST_F(Source, HasTheStatedTimeLimits) {
   }
 }
 
-// The message first reports a second source, then a second clock; each for two seconds.
+// The message reports a second source for two seconds, and later a second clock for two seconds.
 TEST_F(Source, ReportsRefusalsForTwoSeconds) {
   const std::string second = "messages from a second VICON source are rejected";
   const std::string other_time = "VICON messages from another clock or a log are rejected";

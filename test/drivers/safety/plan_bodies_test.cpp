@@ -82,8 +82,8 @@ TEST(CheckPath, NeedsFewStepsForNinetyNineTeammates) {
   std::vector<OtherCourse> far(others.begin() + 1, others.end());
   EXPECT_EQ(check_path(own, kStart, lim, far, &steps), PlanVerdict::kAccepted);
   EXPECT_LT(steps, 3'000);
-  // Another vehicle stays half a millimetre beyond the separation for a minute. This would need 60
-  // 000 steps; the check stops at its limit.
+  // Another vehicle stays half a millimetre beyond the required separation for a minute. An exact
+  // check would need 60 000 steps; the check stops at its maximum number of steps.
   EXPECT_EQ(check_path(own, kStart, lim, others, &steps), PlanVerdict::kTooCostly);
   EXPECT_LE(steps, kPathStepsMax);
 }

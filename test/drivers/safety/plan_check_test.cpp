@@ -268,8 +268,9 @@ TEST(CheckShape, RefusesNonFiniteValues) {
   }
 }
 
-// Message encoding rounds values, so each limit may be exceeded by 1e-6 of its value. This holds in
-// both directions, on both sides, and for segments that change the speed in steps.
+// Message encoding rounds values, so each limit may be exceeded by 1e-6 of its value. This
+// tolerance applies forwards and backwards, to left and right turns, and to segments that change
+// the speed in steps.
 TEST(CheckShape, ToleratesARelativeExcessOfOneMillionth) {
   SafetyLimits lim = limits();
   lim.vehicle.speed_max_mps = 0.8;

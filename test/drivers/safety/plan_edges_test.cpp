@@ -227,7 +227,7 @@ TEST(Distances, AreToTheNearestPointOfTheEdge) {
   }
 }
 
-// ---- The same scenes mirrored, rotated, shifted in time and with other names ----
+// ---- The same scenes, mirrored, rotated, shifted in time and with other names ----
 
 struct Scene {
   HeldPlan plan;
@@ -459,7 +459,7 @@ TEST_F(ShapeEdges, IgnoresTheFlownPartOfThePath) {
   EXPECT_NEAR(since_s, 1.4, 5e-6);
 }
 
-// Each other body is checked, at any position in the list.
+// Each other body is checked, whatever its position in the list.
 TEST_F(ShapeEdges, ChecksEveryBody) {
   const HeldPlan plan = held(kStart, {1.0, -1.0, 0.0}, {});
   for (std::size_t near = 0; near < 4; ++near) {

@@ -58,8 +58,8 @@ TEST_F(Poses, BeginOnlyInsideTheVolume) {
   EXPECT_EQ(see({0.0, 9.0, 1.0}, 2.0), PoseVerdict::kOutside) << "nor jumps there in the air";
 }
 
-// In the air the pose gate allows an unknown acceleration of 10 m/s² during the gap. It stays below
-// half of the separation.
+// In the air, the pose gate allows for an unknown acceleration of 10 m/s² during the gap. The gate
+// stays smaller than half of the separation.
 TEST_F(Poses, GateGrowsWithTheGap) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
   for (const double gap_s : {0.01, 0.1, 0.2, 0.3, 1.0}) {
@@ -83,7 +83,7 @@ TEST_F(Poses, GateGrowsWithTheGap) {
       EXPECT_NEAR(last_rad, turn_rad, 1e-7) << gap_s << " " << side;
     }
   }
-  // The possible descent during the gap widens the gate downwards only.
+  // A possible descent during the gap widens the gate downwards only.
   for (const double z_m : {-0.4, 0.4}) {
     stand(here_m);
     const BodyContext sinks{true, false, false, 0.3};

@@ -91,7 +91,7 @@ TEST(VehicleStatus, ReportsSetpointAndPlan) {
       EXPECT_EQ(q1.out.climb_to_m, 1.0);
     }
     EXPECT_TRUE(q1.out.state == FlightState::kLand || !q1.out.is_sinking);
-    // In the air no order is pending. Near the ground the guard stops requesting that the
+    // In the air no order is pending, and near the ground the guard no longer requests that the
     // motors run.
     const bool is_other = q1.out.state != before.state || q1.out.reasons != before.reasons;
     if (is_airborne && drivers::is_airborne(before.state)) {

@@ -393,8 +393,8 @@ TEST(ClearSpot, IsTheNearestClearPosition) {
   }
 }
 
-// The spot keeps separation_hold_m + 0.05 m from another body ahead. A body from which the hover
-// moves away has no effect.
+// The spot keeps separation_hold_m + 0.05 m from another body ahead. A body that the hover moves
+// away from has no effect.
 TEST(ClearSpot, KeepsTheStatedDistanceFromBodies) {
   constexpr double kEdgeM = 0.0501;  // m; only the spot 0.1 m from the hover is clear
   const SafetyLimits limits = bench_limits();

@@ -12,7 +12,7 @@ using std::chrono::seconds;
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr Duration kLanding = seconds(45);
 
-/// End logic of a driver that was started one hour ago.
+/// The end logic of a driver that was started one hour ago.
 struct Driver {
   DriverEnd end{kStart - std::chrono::hours(1), kLanding};
   bool may_end(const EndFacts& facts, Duration since) {

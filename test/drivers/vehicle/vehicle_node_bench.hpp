@@ -38,7 +38,7 @@ class VehicleNodeBench {
         [this](const models::VehicleStatus& received) { statuses.push_back(received); });
   }
 
-  /// From now on, node and lab sign and verify messages; the attacker has no key.
+  /// Makes node and lab sign and verify all further messages; the attacker has no key.
   void secure(const std::shared_ptr<const bus::auth::Keyring>& keys,
               const bus::auth::Authenticator::Rules& rules) {
     node_bus.secure(authenticator(keys, rules), clock);

@@ -88,8 +88,9 @@ TEST(FrameFilter, AcceptsABodyAfterAWrongFrameAndAGap) {
   }
 }
 
-// A body at an earlier position of the tracked body may be another body under its name. Here the
-// other body follows 0.3 m to 0.8 m behind at 1 m/s and is seen only every `period_frames`.
+// A body at an earlier position of the tracked body may be another body under the same name. Here
+// the other body follows 0.3 m to 0.8 m behind at 1 m/s and is seen in every `period_frames`-th
+// frame only.
 TEST(FrameFilter, RefusesAnotherBodyAtAnEarlierPosition) {
   for (const double behind_m : {0.3, 0.5, 0.8}) {
     for (const int period_frames : {1, 3, 10, 20}) {

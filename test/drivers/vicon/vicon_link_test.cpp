@@ -231,7 +231,7 @@ TEST(DataStreamSession, KeepsStaticContentUntilItIsReplaced) {
     append(packet, HandServer::pose(7, 1001.0));
   });
   ASSERT_EQ(server.bodies.size(), 1u);
-  server.send([](wire::vicon::PacketWriter& packet) {  // partly new; the rest is declared unchanged
+  server.send([](wire::vicon::PacketWriter& packet) {  // partly new; the rest declared unchanged
     append(packet, wire::vicon::Contents{{}, {wire::vicon::kSubjectInfo}});
     append(packet, wire::vicon::StreamInfo{1'350'000});
     append(packet, wire::vicon::FrameInfo{3});
@@ -239,7 +239,7 @@ TEST(DataStreamSession, KeepsStaticContentUntilItIsReplaced) {
   });
   ASSERT_EQ(server.bodies.size(), 1u);
   EXPECT_EQ(server.session.rate_hz(), 100.0);
-  server.send([](wire::vicon::PacketWriter& packet) {  // partly new; the rest is not mentioned
+  server.send([](wire::vicon::PacketWriter& packet) {  // partly new; the rest is not included
     append(packet, wire::vicon::StreamInfo{1'350'000});
     append(packet, wire::vicon::FrameInfo{4});
     append(packet, HandServer::pose(7, 1003.0));

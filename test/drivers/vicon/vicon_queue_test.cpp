@@ -132,8 +132,8 @@ TEST(FrameFilter, UsesTheServersStatedRate) {
   }
 }
 
-// If the stated rate differs from that of the frame numbers, ping replies reveal it within three
-// seconds.
+// If the stated rate differs from the rate of the frame numbers, ping replies reveal this within
+// three seconds.
 TEST(FrameFilter, PrefersEchoesToTheStatedRate) {
   for (const double stated_share : {0.5, 0.999, 1.001, 2.0, 10.0}) {
     FilterBench bench;
@@ -175,7 +175,7 @@ TEST(FrameFilter, ReportsNoQueueForJitter) {
   }
 }
 
-// The rate of a server that states none decreases. This cannot be distinguished from a slow
+// The server states no rate, and its rate decreases. This cannot be distinguished from a slow
 // connection.
 TEST(FrameFilter, EstimatesTheRateAgainOnANewConnection) {
   ChangingServer server;
@@ -190,8 +190,8 @@ TEST(FrameFilter, EstimatesTheRateAgainOnANewConnection) {
   EXPECT_FALSE(server.bench.filter.is_behind());
 }
 
-// The queue grows too slowly to be detected from the frame numbers. The ping reply passes through
-// the same queue and reveals it.
+// The queue grows too slowly to be detected from the frame numbers. A ping reply passes through the
+// same queue and reveals the delay.
 TEST(FrameFilter, ReportsAQueueThatOnlyEchoesShow) {
   FilterBench bench;
   for (int k = 0; k < 500; ++k) {
