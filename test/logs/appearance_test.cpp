@@ -57,7 +57,8 @@ Colour oklab(const Colour& rgb) {
           0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
 }
 
-// The least that any of the three eyes sees between two colours: 1 is black to white.
+// Returns the minimum distance between two colours for the three kinds of colour vision; the
+// distance from black to white is 1.
 double distance(const std::string& a, const std::string& b) {
   double least = 10.0;
   for (const auto& eye : kEyes) {
@@ -106,7 +107,7 @@ TEST(Appearance, ColoursAreDistinctForColourBlindReaders) {
 TEST(Appearance, StreamColoursNameTheirTableEntry) {
   std::set<std::uint32_t> met;
   std::size_t count = 0;
-  std::set<std::string> pairs;  // roles that share both colours are one on the stream, too
+  std::set<std::string> pairs;  // colour pairs; roles with equal pairs count once
   for (const Paint& paint : appearance().robots) {
     met.insert(paint.middle());
     ++count;

@@ -82,7 +82,7 @@ TEST(AppendFile, ReportsWriteErrors) {
   EXPECT_EQ(uncut->message, "/dev/full: its unfinished end cannot be cut off: Invalid argument");
 }
 
-// A limit on the file size simulates a disk that fills up during a write.
+// A limit on the file size emulates a disk that fills up during a write.
 TEST(AppendFile, WritesUpToTheFreeSpace) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
@@ -125,7 +125,7 @@ TEST(FreeBytesFor, AgreesWithAnOpenFile) {
   const auto of_path = free_bytes_for(folder.file("b.lcmlog"));
   const auto of_file = file->free_bytes();
   ASSERT_TRUE(of_path && of_file);
-  // Others write meanwhile.
+  // The tolerance covers writes of other processes between the two queries.
   EXPECT_NEAR(static_cast<double>(*of_path), static_cast<double>(*of_file),
               0.1 * static_cast<double>(*of_file) + 1e9);
 }

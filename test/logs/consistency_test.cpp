@@ -15,7 +15,7 @@
 namespace vantage::logs {
 namespace {
 
-// Log-uniform samples with a median at different positions within a histogram bin.
+// The samples are log-uniform; their median is at different positions within a histogram bin.
 TEST(NeesSums, ReportsTheMedian) {
   for (const double from : {-3.9, -0.5, 0.0, 2.123}) {
     for (const double length : {0.343, 0.6868, 1.7772}) {
@@ -31,7 +31,7 @@ TEST(NeesSums, ReportsTheMedian) {
 }
 
 TEST(NeesSums, CountsEstimatesInsideTheEllipse) {
-  // The 95 % points of chi squared, from tables: 5.991 with 2, 7.815 with 3 coordinates.
+  // Limits of the 95 % ellipse from tables of chi squared: 5.991 for 2 coordinates, 7.815 for 3.
   for (const auto& [dim, edge] : {std::pair{2, 5.991}, {3, 7.815}}) {
     NeesSums sums(dim);
     sums.add(edge - 0.002);
@@ -80,7 +80,7 @@ models::TargetBelief known(int id, double x_m, double sigma_m) {
   return out;
 }
 
-// Ids that are not targets of the trial and targets without information are skipped.
+// Ids that do not belong to a target of the trial, and targets without information, are skipped.
 TEST(RobotSums, IgnoreUnknownTargets) {
   models::TruthFrame frame;
   frame.stamp.time = from_utime(5);
@@ -106,7 +106,7 @@ TEST(RobotSums, IgnoreUnknownTargets) {
   EXPECT_EQ(means.consistency.samples, 1);
   EXPECT_NEAR(step.entropy_nats().value(), nats, 1e-9);
   EXPECT_NEAR(step.rmse_m().value(), 3.0, 1e-9);
-  // Without targets there is nothing at all.
+  // A trial without targets has neither entropy nor errors.
   RobotSums without(0, 2, 9.0);
   RobotStep empty;
   without.add("Q1", from_utime(5), 3.0, {}, truth, empty);
@@ -120,7 +120,7 @@ Consistency consistency(double base) {
   return {static_cast<std::int64_t>(base), base + 0.25, base + 0.5, base + 0.75};
 }
 
-// Every number of a summary under its key: none under another's.
+// Each number of a summary is written under its own key only.
 TEST(TrialSummary, ContainsEachNumberByKey) {
   TrialSummary summary;
   summary.seed = 1;

@@ -23,7 +23,7 @@ using test::Bytes;
 
 const bus::WireSchema& schema_of(const char* name) { return *bus::find_wire_schema(name); }
 
-/// Cells of each line, quotes undone.
+/// Returns the cells of each line, without their quotes.
 std::vector<std::vector<std::string>> parsed(const std::string& text) {
   std::vector<std::vector<std::string>> lines;
   std::vector<std::string> line{""};

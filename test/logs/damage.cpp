@@ -28,7 +28,7 @@ Bytes junk(Rng& rng, std::size_t size) {
 
 void append(Bytes& to, const Bytes& what) { to.insert(to.end(), what.begin(), what.end()); }
 
-/// Data of a message that carries pieces of logs.
+/// Returns message data that may contain pieces of logs.
 Bytes data_with_traps(Rng& rng) {
   Bytes out = junk(rng, upto(rng, 100));
   switch (upto(rng, 9)) {
@@ -36,7 +36,7 @@ Bytes data_with_traps(Rng& rng) {
       append(out, {0xED, 0xA1, 0xDA, 0x01});
       append(out, junk(rng, upto(rng, 60)));
       break;
-    case 1: {  // a header of long ago that promises more than is left
+    case 1: {  // an old header, longer than the rest
       const std::string channel = "INNER";
       const Bytes data = junk(rng, 300);
       Bytes event;
@@ -45,7 +45,7 @@ Bytes data_with_traps(Rng& rng) {
       append(out, event);
       break;
     }
-    case 2:  // a whole little log
+    case 2:  // a complete log of three events
       for (std::int64_t i = 0; i < 3; ++i) {
         const std::string channel = "INNER";
         const Bytes data = junk(rng, upto(rng, 40));
@@ -58,7 +58,7 @@ Bytes data_with_traps(Rng& rng) {
   return out;
 }
 
-/// Every byte with where it came from; kNew for bytes that were not in the made log.
+/// A byte and its offset in the made log; kNew if the byte was not in that log.
 struct Traced {
   static constexpr std::size_t kNew = ~std::size_t{0};
   std::uint8_t value = 0;
@@ -76,7 +76,8 @@ void write_length(std::vector<Traced>& bytes, std::size_t at, std::size_t length
   }
 }
 
-/// A wrong length of data in the header of some event of the made log, wherever that is now.
+/// Writes a wrong data length into the header of a random event of the made log, at the header's
+/// present position.
 void lie(const MadeLog& log, std::vector<Traced>& bytes, Rng& rng) {
   const std::size_t events = log.begins.size() - 1;
   const std::size_t event = upto(rng, events - 1);
@@ -94,7 +95,7 @@ void lie(const MadeLog& log, std::vector<Traced>& bytes, Rng& rng) {
   switch (upto(rng, 3)) {
     case 0:
       length = most;
-      break;  // ends where a later event begins
+      break;  // ends at the start of a later event
     case 1:
       length = upto(rng, size + 400);
       break;

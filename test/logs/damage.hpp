@@ -9,26 +9,26 @@
 
 namespace vantage::logs::test {
 
-/// A log made up of random events, some with traps inside: sync words, headers and whole logs in
-/// their data. `begins` has the offset of each event, then the size.
+/// A log of random events. The data of some events contain traps: sync words, headers and complete
+/// logs. `begins` has the offset of each event and, as the last entry, the size of the log.
 struct MadeLog {
   std::vector<std::uint8_t> bytes;
   std::vector<std::size_t> begins;
 };
 MadeLog random_log(std::mt19937_64& rng, int events);
 
-/// A log after accidents, and where its untouched events are now.
+/// A damaged log, and the positions of its undamaged events.
 struct DamagedLog {
   std::vector<std::uint8_t> bytes;
-  /// Offsets and sizes of undamaged events, in order.
+  /// Size of each undamaged event, by its offset.
   std::map<std::size_t, std::size_t> intact;
-  /// Offsets of the sync words before the damage: of events, and of the traps in their data.
+  /// Offsets of the sync words that remain of the original log: those of events and those in traps.
   std::set<std::size_t> headers;
 };
 
-/// Up to six accidents of nine kinds: flipped bits, overwritten stretches, stretches set to 0,
-/// whole blocks of the disk set to 0, lost stretches, inserted junk, a cut tail, stretches twice,
-/// and lengths that lie (also so that they end exactly where some later event begins).
+/// Applies up to six damages of nine kinds to the log: flips bits, overwrites ranges, sets ranges
+/// or whole disk blocks to 0, removes ranges, inserts random bytes, cuts off the end, duplicates
+/// ranges, and writes wrong lengths (some of which end exactly at a later event).
 DamagedLog damage(const MadeLog& log, std::mt19937_64& rng);
 
 }  // namespace vantage::logs::test

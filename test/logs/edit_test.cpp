@@ -20,7 +20,7 @@ namespace {
 
 using test::Bytes;
 
-/// (µs, channel, first byte of the data)
+/// An event: time (µs), channel, first byte of its data.
 using Kept = std::vector<std::tuple<std::int64_t, std::string, int>>;
 
 class Edit : public ::testing::Test {
@@ -124,8 +124,8 @@ TEST_F(Edit, RepairsATruncatedLog) {
   log_of("whole", events);
   Bytes torn = test::read_file(folder_.file("whole"));
   const std::size_t size = torn.size() / 4;
-  torn[size] = 0;                // the second one's sync word
-  torn.resize(torn.size() - 1);  // the fourth one's data
+  torn[size] = 0;                // damages the second event's sync word
+  torn.resize(torn.size() - 1);  // cuts the fourth event's data
   test::write_file(folder_.file("torn"), torn);
   const IndexedLog log(folder_.file("torn"));
   EditRules rules;
@@ -145,10 +145,10 @@ TEST_F(Edit, RepairsATruncatedLog) {
   EXPECT_TRUE(survey_log(test::read_file(folder_.file("mended"))).is_whole());
 }
 
-// The functions behind `vantage log check` and `repair`, on files.
+// Tests the functions behind `vantage log check` and `repair` on files.
 TEST_F(Edit, RepairsAThousandDamagedLogs) {
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
-    // Separate files: truncating a file that was just written is slow.
+    // Each log gets its own file, since truncating a file that was just written is slow.
     const std::string torn = folder_.file("torn" + std::to_string(seed));
     const std::string mended = folder_.file("mended" + std::to_string(seed));
     std::mt19937_64 rng(seed + 1'000'000);
@@ -206,7 +206,8 @@ TEST_F(Edit, EndsOnRequest) {
   EXPECT_EQ(merged.written, 1);
 }
 
-// As far back as SCENARIO comes three times over; farther, what the log begins with says it.
+// The scenario is searched up to 15 s before the part, three SCENARIO periods. If none is found
+// there, the first scenario of the log is used.
 TEST_F(Edit, SearchesFifteenSecondsBackForTheScenario) {
   const auto scenario_of = [&](const Kept& events, std::int64_t from) {
     const IndexedLog log =
@@ -278,7 +279,7 @@ TEST_F(Edit, PrependsOnlyASelectedScenarioAndRenamesIt) {
 TEST_F(Edit, OmitsDoubtfulEventsOnRequest) {
   log_of("whole", {{10, "A", 1}, {20, "A", 2}, {30, "A", 3}});
   Bytes bytes = test::read_file(folder_.file("whole"));
-  bytes[27] = 0;  // the first one's length: no header is behind it
+  bytes[27] = 0;  // the first length; no header follows
   test::write_file(folder_.file("a"), bytes);
   const IndexedLog log(folder_.file("a"));
   ASSERT_EQ(log.survey().scan.doubtful, 1);
@@ -291,7 +292,8 @@ TEST_F(Edit, OmitsDoubtfulEventsOnRequest) {
   }
 }
 
-// A sorted log is read only up to the end of the part; an unsorted one is read completely.
+// A sorted log is read only up to the end of the part, so later events are not counted as omitted.
+// An unsorted log is read completely.
 TEST_F(Edit, CountsOmittedEvents) {
   EditRules rules;
   rules.from = from_utime(20);

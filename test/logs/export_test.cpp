@@ -17,7 +17,7 @@
 #include "test/bus/convert/sample_messages.hpp"
 #include "test/logs/file_support.hpp"
 
-// Properties that all log exports share.
+// Tests the properties that all log exports share.
 
 namespace vantage::logs {
 namespace {
@@ -171,7 +171,7 @@ TEST_F(ExportTest, ReportsFilesThatCannotBeCreated) {
             folder_.file("csv/VEHICLE_Q1.csv") + ": cannot be written: Is a directory");
 }
 
-/// Cells of a table without quotes in it.
+/// Returns the cells of a line of a table without quotes.
 std::vector<std::string> cells(const std::string& line) {
   std::vector<std::string> out{""};
   for (const char c : line) {
@@ -215,8 +215,8 @@ TEST(CsvTable, HasColumnsInFieldOrder) {
             "9,1,2,3,4,5,2,Q2,10.5,11.5,12.5,10.25,11.25,12.25,13.25,false\r\n");
 }
 
-// Only the first list of structs becomes rows. `inputs`, the list of messages that this one was
-// made from, does not.
+// Only the first list of structs becomes rows. Another list, such as `inputs`, is written into one
+// cell.
 TEST(CsvTable, WritesFurtherListsIntoOneCell) {
   vantage_lcm::scan_t scan{};
   scan.robot = "line\none";

@@ -17,7 +17,7 @@
 
 namespace vantage::logs::test {
 
-/// A disk that fills up, hangs and fails on command. Thread-safe.
+/// An emulated disk that fills up, hangs and fails on command. Thread-safe.
 class FakeDisk {
  public:
   using Bytes = std::vector<std::uint8_t>;
@@ -51,12 +51,12 @@ class FakeDisk {
     const std::lock_guard lock(mutex_);
     return files_[path].synced_bytes;
   }
-  /// Waits until somebody waits for an append that hangs.
+  /// Waits up to 20 s until a thread is blocked in an append that hangs; returns false on time-out.
   bool wait_for_hanging_append() {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, std::chrono::seconds(20), [&] { return appends_hanging_ > 0; });
   }
-  /// Waits until `holds(bytes, synced bytes)` of the file; false when that takes for ever.
+  /// Waits until `holds(bytes, synced bytes)` is true for the file; returns false after 20 s.
   bool wait_for(const std::string& path,
                 const std::function<bool(const Bytes&, std::size_t)>& holds) {
     std::unique_lock lock(mutex_);
@@ -82,7 +82,7 @@ class FakeDisk {
       return std::nullopt;
     }
     [[nodiscard]] std::uint64_t size_bytes() const override { return disk_.bytes(path_).size(); }
-    /// Returns the space set by the test; nullopt before.
+    /// Returns the free space that the test has set; nullopt if it has set none.
     [[nodiscard]] std::optional<std::uint64_t> free_bytes() const override {
       return disk_.free_bytes();
     }

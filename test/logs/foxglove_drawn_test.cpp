@@ -87,7 +87,7 @@ TEST(ProposalScene, ShowsRobotAndGain) {
   EXPECT_EQ(told(entity, "value_nat"), "3.46");
   EXPECT_EQ(told(entity, "round"), "12");
   EXPECT_EQ(entity.at("lifetime"), to_json(from_seconds(0.75)));
-  // Dashes of 0.2 s, the first, third and fifth of five: Q3 is even.
+  // Robots with an even index (Q3) draw the first, third and fifth of five parts of 0.2 s.
   const auto dashes = points_of(entity.at("lines").at(0));
   ASSERT_EQ(dashes.size(), 6U);
   for (std::size_t i = 0; i < 6; ++i) {
@@ -104,7 +104,8 @@ PositionEstimate estimate_of(double sigma_x_m, double sigma_y_m) {
   return out;
 }
 
-// Points at one distance that lie on a half of it only would pass for an ellipse.
+// The distance alone does not suffice: points on one half of the ellipse would have the right
+// distance, too.
 TEST(Ellipse, SurroundsItsMeanAtItsHeight) {
   PositionEstimate estimate = estimate_of(0.5, 0.25);
   for (const int dim : {2, 3}) {
@@ -144,7 +145,7 @@ TEST(EstimatesScene, MarksTheMeanAndStatesTheUncertainty) {
     for (const Eigen::Vector3d& point : points_of(loop)) {
       EXPECT_EQ(point.z(), z_m);
     }
-    // A quarter of sigma, of the mean variance, and 10 cm at least.
+    // Half the length of the cross: a quarter of the root of the mean variance, but at least 10 cm.
     const double arm_m = i == 0 ? 0.1 : 0.25 * std::sqrt((16.0 + 4.0) / 2.0);
     const auto cross = points_of(entity.at("lines").at(1));
     ASSERT_EQ(cross.size(), 4U);
@@ -184,7 +185,7 @@ TEST(MeasurementScene, HasALinePerPositionDetection) {
   looked.stamp.time = kTime;
   looked.viewpoint = {{1.0, 2.0, kPi / 2}, 1.5};
   looked.detections.resize(2);
-  looked.detections[0].measurement.z = Eigen::Vector3d(1.0, 0.0, -1.25);  // ahead, 25 cm high
+  looked.detections[0].measurement.z = Eigen::Vector3d(1.0, 0.0, -1.25);  // ahead, 0.25 m high
   looked.detections[1].measurement.z = Eigen::Vector3d(0.0, 2.0, -1.5);   // on the left
   const Json entity = measurement_scene(looked, sensor, 3).at("entities").at(0);
   EXPECT_EQ(entity.at("id"), "measurement/Q1");

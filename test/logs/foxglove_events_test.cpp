@@ -6,7 +6,7 @@
 #include "logs/foxglove/stream.hpp"
 #include "test/logs/foxglove_notebook.hpp"
 
-// Messages that a stream publishes when something changes.
+// Tests messages that a stream publishes when something changes.
 
 namespace vantage::logs::foxglove {
 namespace {
@@ -43,8 +43,8 @@ TEST(Stream, RecoloursRobotsWhenJammingChanges) {
   EXPECT_EQ(notebook.of("/views").size(), 2U);
 }
 
-// The time of a record is when its message was received; that of what it shows is the message's
-// own.
+// The time of a record is the reception time of its message. The time in its content is the
+// message's stamp.
 TEST(Stream, SeparatesReceptionTimeAndDisplayTime) {
   Notebook notebook;
   Stream stream(notebook);

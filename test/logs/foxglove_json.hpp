@@ -26,7 +26,7 @@ inline std::vector<Eigen::Vector3d> points_of(const Json& primitive) {
   return out;
 }
 
-/// 0xRRGGBB.
+/// Returns a colour as 0xRRGGBB.
 inline std::uint32_t rgb(const Json& colour) {
   std::uint32_t out = 0;
   for (const char* channel : {"r", "g", "b"}) {
@@ -47,7 +47,7 @@ inline std::string told(const Json& entity, const std::string& key) {
   return "nothing of " + key;
 }
 
-/// Returns the corners of an upright cube.
+/// Returns the lowest corner of an upright cube.
 inline Eigen::Vector3d low_corner(const Json& cube) {
   return xyz(cube.at("pose").at("position")) - 0.5 * xyz(cube.at("size"));
 }

@@ -12,7 +12,7 @@
 
 namespace vantage::logs::foxglove {
 
-/// Keeps all that it wants, which is everything unless told otherwise.
+/// A sink that stores all records, except topics that the test refuses.
 class Notebook : public Sink {
  public:
   struct Record {

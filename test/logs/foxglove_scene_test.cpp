@@ -110,8 +110,8 @@ TEST(RobotsScene, DrawsDiscsWithAHeadingMark) {
     EXPECT_EQ(body.at("top_scale"), 1.0);
     expect_near(xyz(body.at("pose").at("position")), {0.0, 0.0, 0.0});
     EXPECT_EQ(rgb(body.at("color")), is_jammed ? role("jammed") : looks.body_paint().middle());
-    // A jammed robot's body has the jammed colour and its core the robot's own. Other robots that
-    // share a body colour have a core, too.
+    // A jammed robot's body has the jammed colour and its core has the robot's own colour. Other
+    // robots that share a body colour also have a core.
     ASSERT_EQ(robot.at("cylinders").size(), is_jammed || i >= 8 ? 2U : 1U);
     if (is_jammed || i >= 8) {
       const Json& core = robot.at("cylinders").at(1);
@@ -155,7 +155,8 @@ TEST(RobotsScene, DrawsDiscsWithAHeadingMark) {
   }
 }
 
-// The part of a disc on the ground that is within the field of view, as a fan from below the robot.
+// The view is the part of a disc on the ground within the field of view, drawn as a fan from the
+// point below the robot.
 TEST(ViewsScene, IsTheSensorsGroundSector) {
   scenario::Scenario scenario = lab();
   const double fovs_rad[] = {1.2, 2.0 * kPi, 3.0 * kPi};
@@ -221,8 +222,8 @@ TEST(ViewsScene, IsTheSensorsGroundSector) {
   EXPECT_LE(line_of(1).at("color").at("a"), 1.0);
 }
 
-// A field of view of more than half a turn, but less than a full one, has edges from and to its
-// origin.
+// A field of view of more than half a turn, but less than a full turn, has two straight edges that
+// meet at its origin.
 TEST(ViewsScene, IsASectorOrAFullDisc) {
   scenario::Scenario scenario = lab();
   scenario.robots.resize(1);
@@ -237,7 +238,8 @@ TEST(ViewsScene, IsASectorOrAFullDisc) {
   }
 }
 
-// Lines are visible, fills hide nothing, and obstacles are more opaque than regions.
+// Lines are clearly visible, the ground is visible through fills, and obstacles are more opaque
+// than regions.
 TEST(Scenes, AreVisible) {
   const models::World world = a_world();
   const Json of_world = world_scene(world, kTime).at("entities");

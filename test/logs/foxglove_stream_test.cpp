@@ -125,7 +125,7 @@ TEST(ProposalScene, FollowsTrajectoriesUntilTheEndOfTheRound) {
   const Json& lines = made["lines"][0];
   EXPECT_EQ(lines["color"]["r"], robot_colour(scenario, "Q2")->r);
   ASSERT_EQ(lines["type"], 2);
-  // On the circle about (0.5 − 2.5 sin 0.3, 2.5 cos 0.3), v / ω = 2.5 m.
+  // The path is an arc about (0.5 − 2.5 sin 0.3, 2.5 cos 0.3) with the radius v / ω = 2.5 m.
   const Eigen::Vector2d centre(0.5 - 2.5 * std::sin(0.3), 2.5 * std::cos(0.3));
   double drawn_m = 0.0;
   for (std::size_t i = 0; i < lines["points"].size(); i += 2) {
@@ -289,7 +289,7 @@ TEST(Stream, PublishesAScenarioOnceAndRestartsWithAnother) {
   EXPECT_EQ(notebook.of("/world").at(0).at("entities")[0].at("timestamp"),
             to_json(lab_notice().stamp.time));
   EXPECT_EQ(notebook.records.front().time, from_utime(7)) << "when it was heard";
-  // The step count restarts and the metrics are reset.
+  // After the new scenario the step count restarts and the metrics are reset.
   const std::size_t told = notebook.of("/team").size();
   stream.on(belief_of("Q1", 95, {}), from_utime(11));
   ASSERT_EQ(notebook.of("/team").size(), told + 1);
@@ -319,7 +319,7 @@ TEST(Stream, PublishesTeamMetricsAtEachStep) {
   EXPECT_EQ(notebook.of("/team").back().at("timestamp"), to_json(from_utime(6'500'000)));
 }
 
-// The error shown is that of the newest evaluated step, which is two before the current one.
+// The published error is that of the newest evaluated step, two steps before the current one.
 TEST(Stream, PublishesEstimationErrors) {
   Notebook notebook;
   Stream stream(notebook);
@@ -382,7 +382,7 @@ TEST(Stream, PublishesNoAgeWithoutAMeasurement) {
   models::RobotPlan plan;
   plan.robot = "Q1";
   for (plan.round = 7; plan.round <= 8; ++plan.round) {
-    plan.inputs = {{"BELIEF_Q1", 2, plan.round == 7 ? 5 : 6}};  // message 6 was not received
+    plan.inputs = {{"BELIEF_Q1", 2, plan.round == 7 ? 5 : 6}};  // message 6 is missing
     stream.on(plan, Time{});
   }
   const auto is_told = [&](const std::string& robot, std::int64_t round) {

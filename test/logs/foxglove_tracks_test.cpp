@@ -12,7 +12,7 @@
 #include "test/logs/foxglove_json.hpp"
 #include "test/logs/foxglove_notebook.hpp"
 
-// Past data in a stream: tracks of bodies and observed ground cells.
+// Tests past data in a stream: tracks of bodies and observed ground cells.
 
 namespace vantage::logs::foxglove {
 namespace {
@@ -30,7 +30,7 @@ models::MocapFrame frame_of(Time time, const std::string& name, const Eigen::Vec
 
 class Tracks : public ::testing::Test {
  protected:
-  /// Mocap every 20 ms, from the first instant until the last.
+  /// Sends mocap frames every 20 ms from the first time to the last, inclusive.
   void fly(const Way& way, double from_s, double to_s) {
     for (int k = static_cast<int>(std::lround(50.0 * from_s)); k <= std::lround(50.0 * to_s); ++k) {
       const double at_s = 0.02 * k;
@@ -44,7 +44,7 @@ class Tracks : public ::testing::Test {
   Stream stream_{notebook_};
 };
 
-/// Returns the distance of `point` from the nearest segment of the path.
+/// Returns the distance, m, of `point` from the nearest segment of the path.
 double distance_m(const Eigen::Vector3d& point, const std::vector<Eigen::Vector3d>& way) {
   double least_m = (point - way.front()).norm();
   for (std::size_t i = 1; i < way.size(); ++i) {
@@ -60,7 +60,7 @@ TEST_F(Tracks, HaveAPointEveryTwoSecondsOnAStraightPath) {
   const Way straight = [](double at_s) { return Eigen::Vector3d(at_s, -0.5 * at_s, 1.5); };
   fly(straight, 0.0, 30.0);
   const auto track = newest();
-  // The last 20 s, in segments of 2 s and at most two shorter ones at the end.
+  // The track covers the last 20 s in segments of 2 s and at most two shorter segments at its end.
   EXPECT_GE(track.size(), 11U);
   EXPECT_LE(track.size(), 13U);
   const double oldest_s = 30.0 - track.front().x();
@@ -74,7 +74,7 @@ TEST_F(Tracks, HaveAPointEveryTwoSecondsOnAStraightPath) {
   }
 }
 
-// Circles of 1 m radius in either direction, and a slow arc.
+// Paths: circles of 1 m radius in either direction, and a slow arc.
 TEST_F(Tracks, DeviateByAtMostTwoCentimetres) {
   for (const double turn_radps : {0.8, -0.8, 0.05}) {
     Notebook notebook;
@@ -98,7 +98,7 @@ TEST_F(Tracks, DeviateByAtMostTwoCentimetres) {
 }
 
 TEST_F(Tracks, KeepCornersAndReversals) {
-  // 2 m along x in 2 s and back to x = 1 m, then to the left.
+  // Path: 2 m along x in 2 s, back to x = 1 m, then to the left.
   const Way there_and_back = [](double at_s) {
     return Eigen::Vector3d(at_s <= 2.0 ? at_s : std::max(1.0, 4.0 - at_s),
                            std::max(0.0, at_s - 3.0), 0.0);
@@ -111,7 +111,7 @@ TEST_F(Tracks, KeepCornersAndReversals) {
   }
 }
 
-// Time steps around 0.2 s and displacements around 2 cm.
+// Tests time steps around 0.2 s and displacements around 2 cm.
 TEST_F(Tracks, AddAPointAfterTwoCentimetresAndAFifthOfASecond) {
   const auto points = [&](double step_s, double step_m) {
     Notebook notebook;
@@ -213,7 +213,7 @@ TEST_F(Tracks, UseTruthOneSecondAfterTheLastMocap) {
   EXPECT_FALSE(moves(5.5));
 }
 
-/// Decodes the ages or occupancies of the cells.
+/// Returns the decoded ages or occupancies of the cells.
 std::vector<float> values_of(const Json& grid) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -269,7 +269,7 @@ TEST(Grids, ExistPerRobotAndForTheTeam) {
   stream.on(seen_by("Q1", 6, grid, {1.0, 2.0, 3.0, -1.0}), kStart);
   ASSERT_EQ(notebook.of("/grid").size(), 2U);
   EXPECT_EQ(values_of(notebook.of("/grid").back()), (std::vector<float>{2.0F, 8.0F, 7.0F, 6.0F}));
-  // A new grid geometry discards the old cells; data that does not fit the grid is not shown.
+  // A new grid geometry discards the old cells; data of another size is not shown.
   const models::GridGeometry other{{0.0, 0.0}, 1.0, 2, 1};
   stream.on(seen_by("Q1", 7, other, {3.0, -1.0}), kStart);
   EXPECT_EQ(values_of(notebook.of("/grid").back()), (std::vector<float>{7.0F, -1.0F}));
@@ -292,7 +292,7 @@ TEST(Grids, MergeFromNeighbourhoodsIntoTheWorldGrid) {
   const scenario::Scenario scenario = lab();
   const auto whole =
       models::GridGeometry::covering(scenario.world.bounds, scenario.estimator.grid_resolution_m);
-  // Two parts of a cell each, in two corners.
+  // Two neighbourhoods of one cell each, in opposite corners of the world grid.
   models::GridGeometry part = whole;
   part.columns = part.rows = 1;
   stream.on(seen_by("Q1", 5, part, {1.0}), kStart);

@@ -42,7 +42,7 @@ TEST(VisibilityGrid, IsAlignedWithItsCells) {
   EXPECT_EQ(made.at("column_count"), 3);
   EXPECT_EQ(made.at("cell_stride"), 4) << "a float";
   EXPECT_EQ(made.at("row_stride"), 3 * 4);
-  // 7: FLOAT32 of foxglove.PackedElementField.
+  // 7 is FLOAT32 of foxglove.PackedElementField.
   EXPECT_EQ(made.at("fields"), Json::array({{{"name", "age_s"}, {"offset", 0}, {"type", 7}}}));
   EXPECT_EQ(made.at("data").get<std::string>().size(), 4U * 6U * 4U / 3U);
 }
@@ -190,7 +190,7 @@ models::RobotBelief belief(const std::string& robot, Time time,
   return out;
 }
 
-// Three of five targets are tracked; the truth of two of them is received, too.
+// Three of five targets are tracked; the truth is received for two of these three.
 TEST(TeamJson, DescribesTheNewestEvaluatedStep) {
   const scenario::Scenario scenario = lab();
   ASSERT_EQ(scenario.targets.size(), 5U);
@@ -255,7 +255,7 @@ TEST(TeamJson, DescribesTheNewestEvaluatedStep) {
       5.0;
   EXPECT_NEAR(made.at("entropy_nats").get<double>(), team_nats, 1e-9);
   EXPECT_NEAR(made.at("robot_entropy_nats").get<double>(), 0.5 * (team_nats + prior_nats), 1e-9);
-  // Off by 3 and by 2 sigma, both just seen.
+  // The errors are 3 σ and 2 σ; both targets were observed less than 1 s ago.
   ASSERT_EQ(made.at("nees_by_age").size(), 1U);
   EXPECT_EQ(made.at("nees_by_age")[0].at("age_s"), "0-1");
   EXPECT_EQ(made.at("nees_by_age")[0].at("samples"), 2);
@@ -314,7 +314,7 @@ TEST(EventOf, ReportsVehicleStateAndReasons) {
   models::VehicleStatus status;
   status.robot = "Q1";
   status.stamp.time = kTime;
-  // The first status is an event unless its state is calm.
+  // A first status is an event, except in the states idle and follow.
   for (const FlightState calm : {FlightState::kIdle, FlightState::kFollow}) {
     status.state = calm;
     EXPECT_FALSE(event_of(nullptr, status));

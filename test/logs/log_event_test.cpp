@@ -26,7 +26,7 @@ TEST(BigEndian, RoundTripsInEveryWidth) {
   }
 }
 
-// Byte by byte what LCM's eventlog.c writes.
+// The bytes equal those that LCM's eventlog.c writes.
 TEST(AppendEvent, WritesEventsLikeLcm) {
   Bytes bytes;
   append_event({0x0102, from_utime(0x030405), "AB", Bytes{7, 8, 9}}, bytes);
@@ -62,7 +62,7 @@ TEST(FindSync, ReturnsTheNextSyncWord) {
   for (const std::size_t from : {17U, 19U, 20U, 21U, 1000U}) {
     EXPECT_EQ(find_sync(bytes, from), 20U) << from;
   }
-  bytes.pop_back();  // the last one's last byte
+  bytes.pop_back();  // removes the last byte
   EXPECT_EQ(find_sync(bytes, 4), 19U);
 }
 

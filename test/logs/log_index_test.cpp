@@ -26,7 +26,8 @@ namespace {
 using test::Bytes;
 using test::TemporaryFolder;
 
-/// Events of 500 kB: several blocks. Times go back a little now and then.
+/// Returns a log with events of 500 kB, so that it has several blocks. Times decrease a little now
+/// and then.
 Bytes large_log() {
   std::mt19937_64 rng(11);
   Bytes out;
@@ -106,7 +107,7 @@ TEST(SurveyLog, TreatsAnUndecodableMessageAsDamage) {
     test::append_message(wire, i, 1'000 + i, "ATTACK", log);
   }
   const std::size_t size = log.size() / 3;
-  const std::size_t name_length = size + size - 3 - 1;  // of the second event's "Q1"
+  const std::size_t name_length = size + size - 3 - 1;  // of the second event's channel "Q1"
   log[name_length] = 200;
   const LogSurvey survey = survey_log(log);
   EXPECT_EQ(survey.scan.events, 2);
@@ -147,10 +148,10 @@ TEST(IndexedLog, RefusesTheIndexOfAnotherLog) {
   EXPECT_EQ(IndexedLog(path).survey().scan.events, 40);
   const auto changed = std::filesystem::last_write_time(path);
   log.resize(log.size() / 2);
-  test::write_file(path, log);  // as long as half of it
+  test::write_file(path, log);  // half the log, with a valid size
   std::filesystem::last_write_time(path, changed);
   EXPECT_FALSE(IndexedLog(path).was_indexed());
-  log[40] ^= 1U;  // as long and as old, other bytes
+  log[40] ^= 1U;  // same size and time, other bytes
   test::write_file(path, log);
   std::filesystem::last_write_time(path, changed);
   EXPECT_FALSE(IndexedLog(path).was_indexed());
@@ -185,8 +186,8 @@ TEST(IndexedLog, OpensAnEmptyLogAndRefusesOtherFiles) {
   EXPECT_THROW(IndexedLog(folder.path()), StartupError);
 }
 
-/// A log that has something of everything: a scenario first, the house's messages of which some are
-/// lost, others' data, clocks that go back, numbers that are missing and begin anew, damage.
+/// Returns a log with many features: a scenario first, vantage messages of which some are missing,
+/// data of other types, times that decrease, event numbers that skip and restart, and damage.
 Bytes eventful_log() {
   std::mt19937_64 rng(3);
   Bytes out;
@@ -210,7 +211,7 @@ Bytes eventful_log() {
     }
     number += i % 50 == 49 ? 3 : i % 90 == 89 ? -20 : i % 90 == 44 ? 0 : 1;
   }
-  for (const std::size_t event : {130U, 260U}) {  // their headers
+  for (const std::size_t event : {130U, 260U}) {  // damages two headers
     std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(begins[event]), 30, std::uint8_t{0});
   }
   out.resize(out.size() - 2);
@@ -297,7 +298,8 @@ TEST(SurveyLog, MatchesAManualCount) {
   EXPECT_GT(survey.channels.at("EVERY_THIRD").other_types, 50);
 }
 
-// Blocks are where reading can begin: of 256 KiB at least, each ended by the next event.
+// A block is a range at whose start reading can begin. It has at least 256 KiB and ends at the next
+// event.
 TEST(SurveyLog, DividesALogIntoDescribedBlocks) {
   for (const Bytes& log : {eventful_log(), large_log()}) {
     const LogSurvey survey = survey_log(log);
@@ -404,7 +406,7 @@ TEST(IndexedLog, RestoresItsSurvey) {
   }
 }
 
-// 4 KiB of either end say which log it is.
+// An index is valid only for a log with the same first and last 4 KiB.
 TEST(IndexedLog, RefusesAnIndexWhenTheLogsEndsDiffer) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
@@ -434,7 +436,7 @@ TEST(IndexedLog, LeavesOnlyItsIndex) {
   EXPECT_FALSE(save_index(folder.file("missing/b.lcmlog"), log.bytes(), log.survey()));
 }
 
-/// `content` with the hash that an index of the log ends with.
+/// Appends to `content` the hash with which the index of a log ends.
 Bytes with_hash(Bytes content) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
   for (const std::uint8_t byte : content) {
@@ -444,7 +446,7 @@ Bytes with_hash(Bytes content) {
   return content;
 }
 
-// An index is a cache: whatever it contains, the log is read.
+// An index is a cache: the log can be read whatever its index contains.
 TEST(IndexedLog, SurvivesACorruptIndexWithAValidHash) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");

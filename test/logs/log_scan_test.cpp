@@ -66,7 +66,8 @@ TEST(EventAt, RefusesInvalidEvents) {
   EXPECT_FALSE(event_at(good, ~std::size_t{0}).has_value());
 }
 
-// LCM allows any bytes in a channel name; overwritten bytes are rarely text.
+// LCM allows any bytes in a channel name, but the scan accepts no control characters: overwritten
+// bytes are rarely text.
 TEST(EventAt, AcceptsNamesWithoutControlCharacters) {
   for (const char* name : {"A\tB", "A\nB", "\x1B[31mRED", "PLAN_\xFC", "PLAN_ü", "../../evil"}) {
     Bytes bytes;
@@ -137,9 +138,9 @@ TEST(LogScan, RecoversEventsAroundPagesOfZeros) {
   }
 }
 
-// Seeds that failed among 17 000 damaged logs. Intact events next to damage contain pieces of logs.
-// These pieces outnumbered the log's own events near its ends, or were all that was found after
-// damage. In other cases a length in one piece ended by chance at a header in another.
+// These seeds failed among 17 000 damaged logs. Intact events next to damage contain pieces of
+// logs. Such pieces outnumbered the log's own events near its ends, or were the only events found
+// after damage. In other cases a length in one piece ended by chance at a header in another.
 TEST(LogScan, IgnoresLogsInsideDataNearDamage) {
   for (const unsigned seed :
        {4316U, 5998U, 6592U, 10045U, 11019U, 13965U, 14089U, 15142U, 15699U, 16847U}) {
@@ -193,8 +194,8 @@ TEST(LogScan, ReportsDamagedRanges) {
   const Bytes data(20, 7);
   Bytes bytes = log_of({{0, data}, {1, data}, {2, data}});
   const std::size_t size = bytes.size() / 3;
-  bytes[size] ^= 1U;           // the second one's sync word
-  bytes.resize(3 * size - 5);  // the third one's end
+  bytes[size] ^= 1U;           // damages the second event's sync word
+  bytes.resize(3 * size - 5);  // cuts off the third event's end
   LogScan scan(bytes);
   EXPECT_EQ(all_events(scan).size(), 1U);
   ASSERT_EQ(scan.stretches().size(), 1U);
@@ -206,7 +207,7 @@ TEST(LogScan, ReportsDamagedRanges) {
 TEST(LogScan, ConfirmsALengthByTheNextEvent) {
   const Bytes data(50, 7);
   Bytes bytes = log_of({{0, data}, {1, data}, {2, data}});
-  bytes[27] = 30;  // the first event's length, shorter than it was
+  bytes[27] = 30;  // first event's length, now too short
   LogScan plain(bytes);
   const auto without = all_events(plain);
   ASSERT_EQ(without.size(), 3U);
@@ -228,9 +229,9 @@ TEST(LogScan, ReadsConcatenatedLogs) {
   EXPECT_EQ(scan.counts().bytes_damaged, 0U);
 }
 
-// Isolated events with foreign numbers do not change the number range of the log, however many
-// there are. A log inside the data of one of them is found by the usual numbers, even at the end of
-// the file.
+// Single events with foreign numbers do not change the number range of the log, whatever their
+// number. A log inside the data of such an event is found by the log's own numbers, even at the end
+// of the file.
 TEST(LogScan, KeepsItsNumberingDespiteScatteredForeignEvents) {
   const Bytes data(10, 7);
   for (const int strangers : {1, 63, 64, 65, 128, 200}) {
@@ -244,7 +245,7 @@ TEST(LogScan, KeepsItsNumberingDespiteScatteredForeignEvents) {
       events.emplace_back(number++, data);
       events.emplace_back(strange = 1'000'000'000 + 1'000'000 * i, data);
     }
-    // A wrong length in an event with a foreign number, spanning two of the log's own events.
+    // An event with a foreign number has a wrong length, which spans two of the log's own events.
     Bytes bytes = log_of(events);
     append_event({strange + 1, from_utime(1), "A", log_of({{number, data}, {number + 1, data}})},
                  bytes);
@@ -256,8 +257,8 @@ TEST(LogScan, KeepsItsNumberingDespiteScatteredForeignEvents) {
   }
 }
 
-// 64 foreign numbers in a row belong to the log, which was merged from several logs. This holds
-// repeatedly.
+// After 64 consecutive events with foreign numbers, these numbers belong to the log, which may have
+// been merged from several logs. Further such sequences are accepted in the same way.
 TEST(LogScan, AcceptsSixtyFourConsecutiveForeignEvents) {
   const Bytes data(10, 7);
   std::vector<std::pair<std::int64_t, Bytes>> events;
@@ -351,7 +352,7 @@ TEST(LogScan, KeepsIntactEventsWithAnyContent) {
   }
 }
 
-// A scan that starts in the middle counts skipped bytes from there.
+// A scan that starts in the middle of a log counts skipped bytes from its start.
 TEST(LogScan, CountsFromItsStart) {
   const Bytes bytes = log_of({{0, Bytes(5, 7)}, {1, Bytes(5, 7)}, {2, Bytes(5, 7)}});
   const std::size_t size = bytes.size() / 3;

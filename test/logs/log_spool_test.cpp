@@ -25,7 +25,7 @@ const std::string kPath = "/nowhere/flight.lcmlog";
 
 Bytes data_of(int i) { return Bytes(kDataBytes, static_cast<std::uint8_t>(i)); }
 
-/// The data say which, the times follow.
+/// Writes event `i`: its data and its time state the number.
 bool write(LogSpool& spool, int i, std::string_view channel = "TICK") {
   return spool.write(from_utime(kStart + i), channel, data_of(i));
 }
@@ -62,7 +62,7 @@ SpoolOptions quick(const std::string& path = kPath) {
   return out;
 }
 
-/// Waits for a sentence with `words` in it; returns all notices until then.
+/// Waits up to 20 s for a notice that contains `words`; returns all notices up to that one.
 std::string wait_for_notice(LogSpool& spool, const std::string& words) {
   std::string notices;
   const std::int64_t give_up_ns = monotonic_ns() + 20'000'000'000;
@@ -113,7 +113,7 @@ TEST(LogSpool, WritesAndSyncsPeriodically) {
   EXPECT_TRUE(spool.report().is_good());
 }
 
-// Red with a queue that waits: write() would not return.
+// Fails if write() waits for the queue: write() would not return.
 TEST(LogSpool, DoesNotBlockOnAHangingDisk) {
   FakeDisk disk;
   disk.hang_append(true);
@@ -122,7 +122,7 @@ TEST(LogSpool, DoesNotBlockOnAHangingDisk) {
   LogSpool spool(options, disk.opener());
   int taken = 1;
   EXPECT_TRUE(write(spool, 0));
-  EXPECT_TRUE(disk.wait_for_hanging_append());  // what is being written takes room, too
+  EXPECT_TRUE(disk.wait_for_hanging_append());  // the event in progress counts, too
   while (write(spool, taken)) {
     ++taken;
   }
@@ -139,7 +139,7 @@ TEST(LogSpool, DoesNotBlockOnAHangingDisk) {
   EXPECT_FALSE(spool.report().is_good());
 }
 
-// Written data survives a kill -9, however long the sync takes.
+// Written data survives a kill -9, even during a long sync.
 TEST(LogSpool, ContinuesWritingDuringAHangingSync) {
   FakeDisk disk;
   disk.hang_sync(true);
@@ -174,7 +174,7 @@ TEST(LogSpool, ContinuesWritingDuringAHangingSync) {
 
 TEST(LogSpool, IsIntactAfterAFullDisk) {
   FakeDisk disk;
-  disk.set_room(2 * kEventBytes + 77);  // in the third event
+  disk.set_room(2 * kEventBytes + 77);  // ends within the third event
   LogSpool spool(quick(), disk.opener());
   for (int i = 0; i < 5; ++i) {
     EXPECT_TRUE(write(spool, i));
@@ -290,7 +290,7 @@ TEST(LogSpool, StopsAtItsLimit) {
   EXPECT_EQ(spool.report().events_lost, 2);
 }
 
-// At its beginning, when it is refused, and when what was written is safe.
+// Free space is reported at the start, after a refused write, and after a sync.
 TEST(LogSpool, ReportsFreeSpace) {
   FakeDisk disk;
   const std::size_t room = 2 * kEventBytes + 77;
@@ -359,7 +359,7 @@ TEST(LogSpool, HasTheStatedDefaults) {
   EXPECT_EQ(report.at_risk_worst_us, 0) << "there is nothing to lose";
 }
 
-// To the byte: what fills the limit is written. What is behind it is lost, however small.
+// An event that exactly fills the limit is written; one byte more, and it is lost.
 TEST(LogSpool, FillsItsLimitExactly) {
   for (const std::size_t less : {0U, 1U}) {
     FakeDisk disk;
@@ -384,7 +384,7 @@ TEST(LogSpool, FillsItsLimitExactly) {
   }
 }
 
-// The limit is of all files together, and a file is filled to the byte before the next.
+// The limit applies to the sum of all files; each file is filled before the next begins.
 TEST(LogSpool, CountsAllItsFilesTogether) {
   FakeDisk disk;
   SpoolOptions options = quick();

@@ -73,7 +73,7 @@ TEST(LogWriter, ReportsWriteErrorAndEndsAtWholeEvent) {
   EXPECT_EQ(writer.events_lost(), 5);
 }
 
-// A limit on the file size simulates a disk that fills up within an event.
+// A limit on the file size emulates a disk that fills up within an event.
 TEST(LogWriter, EndsWithItsLastWholeEventWhenTheDiskIsFull) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("full.lcmlog");
@@ -126,7 +126,7 @@ TEST(LogWriter, Buffers64Kibibytes) {
   EXPECT_EQ(writer.events_lost(), 0);
 }
 
-// 1024 events of 64 bytes are those kibibytes to the byte.
+// 1024 events of 64 bytes fill the buffer of 64 KiB exactly.
 TEST(LogWriter, FlushesAnExactlyFullBuffer) {
   test::FakeDisk disk;
   LogWriter writer("a.lcmlog", Existing::kRefuse, disk.opener());

@@ -50,7 +50,7 @@ TEST(MappedFile, ReportsWhyItCannotBeRead) {
   EXPECT_EQ(why_not("/dev/null"), "/dev/null: is not a regular file");
 }
 
-/// A log of `bytes` in all, of events of about 10 kB.
+/// Returns a log of about `bytes` bytes, with events of about 10 kB.
 Bytes long_log(std::size_t bytes) {
   Bytes out;
   for (std::int64_t i = 0; out.size() < bytes; ++i) {
@@ -59,7 +59,8 @@ Bytes long_log(std::size_t bytes) {
   return out;
 }
 
-// A recording that is cut, copied over or on a disk that fails while it is read.
+// A log file may become shorter while it is read: it is truncated or overwritten, or its disk
+// fails.
 TEST(MappedFile, ReportsATruncationDuringAScan) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");

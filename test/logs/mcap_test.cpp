@@ -1,4 +1,4 @@
-// MCAP files of ours, read by @mcap/core, which has no code in common with the writer.
+// Our MCAP files are read by @mcap/core, which shares no code with our writer.
 
 #include <cstdio>
 #include <filesystem>
@@ -139,7 +139,8 @@ TEST_F(McapPeer, ReadsAnExportedLogOfEveryType) {
   EXPECT_GE(counts.messages, 12U * kOfEach);
 }
 
-// LCM carries names in any bytes; MCAP's are UTF-8, and a reader refuses the whole file for one.
+// LCM allows any bytes in a channel name, but MCAP requires UTF-8: a reader refuses the whole file
+// because of one invalid name.
 TEST_F(McapPeer, ReadsALogWithNamesThatAreNotUtf8) {
   const std::string log_path = folder_.file("a.lcmlog");
   {

@@ -1,5 +1,5 @@
-// Checks every number of every record of a written MCAP file by the specification alone
-// (mcap.dev/spec), including those that readers normally ignore.
+// Checks every number of every record of a written MCAP file against the specification
+// (mcap.dev/spec), including numbers that readers normally ignore.
 
 #include "logs/export/mcap_writer.hpp"
 
@@ -23,7 +23,7 @@
 namespace vantage::logs {
 namespace {
 
-/// Little-endian numbers and length-prefixed text, one after the other.
+/// Reads little-endian numbers and length-prefixed text in sequence.
 class Reader {
  public:
   explicit Reader(std::string_view left) : left_(left) {}
@@ -96,7 +96,8 @@ struct Written {
   std::string message;
 };
 
-/// Three topics of two schemas, messages of about 1 kB, not by time.
+/// Writes `count` messages of about 1 kB on three topics with two schemas, not in the order of
+/// their times.
 std::vector<Written> write_file(const std::string& path, int count) {
   McapWriter writer(path, {"a profile", "an encoding", "a schema language"});
   const std::uint16_t topics[] = {writer.topic("/a", "A", "text of A"),
@@ -273,7 +274,7 @@ TEST_F(McapFile, EndsWithASummary) {
   Reader end(data_end.content);
   EXPECT_EQ(end.number(4), crc32(std::string_view(bytes_).substr(0, data_end.offset)));
   const std::uint64_t summary_start = data_end.offset + data_end.size;
-  std::map<std::uint8_t, std::pair<std::uint64_t, std::uint64_t>> groups;  // where, how long
+  std::map<std::uint8_t, std::pair<std::uint64_t, std::uint64_t>> groups;  // offset, length
   std::vector<Record> summary;
   for (const Record& record : records_) {
     if (record.offset < summary_start || record.opcode == kSummaryOffset ||
@@ -341,7 +342,7 @@ TEST_F(McapFile, HasCorrectStatistics) {
   }
 }
 
-// A detector of one's own may stamp with −1, or in nanoseconds.
+// A user's detector may stamp with −1, or in nanoseconds.
 TEST(McapWriter, ClampsTimesToTheFormatsRange) {
   const test::TemporaryFolder folder;
   constexpr std::int64_t kMost_ns = std::numeric_limits<std::int64_t>::max();

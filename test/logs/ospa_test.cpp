@@ -20,7 +20,8 @@ std::vector<Labelled> points(test::Random& random, int count) {
   return out;
 }
 
-// The definition: the least over all ways to pair the smaller set with the larger.
+// Computes OSPA by its definition: the minimum over all pairings of the smaller set with the
+// larger.
 double by_definition(std::vector<Labelled> a, std::vector<Labelled> b, double c_m) {
   if (a.size() > b.size()) {
     std::swap(a, b);
@@ -63,7 +64,7 @@ TEST(OspaJudge, MatchesManualValues) {
   EXPECT_DOUBLE_EQ(judge.judge(one, both).ospa_m, std::sqrt((0.25 + 1.0) / 2.0));
 }
 
-// A metric: the triangle inequality over random sets.
+// OSPA is a metric: the triangle inequality holds for random sets.
 TEST(OspaJudge, IsAMetric) {
   test::Random random(2);
   OspaJudge judge(1.0);
@@ -91,7 +92,8 @@ TEST(OspaJudge, CountsATrackSwap) {
   EXPECT_EQ(judge.swaps(), 3);
 }
 
-// Without a cutoff: the least sum of squares over all pairings of the smaller set with the larger.
+// matched_rmse_m has no cutoff: it uses the minimum sum of squares over all pairings of the smaller
+// set with the larger.
 TEST(OspaJudge, MatchesTheSmallerSetOptimally) {
   test::Random random(3);
   OspaJudge judge(0.7);
@@ -101,7 +103,7 @@ TEST(OspaJudge, MatchesTheSmallerSetOptimally) {
     const SetError error = judge.judge(truth, estimates);
     const auto pairs = std::min(truth.size(), estimates.size());
     EXPECT_EQ(error.pairs, static_cast<int>(pairs));
-    // With a cutoff that never applies and only the paired points.
+    // The reference uses a cutoff that is never reached, and then removes the unpaired points.
     const double cutoff_m = 1e3;
     const double most = static_cast<double>(std::max(truth.size(), estimates.size()));
     const double all_m2 = std::pow(by_definition(truth, estimates, cutoff_m), 2) * most;
@@ -111,7 +113,8 @@ TEST(OspaJudge, MatchesTheSmallerSetOptimally) {
   }
 }
 
-// A swap is of a track that is nearer than the cutoff, whichever of the sets is the larger.
+// A swap counts only if the new track is nearer to the target than the cutoff, whichever set is
+// larger.
 TEST(OspaJudge, CountsSwapsOfNearTracksOnly) {
   const auto at = [](std::int64_t label, double x_m) { return Labelled{label, {x_m, 0.0}}; };
   for (const bool has_more_tracks : {false, true}) {

@@ -155,7 +155,7 @@ TEST(ParsePlayCommand, AcceptsOnlyItsCommands) {
   }
 }
 
-// A clock that is set while it is logged: 1970, 2026, 1970 and 2026 again.
+// The clock was set during the recording: the stamps are of 1970, 2026, 1970 and 2026 again.
 TEST_F(PlayerTest, SkipsWaitsOfBrokenTimeStamps) {
   Bytes bytes;
   constexpr std::int64_t kNow = 1'795'000'000'000'000;
@@ -226,7 +226,7 @@ TEST_F(PlayerTest, DoublesAndHalvesItsSpeedBetweenItsLimits) {
   PlayOptions options;
   options.rules.to = from_utime(1'400'000);
   play(options, {{110, "+"}, {170, "-"}});
-  // Keys are looked at each 20 ms: from 120 ms on it is twice as fast, from 180 ms on as before.
+  // Keys are read every 20 ms: the speed is doubled from 120 ms on and normal again from 180 ms on.
   EXPECT_EQ(received(), (Pairs{{0, 0}, {1, 100}, {2, 160}, {3, 240}}));
   const auto last_speed = [&](double speed, const std::string& key) {
     double seen = 0.0;
@@ -263,7 +263,7 @@ TEST_F(PlayerTest, TogglesAndPausesRepeatedly) {
                  {520, " "},
                  {700, "resume"},
                  {740, "resume"}});
-  // It stood at 120 ms for 300 ms, and at 220 ms for 180 ms.
+  // Playback was paused at 120 ms for 300 ms, and at 220 ms for 180 ms.
   EXPECT_EQ(received(), (Pairs{{0, 0}, {1, 100}, {2, 500}, {3, 780}}));
 }
 
@@ -280,7 +280,7 @@ TEST_F(PlayerTest, ClampsSeeksToTheLog) {
   EXPECT_EQ(report.passes, 1) << "that is its end";
   heard_.clear();
   now_ns_ = kBegin;
-  options.rules.to = from_utime(1'400'000);  // before it begins
+  options.rules.to = from_utime(1'400'000);  // before the log begins
   EXPECT_EQ(play(options, {{0, "seek 0.1"}}).published, 0);
 }
 
@@ -298,7 +298,7 @@ TEST_F(PlayerTest, PlaysTheWholeLogByDefault) {
   EXPECT_EQ(usual.gap_max, std::chrono::seconds(60));
 }
 
-// The time of the sink counts: 3 ms for every other event, and 250 ms once.
+// Time spent by the sink counts as lateness: 3 ms for every other event, and 250 ms once.
 TEST_F(PlayerTest, ReportsItsLateness) {
   Player player(*log_, {}, timer(), [&](const LogEvent& event) {
     now_ns_ += (event.data[0] == 5 ? 250 : event.data[0] % 2 == 0 ? 3 : 0) * kMs;
@@ -313,7 +313,7 @@ TEST_F(PlayerTest, ReportsItsLateness) {
   EXPECT_EQ(report.late_over_1_ms, 9 + 3);
 }
 
-// Names that LCM would not carry are not played, and counted.
+// Events with names that LCM does not allow are counted and not played.
 TEST_F(PlayerTest, CountsUnpublishableEvents) {
   PlayOptions options;
   options.rules.names = ChannelRenames({"ODD=" + std::string(64, 'A')});
@@ -371,7 +371,7 @@ TEST_F(PlayerTest, SkipsGapsLongerThanOneMinute) {
   }
 }
 
-// One stamp near the end of what a time can be, among 100 good ones.
+// One of 100 stamps is invalid, for example near the largest possible time.
 TEST_F(PlayerTest, PlaysEveryEventDespiteOneBadStamp) {
   constexpr std::int64_t kNow = 1'795'000'000'000'000;
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();

@@ -1,5 +1,5 @@
-// Files of the profile "ros2", read by Foxglove's ROS 2 decoder, which has no code in common with
-// the writer.
+// Files of the profile "ros2" are read by Foxglove's ROS 2 decoder, which shares no code with our
+// writer.
 
 #include <cmath>
 #include <cstdlib>
@@ -42,7 +42,7 @@ class Ros2Export : public ::testing::Test {
     log_->write(kLogged, channel, vantage::test::encoded(message));
   }
 
-  /// The log as the peer reads it, the last message of each topic.
+  /// Returns the log as the peer reads it: the last message of each topic.
   std::map<std::string, TopicContent> read() {
     log_.reset();
     const IndexedLog log(folder_.file("a.lcmlog"));

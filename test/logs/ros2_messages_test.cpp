@@ -19,7 +19,7 @@ namespace {
 constexpr std::int64_t kUtime = 1'700'000'000'250'000;
 constexpr Time kTime = from_utime(kUtime);
 
-/// Reads plain CDR, little-endian, by its specification: behind four bytes of header every number
+/// Reads plain little-endian CDR by its specification: after a header of four bytes, every number
 /// begins at a multiple of its own size.
 class Reader {
  public:
@@ -54,7 +54,7 @@ class Reader {
     EXPECT_EQ(bytes_.at(at_ - 1), '\0');
     return out;
   }
-  /// Seconds and nanoseconds as one number.
+  /// Reads seconds and nanoseconds; returns their sum in ns.
   std::int64_t time_ns() {
     const auto seconds = number<std::int32_t>();
     const auto nanoseconds = number<std::uint32_t>();
@@ -73,7 +73,7 @@ class Reader {
     }
     return out;
   }
-  /// A turn about the vertical.
+  /// Reads a quaternion that must be a rotation about the vertical; returns its angle.
   double yaw_rad() {
     const auto q = numbers(4);  // x, y, z, w
     EXPECT_EQ(q[0], 0.0);
@@ -104,7 +104,7 @@ TEST(Cdr, AlignsEachNumberToItsSize) {
   EXPECT_EQ(out.bytes().size(), 4U + 16U + 4U + 3U + 1U + 4U);
 }
 
-// Before 1970 too: nanoseconds are never negative.
+// Also for times before 1970, nanoseconds are not negative.
 TEST(ToRos2, WritesTransformsOfVisibleBodies) {
   for (const std::int64_t utime : {kUtime, std::int64_t{-1}, std::int64_t{-1'000'000},
                                    std::int64_t{-1'250'000}, std::int64_t{0}}) {
@@ -183,7 +183,7 @@ TEST(ToRos2, WritesPlanarAndSpatialBeliefs) {
   }
 }
 
-// Each beam as measured, for any field of view; angles continue beyond π.
+// Each range is written as measured, for any field of view; the angles continue beyond π.
 TEST(ToRos2, WritesScansByBeamBearing) {
   for (const double fov_rad : {kPi, 0.5, 2.0 * kPi}) {
     for (const int beams : {1, 2, 3, 8}) {
@@ -298,7 +298,7 @@ TEST(ToRos2, WritesKnownBatteryValues) {
     EXPECT_TRUE(std::isnan(unknown));
   }
   EXPECT_EQ(in.number<float>(), 0.625F);
-  // Status, health and technology: 0 is unknown; there is one.
+  // Status, health and technology are 0 (unknown); the battery is present (1).
   EXPECT_EQ(in.numbers<std::uint8_t>(4), (std::vector<std::uint8_t>{0, 0, 0, 1}));
   EXPECT_EQ(in.count(), 0U);
   EXPECT_EQ(in.count(), 0U);
@@ -333,7 +333,7 @@ TEST(ToRos2, WritesProcessHealth) {
   }
 }
 
-// Each type that a definition names is defined behind it, once.
+// Each type that a definition uses is defined after it, exactly once.
 TEST(DefinitionOf, ContainsEachUsedTypeOnce) {
   const std::string line(80, '=');
   for (const char* type :

@@ -19,7 +19,8 @@ using test::TemporaryFolder;
 
 constexpr std::size_t kMib = std::size_t{1} << 20U;
 
-/// Event i is at µs 1000 i, on channel RARE or OFTEN; `order` gives the order in the file.
+/// Returns a log in which event i is at 1000 i µs, on channel RARE or OFTEN; `order` is the order
+/// of events in the file.
 Bytes log_of(const std::vector<std::int64_t>& order) {
   Bytes out;
   for (const std::int64_t i : order) {
@@ -37,7 +38,7 @@ std::vector<std::int64_t> first_numbers(std::size_t count) {
   return numbers;
 }
 
-/// Offsets: what is asked of them.
+/// Returns the offsets of the events, for comparison.
 std::vector<std::size_t> offsets_of(const std::vector<LocatedEvent>& events) {
   std::vector<std::size_t> offsets;
   for (const LocatedEvent& event : events) {
@@ -46,7 +47,7 @@ std::vector<std::size_t> offsets_of(const std::vector<LocatedEvent>& events) {
   return offsets;
 }
 
-/// All events of a log by time, as a pass over all of it finds them.
+/// Returns all events of a log sorted by time, as found by one pass over the whole log.
 std::vector<LocatedEvent> sorted_events(std::span<const std::uint8_t> bytes) {
   std::vector<LocatedEvent> all;
   LogScan scan(bytes, check_wire_data);
@@ -81,7 +82,7 @@ std::vector<std::size_t> newest(const std::vector<LocatedEvent>& sorted, Time ti
   return indices;
 }
 
-/// Checks that every query of a log gives the result of a complete pass, at `count` instants.
+/// Checks at `count` random times that each query of a log gives the result of a complete pass.
 void expect_as_in_one_pass(const SeekableLog& log, int count) {
   const std::vector<LocatedEvent> sorted = sorted_events(log.bytes());
   std::mt19937_64 rng(11);
@@ -101,7 +102,8 @@ void expect_as_in_one_pass(const SeekableLog& log, int count) {
   }
 }
 
-/// Events of about 1 kB and 1 ms from `start_us` on; on RARE once a second, on ONCE the first.
+/// Appends `seconds` seconds of events of about 1 kB, one per ms from `start_us` on. RARE gets one
+/// per second, ONCE only the event with number 0.
 void append_second(std::int64_t start_us, int seconds, std::int64_t& number, Bytes& out) {
   std::mt19937_64 rng(static_cast<std::uint64_t>(number) + 1);
   Bytes data(1000);
@@ -115,7 +117,7 @@ void append_second(std::int64_t start_us, int seconds, std::int64_t& number, Byt
 TEST(SeekableLog, FindsEveryEventByTimeInAnyOrder) {
   std::vector<std::int64_t> order = first_numbers(100);
   std::mt19937 rng(5);
-  for (std::size_t i = 0; i + 5 <= order.size(); i += 5) {  // as of several hosts' logs merged
+  for (std::size_t i = 0; i + 5 <= order.size(); i += 5) {  // as in merged logs of several hosts
     std::shuffle(order.begin() + std::ptrdiff_t(i), order.begin() + std::ptrdiff_t(i) + 5, rng);
   }
   const TemporaryFolder folder;
@@ -144,7 +146,7 @@ TEST(SeekableLog, OrdersOverlappingBlocksByTime) {
   Bytes bytes;
   std::int64_t number = 0;
   append_second(5'000'000, 2, number, bytes);
-  append_second(2'000'500, 2, number, bytes);  // a clock that was set back
+  append_second(2'000'500, 2, number, bytes);  // the clock was set back
   append_second(3'000'250, 1, number, bytes);
   append_event({number++, from_utime(1), "OFTEN", Bytes(9, 1)}, bytes);  // a broken stamp
   append_second(9'000'000, 1, number, bytes);
@@ -173,7 +175,7 @@ TEST(SeekableLog, BlocksOfDamagedLogsEqualOnePass) {
     std::mt19937_64 rng(seed);
     Bytes bytes;
     std::int64_t number = 0;
-    while (bytes.size() < 2 * kMib) {  // damage, and what is whole
+    while (bytes.size() < 2 * kMib) {  // damaged and whole events
       const auto harmed = test::damage(test::random_log(rng, 40), rng);
       bytes.insert(bytes.end(), harmed.bytes.begin(), harmed.bytes.end());
       append_second(1'000'000 + 1000 * number, 1, number, bytes);
@@ -194,7 +196,7 @@ TEST(SeekableLog, RefusesOtherFiles) {
   EXPECT_THROW(SeekableLog{folder.file("a.txt")}, StartupError);
 }
 
-/// A log of 30 s and 30 MB: longer than what is read at once.
+/// A log of 30 s and 30 MB, longer than the part that is read when it is opened.
 class LongLog : public ::testing::Test {
  protected:
   static constexpr std::int64_t kStart_us = 1'000'000'000;
@@ -229,10 +231,10 @@ TEST_F(LongLog, IsUsableDuringItsFirstPass) {
     const auto next = between(sorted, from, sorted.back().time + Duration{1});
     EXPECT_EQ(log.next_time(from), next.empty() ? std::nullopt : std::optional(next.front().time));
   }
-  // The newest message of each channel; ONCE is found although it is at the start.
+  // The newest message of each channel is found, even ONCE at the start of the log.
   const Time late = from_utime(kStart_us + 20'500'000);
   EXPECT_EQ(offsets_of(log.newest_before(late)), newest(sorted, late));
-  // Finally the whole index is known, and the next opening has it at once.
+  // At the end of the pass the index is complete, and the next opening of the log uses it.
   double share = log.surveyed_share();
   while (log.advance(kMib)) {
     EXPECT_GT(log.surveyed_share(), share);
@@ -290,7 +292,7 @@ TEST_F(LongLog, OpensAndSeeksWithFewReads) {
   EXPECT_LT(bytes_of_seek(log), 3 * kMib / 2) << "a few blocks";
 }
 
-// It says how far it is in blocks that have their end, and what it has read in bytes.
+// Progress is measured in complete blocks, and the amount read in bytes.
 TEST_F(LongLog, ReportsProgressAndCounts) {
   SeekableLog log(write());
   const auto size = static_cast<double>(log.bytes().size());
@@ -307,7 +309,7 @@ TEST_F(LongLog, ReportsProgressAndCounts) {
     read = log.bytes_read();
   }
   EXPECT_EQ(log.surveyed_share(), 1.0);
-  // A block that was read is not read again; of 32 others it is forgotten.
+  // A block that was read is not read again until 32 other blocks have been read.
   const Time early = from_utime(kStart_us);
   const auto read_for = [&](Time from) {
     const std::size_t before = log.bytes_read();
@@ -333,8 +335,8 @@ TEST(SeekableLog, SkipsToTheNextEvent) {
   const TemporaryFolder folder;
   test::write_file(folder.file("a.lcmlog"), bytes);
   const SeekableLog log(folder.file("a.lcmlog"));
-  // Until there is one; then back from the end by 1/16, 1/4, 1 and 4 MiB in vain, by 16 MiB to 7
-  // before one, and from there to the end.
+  // Reads 9 MiB up to the first event, then the last 1/16, 1/4, 1 and 4 MiB without an event, then
+  // the last 16 MiB: 7 MiB up to the events and 9 MiB after them.
   constexpr std::size_t kInVain = kMib / 16 + kMib / 4 + kMib + 4 * kMib;
   EXPECT_NEAR(static_cast<double>(log.bytes_read()),
               static_cast<double>(9 * kMib + kInVain + 7 * kMib + 9 * kMib), 1'000.0);

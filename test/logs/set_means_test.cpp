@@ -9,7 +9,7 @@ namespace {
 
 Time at_s(double s) { return from_utime(1'000'000'000) + from_seconds(s); }
 
-// Two targets that stand 5 m from each other.
+// Returns a frame with two stationary targets, 5 m apart.
 models::TruthFrame truth(double s) {
   models::TruthFrame frame;
   frame.stamp.time = at_s(s);
@@ -45,7 +45,7 @@ TEST(SetSums, AreMeansOverBeliefsThenRobots) {
   sums.on_belief(belief("Q2", 0.5, {}));
   sums.on_truth(truth(1.0));
   sums.on_truth(truth(30.0));
-  sums.on_belief(belief("Q1", 30.5, {{1, 0.3}, {0, 5.0}}));  // named the other way round
+  sums.on_belief(belief("Q1", 30.5, {{1, 0.3}, {0, 5.0}}));  // the two labels are exchanged
   sums.on_truth(truth(31.0));
   const auto means = sums.means();
   ASSERT_TRUE(means);
@@ -60,15 +60,15 @@ TEST(SetSums, AreEmptyWithoutTruth) {
   EXPECT_FALSE(sums.means());
 }
 
-// Each robot has the same weight, however many beliefs it sends and however many targets it tracks.
+// Each robot has the same weight, whatever the number of its beliefs and of its tracked targets.
 TEST(SetSums, WeightRobotsEqually) {
   SetSums sums(2);
   sums.on_truth(truth(0.0));
   sums.on_belief(belief("Q2", 0.0, {{0, 0.6}}));
   for (int k = 0; k < 3; ++k) {
-    sums.on_belief(belief("Q1", 10.0 * k, {{0, 0.0}, {1, 5.0}}));  // knows all
+    sums.on_belief(belief("Q1", 10.0 * k, {{0, 0.0}, {1, 5.0}}));  // tracks both targets
   }
-  sums.on_belief(belief("Q2", 30.0, {{1, 0.6}}));  // with another label: one swap in 30 s
+  sums.on_belief(belief("Q2", 30.0, {{1, 0.6}}));  // under another label: one swap in 30 s
   for (int k = 1; k <= 30; ++k) {
     sums.on_truth(truth(k));
   }
@@ -89,7 +89,7 @@ TEST(SetSums, EvaluateABeliefWhenItsTruthArrives) {
   ASSERT_TRUE(sums.means());
   EXPECT_EQ(sums.means()->ospa_m, 1.0) << "the cutoff";
   EXPECT_EQ(sums.means()->swaps_per_min, 0.0) << "of one belief nobody can tell";
-  sums.on_belief(belief("Q2", 0.5, {{0, 0.0}, {1, 5.0}}));  // late, but its truth is known
+  sums.on_belief(belief("Q2", 0.5, {{0, 0.0}, {1, 5.0}}));  // arrives late, after its truth
   sums.on_truth(truth(2.0));
   EXPECT_NEAR(sums.means()->ospa_m, 0.5, 1e-12);
   SetSums before(2);

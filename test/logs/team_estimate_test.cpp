@@ -82,7 +82,7 @@ TEST(PositionEstimate, HasTheBeliefsDimension) {
                              covariance.determinant()),
               1e-9);
   EXPECT_NEAR(estimate->sigma_m(), std::sqrt(covariance.trace() / 3.0), 1e-9);
-  // eᵀ Σ⁻¹ e of an error that is a whole root's column is 1.
+  // An error that equals a column of the covariance's root has eᵀ Σ⁻¹ e = 1.
   for (Eigen::Index column = 0; column < 3; ++column) {
     EXPECT_NEAR(estimate->nees(mean + root.col(column)), 1.0, 1e-9);
     EXPECT_NEAR(estimate->nees(mean - 2.0 * root.col(column)), 4.0, 1e-9);

@@ -137,7 +137,7 @@ TEST(TrialMetrics, AveragesOverRobotsBeliefs) {
   const double prior = isotropic_entropy_nats(kPriorSigma_m, 2);
   const auto known = [](double sigma_m) { return isotropic_entropy_nats(sigma_m, 2); };
   ASSERT_TRUE(means.rmse_m);
-  // Q1 at 1.0 s: both targets off by 1.
+  // At 1.0 s, both of Q1's targets have an error of 1 m.
   EXPECT_NEAR(*means.rmse_m, 0.5 * (0.5 * (3.0 + 1.0) + 0.25), 1e-9);
   const double q1 = 0.25 * (known(2.0) + prior + known(2.0) + known(1.0));
   const double q2 = 0.25 * (known(0.5) + prior + 2.0 * prior);
@@ -185,13 +185,13 @@ TEST(TrialMetrics, ReportsConsistencyByUnseenTime) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(5.0));
-  models::TargetBelief fresh = target(0, 1.0, 1.0, 0.5);  // off by 2 σ at 0.5 s: 4
+  models::TargetBelief fresh = target(0, 1.0, 1.0, 0.5);  // error 2 σ at 0.5 s: NEES 4
   fresh.last_seen = at_s(0.5);
-  models::TargetBelief old = target(1, 5.0, 8.0, 1.0);  // off by 3 σ: 9, outside of its ellipse
+  models::TargetBelief old = target(1, 5.0, 8.0, 1.0);  // error 3 σ: NEES 9, outside the ellipse
   old.last_seen = at_s(-2.5);
   metrics.on_belief(belief("Q1", 0.5, {fresh, old}));
-  fresh.last_seen = at_s(-0.5);                                             // just 1 s ago
-  metrics.on_belief(belief("Q2", 0.5, {fresh, target(1, 5.0, 6.0, 1.0)}));  // 1, never seen
+  fresh.last_seen = at_s(-0.5);                                             // unseen for 1 s
+  metrics.on_belief(belief("Q2", 0.5, {fresh, target(1, 5.0, 6.0, 1.0)}));  // NEES 1, never seen
   const RobotMeans means = metrics.finish(at_s(5.0)).per_robot;
   EXPECT_EQ(means.consistency.samples, 4);
   EXPECT_NEAR(*means.consistency.mean_nees, (4.0 + 9.0 + 4.0 + 1.0) / 4.0, 1e-9);
@@ -300,10 +300,10 @@ TEST(TrialMetrics, SumsPlannedEnergyUntilTheNextPlan) {
   models::RobotPlan plan;
   plan.robot = "Q1";
   plan.trajectory.start_time = at_s(1.0);
-  // Along x at 1 m/s for two steps, the second of which begins in the wind; a turn; rest.
+  // Two steps along x at 1 m/s, the second from within the region "wind"; a turn; rest.
   plan.trajectory.segments = {{{1.0, 0.0}, 1.0, 0.0}, {{0.0, 1.0}, 0.5, 0.0}};
   metrics.on_plan(plan);
-  plan.robot = "Q2";  // pays nothing
+  plan.robot = "Q2";  // has no energy cost
   metrics.on_plan(plan);
   EXPECT_DOUBLE_EQ(metrics.finish(at_s(1.0)).energy_nats, 0.5 * (2.0 + (2.0 + 5.0) + 1.0));
 }
@@ -386,8 +386,8 @@ TEST(TrialMetrics, IgnoresBeliefsThatArriveAfterTheirStepWasEvaluated) {
   metrics.on_truth(truth(5.0));
   metrics.on_belief(belief("Q1", 0.5, {target(1, 5.0, 6.0, 1.0)}));
   metrics.on_belief(belief("Q1", 1.0, {target(1, 5.0, 6.0, 1.0)}));
-  metrics.on_belief(belief("Q2", 0.5, {target(1, 5.0, 5.0, 0.1)}));  // in time
-  metrics.on_belief(belief("Q1", 1.5, {target(1, 5.0, 6.0, 1.0)}));  // now 0.5 s is judged
+  metrics.on_belief(belief("Q2", 0.5, {target(1, 5.0, 5.0, 0.1)}));  // in time for 0.5 s
+  metrics.on_belief(belief("Q1", 1.5, {target(1, 5.0, 6.0, 1.0)}));  // triggers evaluation of 0.5 s
   EXPECT_NEAR(metrics.targets()[1].error_m.value(), 0.0, 1e-9);
   EXPECT_EQ(metrics.targets()[1].estimate->robot, "Q2");
   metrics.on_belief(belief("Q2", 0.5, {target(0, 9.0, 9.0, 0.1)}));  // too late

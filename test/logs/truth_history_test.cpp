@@ -113,8 +113,8 @@ TEST(TruthHistory, FindsTheLeastSeparationOfChangingBodies) {
   }
 }
 
-// The two meet between frames. In the second frame they are far apart: only the distance that they
-// travelled makes the pair a candidate.
+// The two robots meet between frames and are far apart in the second frame. The pair is examined
+// only because of the distance that both travelled.
 TEST(TruthHistory, FindsMeetingBetweenFrames) {
   TruthHistory truth;
   truth.add(frame(0, {body("Q1", -1, -0.3, 0.0), body("Q2", -1, 0.3, 0.0)}));

@@ -9,7 +9,7 @@ trap 'rm -rf "$dir"' EXIT
 cd "$dir"
 fail() { echo "upgrade: $1" >&2; exit 1; }
 
-read_log() {  # read_log LOG: whole, every event a message of today's, and of use to all that reads it
+read_log() {  # checks that log $1 is whole, has no outdated type, and can be evaluated and exported
   "$vantage" log check "$1" > said || { cat said; fail "$1: is damaged"; }
   "$vantage" log info "$1" --json > info.json
   "$vantage" log metrics "$1" --json > metrics.json
@@ -35,14 +35,14 @@ assert all(rows >= info["channels"][name]["events"] for name, rows in tables.ite
 PY
 }
 
-judge_scenario() {  # judge_scenario FILE: accepted, or refused with the text of NAME.refused
+judge_scenario() {  # expects FILE to be accepted, or refused with the text of NAME.refused
   local status=0
   "$vantage" check "$1" > said 2>&1 || status=$?
   local refused=${1%.yaml}.refused
   if [[ -e "$refused" ]]; then
     [[ $status == 2 ]] || { cat said; fail "$1: is accepted, but must be rejected as in $refused"; }
     grep -qF "$(cat "$refused")" said || { cat said; fail "$1: is not rejected with the message in $refused"; }
-  elif [[ $status == 2 ]]; then  # 1: it is read, but this machine cannot fly it
+  elif [[ $status == 2 ]]; then  # 1: valid, but this machine cannot fly it
     cat said
     fail "$1: is refused"
   fi

@@ -21,8 +21,8 @@ bool is_matrix(const Json& value) {
          std::all_of(value.begin(), value.end(), [](const Json& row) { return row.is_array(); });
 }
 
-/// Every value of `json` is of the kind that `schema` says, and no member is unknown or missing
-/// but for matrices, of which it must say nothing.
+/// Expects that every value of `json` has the type that `schema` states, and that no member is
+/// unknown or missing. Matrices are the exception: the schema must not contain them.
 void expect_fits(const Json& schema, const Json& json, const std::string& path) {
   const std::string type = schema.at("type");
   if (type == "object") {

@@ -86,8 +86,8 @@ TEST_F(AnalyseLog, EqualsTheTrialsOwnMetrics) {
     EXPECT_GT(record.margin.least_s, 0.0) << robot;
     EXPECT_EQ(record.late, 0) << robot;
   }
-  // A look of the instant t is in the belief of t, logged a tenth of a step later; plans are made
-  // from beliefs of at most a round before.
+  // An observation at time t is included in the belief of time t, which is logged 0.1 step later.
+  // Plans use beliefs that are at most one round old.
   const double step_s = scenario_.planner.step_s;
   EXPECT_NEAR(analysis.latencies.at("look → belief").median_s, 0.1 * step_s, 1e-6);
   EXPECT_GT(analysis.latencies.at("look → plan").least_s, 0.0);
@@ -120,10 +120,11 @@ TEST_F(AnalyseLog, IsDrawnByGnuplot) {
   EXPECT_GT(std::filesystem::file_size(png), 20'000U);
 }
 
-// One stamp of a clock that was not set yet: durations are of the others.
+// One event has a wrong stamp, as from a clock that was not set; the duration is computed from the
+// others.
 TEST_F(AnalyseLog, IgnoresAnOutlyingTime) {
   const logs::test::Bytes whole = logs::test::read_file(folder_.file("trial.lcmlog"));
-  constexpr std::size_t kTimeAt = 12;  // of an event
+  constexpr std::size_t kTimeAt = 12;  // offset of the time within an event
   std::size_t middle = 0;
   for (int i = 0; i < 500; ++i) {
     middle += logs::event_bytes_at(whole, middle);

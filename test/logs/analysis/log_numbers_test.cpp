@@ -1,4 +1,4 @@
-// A log made by hand, and every number of its analysis.
+// Compares every number of an analysis with the values of a log made by hand.
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +88,7 @@ TEST_F(LogNumbers, ReportsTheLatencyOfEachHop) {
   add_frame(0.20, 0.204, 0.212, 2);
   add_look("Q2", 0.45, 0.46, 4);
   add_look("Q1", 0.50, 0.51, 3);
-  add_look("Q1", 0.55, 0.56, 5);  // goes into no belief
+  add_look("Q1", 0.55, 0.56, 5);  // is an input of no belief
   add_belief("Q1", 0.52, 0.57, 7, {},
              {{"MEASUREMENT_Q1", 11, 3}, {"MEASUREMENT_Q2", 11, 4}, {"MEASUREMENT_Q2", 12, 5}});
   add_belief("Q1", 0.54, 0.58, 8, {});
@@ -159,7 +159,8 @@ TEST_F(LogNumbers, ReportsTheLatencyOfEachHop) {
   EXPECT_NEAR(analysis.summary.duration_s, 1.9 - 0.105, 1e-9);
 }
 
-// A point for each step, when the first belief of it was logged: of what is judged by then.
+// Each step has a point at the time when its first belief was logged. The point contains the errors
+// of the steps that had been evaluated by that time.
 TEST_F(LogNumbers, ReportsTheTeamsEntropyOverTime) {
   add_truth(0.0);
   for (std::int64_t step = 1; step <= 4; ++step) {
@@ -186,12 +187,13 @@ TEST_F(LogNumbers, ReportsTheTeamsEntropyOverTime) {
     }
   }
   ASSERT_TRUE(analysis.sets);
-  // Both targets are beyond the OSPA cutoff of 1 m; Q2 has no data.
+  // Both targets are beyond the OSPA cutoff of 1 m; Q2 has no estimates.
   EXPECT_NEAR(analysis.sets->ospa_m, 1.0, 1e-9);
   EXPECT_NEAR(analysis.sets->matched_rmse_m, 0.5 * std::sqrt(25.0 / 2.0), 1e-9);
 }
 
-// The larger of the losses reported by the processes and the messages missing in the log.
+// The loss is the larger of two numbers: the losses that processes reported, and the messages
+// missing in the log.
 class LossNumbers : public LogNumbers, public ::testing::WithParamInterface<std::int64_t> {};
 
 TEST_P(LossNumbers, AreTheGreaterOfReportedAndMissing) {

@@ -48,7 +48,7 @@ vantage_lcm::plan_t plan(std::int64_t round, const std::string& robot) {
   return out;
 }
 
-// Text and lists stand before numbers that are read right: nothing is read from another's place.
+// Numbers are read correctly although texts and lists of different lengths precede them.
 TEST(LogColumns, ContainEveryFieldByName) {
   LogColumns columns(*bus::find_wire_schema("plan_t"));
   const std::string robots[] = {"Q1", "", "a robot with a name"};

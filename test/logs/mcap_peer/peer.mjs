@@ -1,11 +1,9 @@
-// An independent reader of MCAP files (@mcap/core), for the writer's tests.
-//
+// An independent reader of MCAP files (@mcap/core), for the tests of our writer.
 //   node peer.mjs FILE
-//
-// Prints what the file says, as lines: "summary TOPIC SCHEMA MESSAGES" for each topic from the
-// summary, in the order of their ids; then "message TOPIC TIME_NS JSON" for each message, by the
-// index. Reads the file once more from front to back, checksums included, and fails unless both
-// readings agree and each message is JSON with only members that its schema has.
+// Prints the content of FILE. First one line per topic of the summary, in the order of the ids:
+// "summary TOPIC SCHEMA MESSAGES". Then one line per message, found by the index: "message TOPIC
+// TIME_NS JSON". Then reads FILE again from front to back, including checksums. Fails unless both
+// readings agree and each message is JSON whose members are all in its schema.
 import {open, readFile} from 'node:fs/promises';
 import assert from 'node:assert';
 import {crc32} from '@foxglove/crc';
@@ -25,7 +23,7 @@ const readable = {
   },
 };
 
-// A zstd that has no code in common with the writer's, either.
+// A zstd decoder that also shares no code with our writer.
 const decompressHandlers = {
   zstd: (bytes, size) => {
     const out = decompress(bytes);

@@ -69,7 +69,7 @@ TEST(TargetCourse, DoesNotInterpolateGaps) {
   for (const double at_s : {0.0, 0.1, 1.0, 1.1, 1.05}) {
     course.add(instant(at_s), {at_s, 0.0});
   }
-  EXPECT_EQ(course.positions_m().size(), 2U);  // of 0.1 and 1.1 s
+  EXPECT_EQ(course.positions_m().size(), 2U);  // at 0.1 s and 1.1 s
 }
 
 TEST(FitMotion, FindsTheTrueOscillator) {
@@ -88,7 +88,7 @@ TEST(FitMotion, FindsTheTrueOscillator) {
   for (const double nees : fits[2].held_back.nees) {
     EXPECT_NEAR(nees, 2.0, 0.4);
   }
-  // It knows that a target turns back; a double integrator has it go on.
+  // An oscillator model predicts the reversal of a target; a double integrator does not.
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const Displacement& oscillates = fits[2].held_back.displacements[axis].back();
     const Displacement& goes_on = fits[1].held_back.displacements[axis].back();

@@ -67,7 +67,7 @@ Example three_robots() {
   return out;
 }
 
-// A triangle that grows out of the body, as wide to the left as to the right.
+// The heading mark is a triangle at the body's edge that is symmetric about the heading.
 TEST(DrawRobot, ShowsHeadingAndCore) {
   const Eigen::Vector2d at_px(200.0, 100.0);
   for (const double yaw_rad : {0.0, kPi / 2, -2.5}) {
@@ -104,7 +104,7 @@ TEST(DrawRobot, ShowsHeadingAndCore) {
   EXPECT_EQ(elements(svg.str(), "circle").size(), 1U);
 }
 
-// A sensor that sees more than half of what is around it still does not see all of it.
+// A field of view of more than half a turn, but less than a full turn, is drawn as a sector.
 TEST(DrawView, IsASectorOrAFullDisc) {
   const Example it = three_robots();
   models::SensorModel sensor;
@@ -166,7 +166,7 @@ TEST(DrawViewsAndPlans, ShowsEachSensorsView) {
   EXPECT_TRUE(elements(fewer, "polygon").empty()) << "nobody knows where they are";
 }
 
-// From now on, or from its start where that is to come, until where it hovers.
+// The plan is drawn from the present, or from its start if that is later, to its final hover.
 TEST(DrawViewsAndPlans, ShowsTheRemainingPlan) {
   Example it = three_robots();
   const Layout layout = it.layout();
@@ -219,7 +219,7 @@ TEST(DrawTracks, OmitsOldParts) {
   const auto lines = elements(
       it.drawn([&](Svg& to, const Layout& on) { draw_tracks(to, on, it.scenario, it.scene); }),
       "polyline");
-  ASSERT_EQ(lines.size(), 6U);  // of the target, then of each robot; old, then recent
+  ASSERT_EQ(lines.size(), 6U);  // target, Q1, Q2; each: old part, recent part
   for (std::size_t i = 0; i < 3; ++i) {
     const double y_m = i == 0 ? 3.0 : static_cast<double>(i);
     const std::string_view colour = i == 0 ? role_colour("truth") : robot_colour(i - 1);
@@ -259,7 +259,7 @@ TEST(DrawEstimates, OrientsTheEllipseByTheCovariance) {
     estimate.covariance_m2 = turn * Eigen::Vector2d(0.09, 0.01).asDiagonal() * turn.transpose();
     it.scene.targets[0].estimate = estimate;
     it.scene.targets[0].track = {{kNow, {-1.0, 0.0}}, {kNow, {0.5, 4.0}}};
-    it.scene.targets[1].track = {{kNow, {-1.0, 0.0}}};  // no robot tracks it
+    it.scene.targets[1].track = {{kNow, {-1.0, 0.0}}};  // not tracked by any robot
     const std::string svg =
         it.drawn([&](Svg& to, const Layout& on) { draw_estimates(to, on, it.scene); });
     const auto ellipses = elements(svg, "ellipse");
@@ -276,7 +276,7 @@ TEST(DrawEstimates, OrientsTheEllipseByTheCovariance) {
               3);
     const Eigen::Vector2d mean_px = layout.page_from_world({1.0, 3.0});
     expect_near({x, y}, mean_px);
-    // Clockwise on the page, of the long axis; an ellipse is the same after half a turn.
+    // The angle of the long axis is clockwise on the page; an ellipse is unchanged by half a turn.
     const double long_deg = angle_deg + (rx > ry ? 0.0 : 90.0);
     EXPECT_NEAR(std::remainder(long_deg + degrees(turn_rad), 180.0), 0.0, 0.02);
     const auto lines = elements(svg, "line");
@@ -287,7 +287,7 @@ TEST(DrawEstimates, OrientsTheEllipseByTheCovariance) {
     };
     expect_near(end(0, "1"), mean_px);
     expect_near(end(0, "2"), layout.page_from_world({0.5, 4.0}));
-    for (const std::size_t i : {1U, 2U}) {  // a cross, both ways
+    for (const std::size_t i : {1U, 2U}) {  // the two lines of the cross
       expect_near(0.5 * (end(i, "1") + end(i, "2")), mean_px);
       const Eigen::Vector2d arm_px = 0.5 * (end(i, "2") - end(i, "1"));
       EXPECT_EQ(arm_px.x(), 5.0);
@@ -301,7 +301,7 @@ struct Shown {
   Eigen::AlignedBox2d box_px;
 };
 
-/// Labels with the room that their words take.
+/// Returns the labels with the boxes that their words fill.
 std::vector<Shown> labels_of(const std::string& svg) {
   std::vector<Shown> out;
   for (const Attributes& each : elements(svg, "text")) {
@@ -331,8 +331,8 @@ TEST(DrawBodies, OrientsEachRobot) {
   }
 }
 
-// Alone, a robot's name has the nearest of its places at 8, 16, 26 and 40 px that is 5 px clear of
-// its body: from the upper right on clockwise, sixteen a turn.
+// A single robot's name has 16 possible directions, clockwise from the upper right, at 8, 16, 26
+// and 40 px. It gets the nearest position at least 5 px from the body.
 TEST(DrawBodies, PutsANameNextToItsBody) {
   for (const double radius_px : {8.0, 10.0, 12.0, 14.0, 18.0}) {
     SCOPED_TRACE(radius_px);
@@ -356,7 +356,7 @@ TEST(DrawBodies, PutsANameNextToItsBody) {
     EXPECT_LT(((middle_px - at_px).cwiseAbs() - 0.5 * size_px).maxCoeff(), ring_px + 0.02);
     EXPECT_GT(middle_px.x(), at_px.x());
     if (radius_px == 10.0) {
-      // 15 px is 16 px straight to the right alone: the letters, 0.7 of their size high, are there.
+      // Only the position exactly to the right, at 16 px, keeps 15 px; letters are centred there.
       EXPECT_NEAR(number(texts[0], "y") - 0.35 * 16.0, at_px.y(), 1.0);
     }
     if (radius_px == 8.0) {
@@ -366,7 +366,7 @@ TEST(DrawBodies, PutsANameNextToItsBody) {
   }
 }
 
-// A target and its estimated mean only: the name covers neither.
+// The page shows a target and its estimated mean only; the target's name covers neither.
 TEST(DrawBodies, PutsATargetsNameNextToItAndItsEstimate) {
   Example it = three_robots();
   it.scenario.robots.clear();
@@ -401,7 +401,7 @@ TEST(DrawBodies, PutsATargetsNameNextToItAndItsEstimate) {
   }
 }
 
-// Robots in a row so close that a label may cover the next one, a target, its estimate.
+// Robots in a row are so close that a label could cover the next robot, a target or its estimate.
 TEST(DrawBodies, LabelsBodiesWithoutCoveringThem) {
   Example it = three_robots();
   const Layout layout = it.layout();
@@ -414,7 +414,7 @@ TEST(DrawBodies, LabelsBodiesWithoutCoveringThem) {
   it.scenario.targets = {{"R1", 3, {}, 0.2}, {"R2", 5, {}, 0.2}, {"R3", 6, {}, 0.2}};
   it.scene.targets[3].track = {{kNow, {3.0, 3.0}}, {kNow, {-0.1, 2.3}}};
   it.scene.targets[3].estimate.emplace().mean_m = Eigen::Vector2d(0.2, 2.35);
-  it.scene.targets[5];  // neither seen nor known
+  it.scene.targets[5];  // neither observed nor tracked
   const std::string svg =
       it.drawn([&](Svg& to, const Layout& on) { draw_bodies(to, on, it.scenario, it.scene); });
   std::vector<std::pair<Eigen::Vector2d, double>> bodies_px;

@@ -36,7 +36,7 @@ scenario::Scenario a_scenario() {
   return out;
 }
 
-/// Rectangles of an SVG that draw_ground() has made, those of one class or of none.
+/// Returns the rectangles that draw_ground() has drawn with this class; "": without a class.
 std::vector<Attributes> rectangles(const std::string& svg, const std::string& of_class) {
   std::vector<Attributes> out;
   for (const Attributes& each : elements(svg, "rect")) {
@@ -55,7 +55,7 @@ std::string ground(const scenario::Scenario& scenario, const Scene& scene) {
   return svg.str();
 }
 
-// Every cell is coloured by when it was last seen, in a grid that is not square and has an offset
+// The colour of each cell shows when it was last observed. The grid is not square and has an offset
 // origin.
 TEST(DrawGround, ColoursCellsByAge) {
   scenario::Scenario scenario = a_scenario();
@@ -73,7 +73,7 @@ TEST(DrawGround, ColoursCellsByAge) {
     const auto drawn = rectangles(ground(scenario, scene), "");
     double area_px2 = 0.0;
     int seen = 0;
-    for (std::size_t i = 1; i < drawn.size(); ++i) {  // behind the ground itself
+    for (std::size_t i = 1; i < drawn.size(); ++i) {  // index 0 is the ground
       area_px2 += number(drawn[i], "width") * number(drawn[i], "height");
     }
     for (int cell = 0; cell < scene.grid.size(); ++cell) {
@@ -94,7 +94,7 @@ TEST(DrawGround, ColoursCellsByAge) {
     }
     const double side_px = 0.5 * layout.px_per_m;
     EXPECT_NEAR(area_px2, seen * side_px * side_px, 1.0) << "no more than the cells";
-    // The last row is one run, or the whole; neighbours that are alike are one rectangle.
+    // Adjacent cells with the same colour are one rectangle; the last row therefore has one or two.
     EXPECT_EQ(drawn.size() - 1, memory_s > 0.0 ? 5U : 4U);
   }
   scene.last_seen_utime.pop_back();
@@ -105,7 +105,7 @@ int channel(std::string_view colour, std::size_t i) {
   return std::stoi(std::string(colour.substr(1 + 2 * i, 2)), nullptr, 16);
 }
 
-// In eighths: white where it is free, grey where nothing is known, dark where it is occupied.
+// Occupancy is drawn in eighths: white for free, grey for unknown, dark for occupied.
 TEST(DrawGround, ShadesMapCellsByOccupancy) {
   scenario::Scenario scenario = a_scenario();
   scenario.mapping.look_probability = 0.6;
@@ -116,7 +116,7 @@ TEST(DrawGround, ShadesMapCellsByOccupancy) {
   scene.map->team_looks = {0, 0, 1, 2, 9, 9, 100, -1, -2, -4, -30, 0, 0, 0};
   const auto drawn = rectangles(ground(scenario, scene), "");
   for (int cell = 0; cell < scene.map->grid.size(); ++cell) {
-    // Odds of 3 : 2 a look, up to 99 : 1.
+    // Each observation multiplies the odds by 3 : 2, up to 99 : 1.
     const int looks = scene.map->team_looks[static_cast<std::size_t>(cell)];
     const double odds = std::clamp(std::pow(1.5, looks), 1.0 / 99.0, 99.0);
     const double p = std::round(8.0 * odds / (1.0 + odds)) / 8.0;
@@ -143,7 +143,7 @@ TEST(DrawGround, ShadesMapCellsByOccupancy) {
   EXPECT_EQ(drawn.size() - 1, 9U) << "neighbours in a row that are alike are one";
 }
 
-// Rows that are alike to their ends are as wide as the map: none goes on into the next one.
+// Rows of equal cells are as wide as the map: no rectangle continues into the next row.
 TEST(DrawGround, EndsMapRowsAtTheMapsEdge) {
   scenario::Scenario scenario = a_scenario();
   const Layout layout(scenario.world.bounds, 0.0);
@@ -174,7 +174,7 @@ TEST(DrawGround, DrawsObstaclesAndRegions) {
   };
   for (const bool is_mapped : {false, true}) {
     if (is_mapped) {
-      scene.map.emplace();  // an obstacle is what is mapped: its outline alone
+      scene.map.emplace();  // with a map, only the outline is drawn
     }
     const std::string svg = ground(scenario, scene);
     const auto obstacles = rectangles(svg, "obstacle");
@@ -199,7 +199,7 @@ struct Axes {
   std::vector<double> beside;  ///< numbers
 };
 
-/// Every number of the axes stands where it is true, and has its line across the map.
+/// Expects that every number of the axes is at its correct position and has a line across the map.
 Axes expect_true_axes(const models::World& world) {
   const Layout layout(world.bounds, 0.0);
   Svg svg(layout.page_size_px.x(), layout.page_size_px.y());
@@ -250,7 +250,8 @@ Axes expect_true_axes(const models::World& world) {
   return out;
 }
 
-// The finest of 0.5, 1, 2, 5, ... m that cuts the longer side into nine at most.
+// The tick spacing is the smallest of 0.5, 1, 2, 5, … m that divides the longer side into at most
+// nine parts.
 TEST(DrawAxes, HasRoundTicks) {
   const std::pair<double, double> spacings[] = {
       {2.0, 0.5},  {4.5, 0.5},   {4.6, 1.0},    {9.0, 1.0},   {9.1, 2.0},   {18.0, 2.0},

@@ -34,7 +34,7 @@ TEST(LabelPlacer, PutsALabelAtTheNearestFreePosition) {
   LabelPlacer placer(page);
   EXPECT_LT((offset_px(placer.place(anchor_px, size_px)) - at(8.0, -kPi / 4)).norm(), 1e-9);
   EXPECT_TRUE(is_at(offset_px(placer.place(anchor_px, size_px)), 8.0)) << "on another side";
-  // If everything near is blocked, the label moves out until there is room.
+  // If all near positions are blocked, the label gets the nearest free one farther out.
   for (const auto& [reach_px, gap_px] : {std::pair{10.0, 16.0}, {19.0, 26.0}, {32.0, 40.0}}) {
     LabelPlacer crowded(page);
     const Eigen::Vector2d reach = Eigen::Vector2d::Constant(reach_px);
@@ -46,7 +46,7 @@ TEST(LabelPlacer, PutsALabelAtTheNearestFreePosition) {
   }
 }
 
-// It rather covers something than that it leaves the page.
+// On a full page, a label covers something else but does not leave the page.
 TEST(LabelPlacer, KeepsLabelsInsideACrowdedPage) {
   const Eigen::AlignedBox2d page(Eigen::Vector2d(0, 0), Eigen::Vector2d(100, 60));
   LabelPlacer placer(page);

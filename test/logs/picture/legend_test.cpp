@@ -21,9 +21,9 @@ using test::elements;
 using test::number;
 using Attributes = std::map<std::string, std::string>;
 
-constexpr double kRow_px = 24.0;  // of the legend
+constexpr double kRow_px = 24.0;  // height of a row
 
-/// The box around a symbol, and what it was drawn as.
+/// A drawn symbol: its SVG tag, bounding box and attributes.
 struct Symbol {
   std::string tag;
   Eigen::AlignedBox2d box_px;
@@ -94,7 +94,7 @@ class Legend : public ::testing::Test {
       }
     }
   }
-  /// Returns the symbols next to the line with the text `words`, in the order of their kinds.
+  /// Returns the symbols next to the text that starts with `words`, sorted by tag.
   [[nodiscard]] std::vector<Symbol> beside(const std::string& words) const {
     std::vector<Symbol> out;
     for (const Attributes& text : texts_) {
@@ -109,7 +109,7 @@ class Legend : public ::testing::Test {
     }
     return out;
   }
-  /// The middle of the symbol of the `row`-th line behind the robots.
+  /// Returns the centre of the symbol next to the text that starts with `words`.
   [[nodiscard]] Eigen::Vector2d middle_px(const std::string& words) const {
     for (const Attributes& text : texts_) {
       if (text.at("words").starts_with(words)) {
@@ -183,7 +183,7 @@ TEST_F(Legend, ShowsRobotsLikeTheMap) {
   expect_near(jammed[0].box_px.center(), middle_px(appearance().glyphs.at("jammed")));
 }
 
-// A way and a plan lead from the left to the right; where the plan ends there is its mark.
+// The lines of a track and of a plan go from left to right; a mark is at the end of the plan.
 TEST_F(Legend, ShowsTracksPlansAndViewsLikeTheMap) {
   draw(false);
   const auto expect_way = [&](const Symbol& it, const std::string& words) {
@@ -213,7 +213,7 @@ TEST_F(Legend, ShowsTargetsAndEstimatesLikeTheMap) {
   draw(false);
   const auto truth = beside(appearance().glyphs.at("truth"));
   ASSERT_EQ(truth.size(), 1U);
-  // The symbol of the map, translated.
+  // The symbol equals that of the map, apart from its position.
   Scene scene;
   scene.targets[0].track = {{Time{}, {1.0, 1.0}}};
   const Layout layout(scenario_.world.bounds, 0.0);
@@ -262,7 +262,7 @@ TEST_F(Legend, ShowsTargetsAndEstimatesLikeTheMap) {
   EXPECT_LT(turn, 0.0) << "both ways";
 }
 
-// Swatches of 28 px by 16 px, of which each is in the middle of its row.
+// Swatches have 28 px by 16 px and are in the middle of their rows.
 TEST_F(Legend, ShowsGroundsAsSwatches) {
   for (const bool maps : {false, true}) {
     symbols_.clear();
@@ -281,7 +281,7 @@ TEST_F(Legend, ShowsGroundsAsSwatches) {
   }
 }
 
-// Two lines of words, each as high as it is, one below the other and above the map.
+// The header has two lines of text that do not overlap and are above the map.
 TEST_F(Legend, IsBelowTheHeader) {
   const Layout layout(scenario_.world.bounds, panel_height_px(scenario_));
   Svg svg(2000.0, 1000.0);

@@ -41,7 +41,7 @@ struct Example {
   }
 };
 
-/// Every line of the legend there can be is in it.
+/// Returns a trial for which the legend has every possible line.
 Example a_trial(std::size_t robots, std::size_t targets) {
   Example out;
   out.scenario.world.bounds = {{-4.0, -2.0}, {4.0, 2.0}};
@@ -72,7 +72,7 @@ Example a_mapping_trial(std::size_t robots) {
   return out;
 }
 
-/// The words on each line, from the left; lines from above.
+/// Returns the words of each line, from left to right; lines from top to bottom.
 std::vector<std::vector<std::string>> rows(const std::string& svg) {
   std::map<double, std::map<double, std::string>> by_place;
   for (const Attributes& each : elements(svg, "text")) {
@@ -178,7 +178,7 @@ TEST(DrawPanel, HasTheStatedHeight) {
         }
         const double room_px =
             it.layout().panel_corner_px.y() + panel_height_px(it.scenario) - last_px;
-        // Two of the ten lines of 24 px are unused in a mapping trial, and two without targets.
+        // Two of ten lines of 24 px are unused in a mapping trial or without targets.
         const int unused = maps || targets == 0 ? 2 : 0;
         EXPECT_NEAR(room_px, 24.0 * unused + 24.0 - 4.5, 2.0);
         EXPECT_LT(right_px, it.layout().page_size_px.x() - 20.0);
@@ -187,7 +187,7 @@ TEST(DrawPanel, HasTheStatedHeight) {
   }
 }
 
-// Each column's numbers end where its head ends; rows are as far apart as one reads well.
+// The numbers of each column end at the right edge of its heading; rows have equal distances.
 TEST(DrawPanel, AlignsItsColumns) {
   for (const Example& it : {a_trial(6, 4), a_mapping_trial(6)}) {
     std::map<std::string, std::vector<double>> ends_px;
@@ -220,7 +220,7 @@ TEST(DrawPanel, AlignsItsColumns) {
   }
 }
 
-// Four a row, each with its symbol before its name.
+// The legend has four robots per row, each with its symbol before its name.
 TEST(DrawPanel, ListsTheRobotsWithTheirColours) {
   const Example it = a_trial(10, 1);
   const std::string svg = it.panel();

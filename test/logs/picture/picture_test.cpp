@@ -144,8 +144,8 @@ TEST(DrawPicture, ClipsTheGroundToTheMap) {
 TEST(DrawPicture, EllipseHasTheLegendsProbability) {
   const Example it = example();
   const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
-  // 8 m are 1040 px; σ are 0.1 m and 0.2 m (the smaller axis first), and √(−2 ln 0.05) of them
-  // hold 95 % in two dimensions.
+  // 8 m are 1040 px. σ is 0.1 m and 0.2 m (the smaller axis first); multiplied by √(−2 ln 0.05) it
+  // contains 95 % in two dimensions.
   EXPECT_NE(svg.find("<ellipse rx=\"31.82\" ry=\"63.64\""), std::string::npos);
   EXPECT_NE(svg.find("estimate: mean and 95 % ellipse"), std::string::npos);
 }
@@ -237,12 +237,12 @@ TEST(DrawPicture, AlignsLegendSymbolsAndText) {
   for (const auto& each : elements(svg, "text")) {
     head = each.at("words") == "Legend" ? each : head;
   }
-  std::vector<double> rows_px;  // where the middle of a row's words is
+  std::vector<double> rows_px;  // centre of each row of text
   double words_px = 0.0;
   for (const auto& each : elements(svg, "text")) {
     if (number(each, "x") >= number(head, "x") && number(each, "y") > number(head, "y")) {
       rows_px.push_back(number(each, "y") - 4.5);
-      words_px = number(each, "x");  // the last: of those with one symbol a row
+      words_px = number(each, "x");  // of the last row, which has one symbol
     }
   }
   int symbols = 0;
@@ -369,7 +369,7 @@ TEST(SceneRecorder, KeepsLongTracksInBoundedMemory) {
     widest_m = std::max(widest_m, gap_m);
     narrowest_m = std::min(narrowest_m, gap_m);
   }
-  // All parts are as coarse, and not twice as coarse as they need be.
+  // All parts of the track have the same resolution, which is at most twice as coarse as necessary.
   EXPECT_LT(widest_m, 0.1 * kFrames / 2048);
   EXPECT_NEAR(narrowest_m, widest_m, 1e-9);
   EXPECT_LT(0.1 * (kFrames - 1) - track.back().position_m.x(), widest_m);

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Programs are looked for in a folder of the test's own.
+/// The test's own folder is the only one in which programs are searched.
 class RenderPngBy : public ::testing::Test {
  protected:
   RenderPngBy() { ::setenv("PATH", folder_.path().c_str(), 1); }
@@ -65,7 +65,7 @@ TEST_F(RenderPngBy, RemovesTheFileOfAFailedProgram) {
             png_path + ": cannot be written: rsvg-convert failed on " + folder_.file("a.svg"));
   EXPECT_FALSE(fs::exists(png_path));
   EXPECT_FALSE(fs::exists(png_path + ".part"));
-  draws_by("exit 0\n");  // and has written nothing
+  draws_by("exit 0\n");  // succeeds without a file
   EXPECT_EQ(outcome(), png_path + ": cannot be written: No such file or directory");
 }
 

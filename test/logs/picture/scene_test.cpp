@@ -65,11 +65,11 @@ TEST(SceneRecorder, ThinsTracksByTimeAndDistance) {
   }
 }
 
-// A tenth of a second and two centimetres from the point before, whichever it takes longer.
+// A point is at least 0.1 s after the previous point and at least 2 cm from it.
 TEST(SceneRecorder, KeepsAPointPerTenthOfASecondOrTwoCentimetres) {
   for (const double speed_mps : {0.04, 0.1, 0.25, 1.0}) {
     SceneRecorder recorder(a_scenario());
-    for (int i = 0; i <= 500; ++i) {  // to and fro, 50 frames a second
+    for (int i = 0; i <= 500; ++i) {  // back and forth, 50 frames per second
       const double distance_m = speed_mps * 0.02 * i;
       const double x_m = std::abs(std::remainder(distance_m, 0.8));
       recorder.on_truth(truth(0.02 * i, "Q1", -1, {x_m, 0.0}));
@@ -80,13 +80,13 @@ TEST(SceneRecorder, KeepsAPointPerTenthOfASecondOrTwoCentimetres) {
       const double passed_s = to_seconds(track[i].time - track[i - 1].time);
       EXPECT_GE(passed_s, 0.1 - 1e-9) << speed_mps;
       EXPECT_GE((track[i].position_m - track[i - 1].position_m).norm(), 0.02 - 1e-9);
-      EXPECT_LE(passed_s, 2.0 * apart_s + 0.021) << speed_mps;  // twice where it turns
+      EXPECT_LE(passed_s, 2.0 * apart_s + 0.021) << speed_mps;  // twice the time where it turns
     }
     EXPECT_GT(track.size(), 0.8 * 10.0 / (apart_s + 0.02));
   }
 }
 
-// A track that is full is thinned alone; the others go on as they were.
+// A full track is thinned; all other tracks remain unchanged.
 TEST(SceneRecorder, ThinsOnlyFullTracks) {
   SceneRecorder recorder(a_scenario());
   for (int i = 0; i < 4100; ++i) {
@@ -142,7 +142,8 @@ TEST(SceneRecorder, HasTheNewestObservationPerCell) {
   EXPECT_EQ(recorder.scene().last_seen_utime, (std::vector<std::int64_t>{1, 2}));
 }
 
-// With neighbourhoods, each belief covers a part; cells outside it keep their values.
+// With neighbourhoods, each belief covers a part of the grid; cells outside this part keep their
+// values.
 TEST(SceneRecorder, MergesNeighbourhoodGrids) {
   scenario::Scenario scenario = a_scenario();
   scenario.network.neighbourhood_m = 2.0;

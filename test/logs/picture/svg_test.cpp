@@ -68,7 +68,8 @@ TEST(EscapeXml, EscapesReservedCharacters) {
   EXPECT_EQ(escape_xml("a&b<c>d\"e'f"), "a&amp;b&lt;c&gt;d&quot;e&apos;f");
 }
 
-// As large as there is room for, whatever the world's shape and wherever its corner is.
+// The map is as large as the page allows, for any shape of the world and any position of its
+// corner.
 TEST(Layout, FitsMapAndPanelOnThePage) {
   for (const auto& [width_m, height_m] :
        {std::pair{8.0, 4.0}, {4.0, 8.0}, {10.4, 8.2}, {100.0, 90.0}, {0.5, 3.0}}) {

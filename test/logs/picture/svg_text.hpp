@@ -10,11 +10,11 @@
 #include <string_view>
 #include <vector>
 
-// Helpers that read SVG text.
+// Functions that read SVG text.
 
 namespace vantage::test {
 
-/// One tag of XML, between < and >.
+/// An XML tag: the text between < and >.
 struct Tag {
   std::string name;
   bool is_closing = false;
@@ -45,8 +45,8 @@ inline Tag parse_tag(std::string inside) {
   return tag;
 }
 
-/// Why `text` is not well-formed XML (tags nested and closed, attributes quoted and not repeated,
-/// nothing but known entities); empty when it is.
+/// Returns why `text` is not well-formed XML; empty if it is. Checks that tags are nested and
+/// closed, that attributes are quoted and not repeated, and that all entities are known.
 inline std::string xml_fault(const std::string& text) {
   constexpr std::array<std::string_view, 5> kEntities = {"&amp;", "&lt;", "&gt;", "&quot;",
                                                          "&apos;"};
@@ -87,7 +87,7 @@ inline int count(const std::string& text, const std::string& what) {
   return found;
 }
 
-/// The tags of this name, each by its attributes; of a text its words, too, as "words".
+/// Returns the attributes of each tag with this name; "words" is the text inside the tag.
 inline std::vector<std::map<std::string, std::string>> elements(const std::string& svg,
                                                                 const std::string& name) {
   static const std::regex kAttribute(R"re((\S+)="([^"]*)")re");

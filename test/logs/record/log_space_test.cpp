@@ -70,7 +70,8 @@ TEST(LogWatch, ReportsARefusedRecorderAtOnce) {
   EXPECT_TRUE(watch.is_written());
 }
 
-// Whatever the disk says: a logger that died, or a file that another has taken away.
+// A log that stops growing is reported even if the disk has space: the recorder has ended, or the
+// file has been removed.
 TEST(LogWatch, DetectsAFileThatDoesNotGrow) {
   Watched log;
   log.look(5000, 1'000'000'000);

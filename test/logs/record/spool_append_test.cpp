@@ -1,4 +1,4 @@
-// A recorder that goes on with a log that is there.
+// Tests a recorder that appends to an existing log.
 
 #include <algorithm>
 #include <cstdint>
@@ -27,7 +27,7 @@ SpoolOptions append_to(const std::string& path) {
   return out;
 }
 
-/// `count` events, without the last `torn` bytes.
+/// Returns `count` events without the last `torn` bytes.
 Bytes file_of(int count, std::size_t torn) {
   Bytes out;
   for (int i = 0; i < count; ++i) {
@@ -64,7 +64,7 @@ TEST(LogSpool, RemovesAnIncompleteEventBeforeAppending) {
   }
 }
 
-// The limit is of all files together.
+// The limit applies to the sum of all files, including existing ones.
 TEST(LogSpool, IncludesExistingFilesInItsLimit) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");

@@ -37,7 +37,7 @@ TEST(RayDistance, AgreesWithLineOfSight) {
     const Eigen::Vector2d beyond_m = from_m + (distance_m + 1e-4) * along;
     ASSERT_TRUE(models::line_of_sight(kWorld, from_m, short_m));
     ASSERT_NEAR(models::clearance_m(kWorld, short_m), 0.0, 1e-6);
-    // The point behind the hit is inside an obstacle, or the ray has clipped a corner.
+    // The point beyond the hit is inside an obstacle, unless the ray only touches a corner.
     if (models::clearance_m(kWorld, beyond_m) > 0.0) {
       ASSERT_FALSE(models::line_of_sight(kWorld, from_m, beyond_m));
     }

@@ -36,7 +36,7 @@ double csqmi_by_enumeration(const EnumeratedBeam& beam) {
   return std::log(joint) + std::log(apart) - 2.0 * std::log(cross);
 }
 
-// Computes the published closed form, with w_l and the product over all cells.
+// Computes the closed form as published, with w_l and the product over all cells.
 double csqmi_as_printed(const BeamProfile& beam, const BeamSensor& sensor) {
   const std::size_t cells = beam.occupancy.size();
   const auto square = [](double o) { return o * o + (1.0 - o) * (1.0 - o); };

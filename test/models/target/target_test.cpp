@@ -26,7 +26,8 @@ const TargetModel kModels[] = {
     {test::drag(), 2, 0.3},
 };
 
-// Returns the stationary covariance of an oscillator: N(c, σ_p²), N(0, σ_v²).
+// Returns the stationary covariance of an oscillator; position and velocity have the distributions
+// N(c, σ_p²) and N(0, σ_v²).
 StateMatrix stationary(const DampedOscillator& around) {
   Eigen::Vector4d variances;
   variances << around.position_sigma_m.cwiseAbs2(), around.velocity_sigma_mps.cwiseAbs2();
@@ -42,7 +43,7 @@ TEST(TargetModel, HasTheDimensionOfItsState) {
   }
 }
 
-// A(s + t) = A(t) A(s) and W(s + t) = A(t) W(s) A(t)ᵀ + W(t): two short steps equal one long one.
+// A(s + t) = A(t) A(s) and W(s + t) = A(t) W(s) A(t)ᵀ + W(t): two short steps equal one long step.
 TEST(TargetModel, IsIndependentOfStepPartition) {
   for (const TargetModel& model : kModels) {
     if (model.kind == TargetKind::kGrowingUncertainty) {
@@ -91,7 +92,8 @@ TEST(DampedOscillator, KeepsItsStationaryDistribution) {
   }
 }
 
-// ẏ = F y by short Euler steps, and W = ∫ e^{Fs} G q Gᵀ e^{Fᵀs} ds with q = 2 γ σ_v².
+// The reference is ẏ = F y by short Euler steps, and W = ∫ e^{Fs} G q Gᵀ e^{Fᵀs} ds with q = 2 γ
+// σ_v².
 TEST(DampedOscillator, SolvesItsDifferentialEquation) {
   const TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kSwings};
   constexpr int kSteps = 200'000;
