@@ -139,7 +139,7 @@ TEST(Broker, SendsOnlyLastRecordAfterHold) {
   put(broker, "/flow", 3, false);
   broker.release();
   EXPECT_EQ(client->wait_pop()->head, message_head(1, from_utime(3)));
-  // A viewer that subscribes meanwhile does not receive the skipped instants either.
+  // A viewer that subscribes during a hold does not receive the skipped instants either.
   broker.hold();
   put(broker, "/flow", 4, false);
   const auto newcomer = broker.connect(true);
@@ -200,7 +200,8 @@ TEST(Broker, CountsRecordsWithoutSubscribers) {
                             "jumps": 0, "time_s": null})"));
 }
 
-// Time and jumps belong to the counts of the same text, so that no rate is computed across a jump.
+// Each text contains the counts with their log time and the number of jumps, so that a viewer
+// computes no rate across a jump.
 TEST(Broker, ReportsLogTimeAndJumpsWithCounts) {
   Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9'000'000))});
   const auto counted = [&broker] {

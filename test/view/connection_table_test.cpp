@@ -41,7 +41,7 @@ TEST(ConnectionTable, ClosesTheOldestConnectionOfAnAddress) {
   EXPECT_TRUE(table.update(open, kStart + milliseconds(50)).empty()) << "a viewer does not count";
 }
 
-// Three addresses with 30 or 20 connections each are below the limit per address, but reach the
+// Three addresses have 30 or 20 connections each: below the limit per address, but together the
 // total limit.
 TEST(ConnectionTable, EndsOldestOfBusiestAddressAtTotalLimit) {
   ConnectionTable table;

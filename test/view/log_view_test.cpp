@@ -53,7 +53,7 @@ std::map<std::string, std::string> records_for_new_viewer(Broker& broker) {
     if (frame->is_text && frame->head == "{}") {
       break;
     }
-    if (!frame->is_text && frame->head[0] == 1) {  // otherwise a status, time or playback frame
+    if (!frame->is_text && frame->head[0] == 1) {  // otherwise status, time or playback
       content[topics.at(static_cast<unsigned char>(frame->head[1]))] = *frame->body;
     }
   }
@@ -90,7 +90,7 @@ TEST(PlaybackClock, SeeksWithinTheLogAndAnswersTheRequest) {
   EXPECT_TRUE(again.did_seek);
 }
 
-// The log of the sample flight; its tests are skipped if it cannot be unpacked.
+// A fixture with the log of the sample flight; its tests are skipped if the log cannot be unpacked.
 class SampleLog : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -129,7 +129,7 @@ TEST_F(SampleLog, ShowsSameInstantAfterAnySeekPath) {
     }
     ask(instant);
     broker.disconnect(client);
-    // A new viewer receives the scene of that instant of the log.
+    // Returns what a new viewer receives: the scene at that instant of the log.
     return records_for_new_viewer(broker);
   };
   const auto straight = newest(false);
@@ -144,7 +144,7 @@ TEST_F(SampleLog, ShowsSameInstantAfterAnySeekPath) {
 TEST_F(SampleLog, SeekShowsStateOfFullReplay) {
   const logs::SeekableLog& log = log_of_sample();
   const logs::TypeLibrary types;
-  for (const int at_s : {3, 15, 45}) {  // for the last one the preceding 20 s are enough
+  for (const int at_s : {3, 15, 45}) {  // for 45 s, the preceding 20 s suffice
     const Time instant = log.range().first + std::chrono::seconds(at_s);
     Broker broker({"test", "s", log.range()});
     const LogView view(log, types, broker, instant);
@@ -175,7 +175,7 @@ TEST_F(SampleLog, SeekShowsStateOfFullReplay) {
   }
 }
 
-/// Seeks as a playing viewer requests it.
+/// Seeks like a viewer that plays the log.
 void go_to(Time to, Broker& broker, Client& client, LogView& view) {
   broker.on_request(
       client, parse_binary(playback_request(1, 1.0F, true,
@@ -192,7 +192,7 @@ TEST_F(SampleLog, StepsWithoutJumpAndRepeatsRequestedInstant) {
   const auto client = broker.connect(true);
   pop_text(*client);
   subscribe(broker, *client, pop_text(*client), "/transforms");
-  // {number of poses received, true if a jump was reported}
+  // Returns the number of received poses, and true if a jump was reported.
   const auto ask = [&](Time to) {
     go_to(to, broker, *client, view);
     client->push(control("{}"));
@@ -213,7 +213,7 @@ TEST_F(SampleLog, StepsWithoutJumpAndRepeatsRequestedInstant) {
   broker.disconnect(client);
 }
 
-// Poses are sent twenty times per second anywhere in the log, whatever was read for the seek.
+// The rate is twenty poses per second anywhere in the log, whatever the server reads for a seek.
 TEST_F(SampleLog, RateUsesCountsAndTimeOfOneText) {
   const logs::SeekableLog& log = log_of_sample();
   const logs::TypeLibrary types;
@@ -271,7 +271,7 @@ TEST_F(SampleLog, ReturnsOneNumberOfATopicOverTime) {
   const json battery = json::parse(log_series(log, {}, "/vehicle/Q1", "/battery_share"));
   EXPECT_GT(battery.size(), 100U);
   EXPECT_GT(battery.front()[1].get<double>(), battery.back()[1].get<double>());
-  // The same plans on the bus and as sent to viewers.
+  // The plans as received on the bus and as sent to viewers have the same values.
   const json raw = json::parse(log_series(log, {}, "/lcm/PLAN_Q1", "/nodes"));
   const json told = json::parse(log_series(log, {}, "/plan/Q1/status", "/nodes"));
   EXPECT_NEAR(static_cast<double>(raw.size()), 60.0, 3.0);
@@ -346,8 +346,8 @@ TEST(SeekPreroll, CountsRecordsAndSendsLastOfEachTopic) {
   }
 }
 
-/// A log of 60 s and 24 MB, of which 8 MiB are read at once. Q1 is jammed from the start to 25 s,
-/// Q2 from then on; each is reported once.
+/// A log of 60 s and 24 MB, of which 8 MiB are read when it is opened. Q1 is jammed from the start
+/// to 25 s and Q2 after that; each attack is reported once.
 class UnreadLog : public ::testing::Test {
  protected:
   static constexpr std::int64_t kStart_us = 1'000'000'000;
@@ -432,7 +432,7 @@ TEST_F(UnreadLog, IsShownCompletelyAfterItsFirstPass) {
   EXPECT_LT(percents.front(), 50);
   EXPECT_GT(percents.back(), 90);
 
-  // The instant is sent again, as after a seek; playing continues.
+  // After the pass, the instant is sent again, as after a seek; playing continues.
   view.tick(3 * kSecond_ns);
   EXPECT_EQ(jammed(broker), R"(["Q2"])");
   client->push(control("{}"));
@@ -450,7 +450,7 @@ TEST_F(UnreadLog, IsShownCompletelyAfterItsFirstPass) {
   }
   EXPECT_EQ(states, 1) << "viewers begin anew there";
   EXPECT_EQ(json::parse(last_attack)["jammed"].dump(), R"(["Q2"])");
-  // This happens only once.
+  // The instant is sent again only once.
   view.tick(3 * kSecond_ns);
   client->push(control("{}"));
   for (auto frame = client->wait_pop(); !frame->is_text; frame = client->wait_pop()) {

@@ -29,7 +29,7 @@ TEST(ServerInfoText, OffersPlaybackOnlyForLogs) {
   EXPECT_EQ(log["dataStartTime"], json({{"sec", 1}, {"nsec", 500'000'000}}));
 }
 
-// A channel name of LCM, from any sender on the network, may contain any bytes except NUL.
+// An LCM channel name from any sender on the network may contain any bytes except NUL.
 TEST(AdvertiseText, IsUtf8ForAnyChannelName) {
   const std::vector<ChannelInfo> channels = {{3, "/K\xd6RPER", {}}};
   std::string said;

@@ -7,7 +7,7 @@ import sys
 
 from plain_viewer import Viewer, serving
 
-SLOW = 150  # more than the server has threads
+SLOW = 150  # more than the number of server threads
 PATIENCE_S = 15  # half of the server's time limit for a write
 
 
@@ -33,7 +33,7 @@ def main():
         asked.request("GET", "/api/topics")
         assert asked.getresponse().status == 200
         for one in many:
-            while receive(one):  # an error page, or nothing
+            while receive(one):  # reads an error page, or nothing
                 pass
     print("slow_connections: all good")
 

@@ -1,9 +1,8 @@
 #!/bin/sh
-# viewer.sh channels|page log|live|late|access|proposals|foreign|record VANTAGE SOURCE_DIR: tests `vantage view` on
-# the sample
-# log, on a log of a team that plans by local search or of another robot, and `vantage demo --view`. Foxglove's own
-# client reads
-# it, or headless Chromium is driven. Screenshots go to $VANTAGE_SHOTS if set. Exit code 77: a requirement is missing.
+# viewer.sh channels|page log|live|late|access|proposals|foreign|record VANTAGE SOURCE_DIR: tests `vantage
+# view` on the sample log, on a log of a team that plans by local search or on a log of another robot, and
+# tests `vantage demo --view`. The client is Foxglove's own client (channels) or headless Chromium (page).
+# Screenshots go to $VANTAGE_SHOTS if it is set. Exit code 77: a requirement is missing.
 what=$1
 kind=$2
 vantage=$3

@@ -10,7 +10,7 @@
 #include "tools/view/broker.hpp"
 #include "tools/view/outbox.hpp"
 
-// Messages between viewers and the server, made by hand.
+// Messages between viewers and the server, composed by hand.
 
 namespace vantage::tools::test {
 
@@ -26,7 +26,7 @@ inline Frame control(const std::string& content) {
   return {Frame::Kind::kControl, true, 0, content, nullptr};
 }
 
-/// Returns the bytes of a playback control request, as a client makes them.
+/// Returns the bytes of a playback control request, as a client composes them.
 inline std::string playback_request(std::uint8_t command, float speed, bool had_seek,
                                     std::uint64_t seek_ns, const std::string& id) {
   std::string out("\x03", 1);
@@ -49,7 +49,7 @@ inline json pop_text(Client& client) {
   return frame ? json::parse(frame->head) : json();
 }
 
-/// Subscribes with id 7 to the topic of that name among those `advertised`.
+/// Subscribes with id 7 to the topic `name` among those in `advertised`.
 inline void subscribe(Broker& broker, Client& client, const json& advertised,
                       const std::string& topic) {
   for (const json& channel : advertised["channels"]) {

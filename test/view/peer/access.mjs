@@ -1,5 +1,5 @@
-// access.mjs http://HOST:PORT access [FOLDER]: the page by axe-core's rules (WCAG 2.2 A and AA, and what axe calls
-// best practice), in each of its states, light and dark; and by keyboard alone.
+// access.mjs http://HOST:PORT access [FOLDER]: checks the page by axe-core's rules (WCAG 2.2 A and AA, and axe's best
+// practices), in each state of the page, light and dark; then checks its use by keyboard alone.
 
 import assert from "node:assert";
 import { readFileSync } from "node:fs";
@@ -15,7 +15,8 @@ async function check(page, state) {
   assert.deepEqual(said, [], state);
 }
 
-/** Whatever has the focus is reached by the tabulator alone, has a name, and shows that it has the focus. */
+/** Checks that the Tab key alone reaches each control, and that the focused control has a name and shows its focus.
+    */
 async function check_tabs(page) {
   const seen = new Set();
   for (let i = 0; i < 90; ++i) {
@@ -29,7 +30,7 @@ async function check_tabs(page) {
         is_shown: it === document.body || (style.outlineStyle !== "none" && parseFloat(style.outlineWidth) > 0),
       };
     });
-    if (id === "BODY") continue; // once around
+    if (id === "BODY") continue; // the focus has passed the last control
     seen.add(id);
     assert(name || id === "SUMMARY", `${id} has no name`);
     assert(is_shown, `${id}: one does not see that it has the focus`);
@@ -64,7 +65,7 @@ for (const scheme of ["light", "dark"]) {
   await check(page, `${scheme}, a robot selected`);
   await page.keyboard.press("Escape");
 
-  // The time is a slider that keys move.
+  // The time is a slider that the arrow keys move.
   await page.focus("#timeline");
   const before = await now(page);
   await page.keyboard.press("ArrowRight");

@@ -1,6 +1,7 @@
-// channels.mjs ws://HOST:PORT [MIN_CHANNELS]: reads a viewer's server with Foxglove's own client.
-// Subscribes to everything advertised, by each subprotocol in turn; plays a log. Prints one line a
-// channel and fails unless every one that sends decodes into an object of its own schema.
+// channels.mjs ws://HOST:PORT [MIN_CHANNELS]: reads the viewer server's channels with Foxglove's own client.
+// Subscribes to all advertised channels, by each subprotocol in turn; plays the log, if it is one. Prints one line
+// per channel. Fails unless each channel sends data (/events need not), and each message is an object of its
+// channel's schema.
 
 import assert from "node:assert";
 import { get } from "node:http";
@@ -11,10 +12,10 @@ const { FoxgloveClient } = foxglove;
 
 const [url, least = "10"] = process.argv.slice(2);
 const kPatience_ms = 60_000;
-const kRaw = "/lcm/PLAN_Q1"; // of the messages as they are on the bus
-const kPlayed = 500; // transforms of a log that are worth calling it played
+const kRaw = "/lcm/PLAN_Q1"; // plans as published on the bus
+const kPlayed = 500; // least number of /transforms messages that shows that a log is playing
 
-/** Members of `value` that its schema does not know, or whose type is another. */
+/** Returns the members of `value` that are not in the schema or have another type. */
 function strangers(schema, value, at) {
   if (schema.type === "object" && !schema.properties) return value !== null && typeof value === "object" ? [] : [at];
   if (schema.type === "object") {
@@ -53,7 +54,7 @@ async function listen(subprotocol) {
   const statuses = [];
   let info;
   client.on("serverInfo", (event) => (info = event));
-  // It does not know the newer subprotocol's playback state (5): everything else must be understood.
+  // Foxglove's client does not know the playback state (5) of the newer subprotocol; any other error is a failure.
   client.on("error", (error) => {
     const is_playback = subprotocol === "foxglove.sdk.v1" && String(error).endsWith("binary message: 5");
     if (!is_playback) failures.push(String(error));
@@ -65,7 +66,7 @@ async function listen(subprotocol) {
       assert.equal(channel.schemaEncoding, "jsonschema");
       const entry = { ...channel, parsed: JSON.parse(channel.schema), count: 0 };
       assert.equal(entry.parsed.title, channel.schemaName);
-      if (channel.topic.startsWith("/lcm/") && channel.topic !== kRaw) continue; // as they are on the bus: twice the work
+      if (channel.topic.startsWith("/lcm/") && channel.topic !== kRaw) continue; // raw messages would double the work
       channels.set(channel.id, entry);
       by_subscription.set(client.subscribe(channel.id), entry);
     }
@@ -94,7 +95,7 @@ async function listen(subprotocol) {
   const count = (topic) => [...channels.values()].find((each) => each.topic === topic)?.count ?? 0;
   await until(() => !is_log || count("/transforms") >= kPlayed);
   await until(() => [...channels.values()].every((each) => each.count > 0 || each.topic === "/events"));
-  await until(() => [...channels.values()].some((each) => each.topic === kRaw && each.count > 0)); // planned once a round
+  await until(() => [...channels.values()].some((each) => each.topic === kRaw && each.count > 0)); // published once per round
   if (is_log) socket.send(request(false, 1));
   client.close();
   return { info, channels: [...channels.values()], failures, statuses };
@@ -123,8 +124,8 @@ await new Promise((resolve, reject) => {
   refused.on("error", () => {});
 });
 
-// The server also refuses host names that a third party could resolve to this address (DNS
-// rebinding), and pages of other servers.
+// The server also refuses requests under a host name that a third party could resolve to this address (DNS
+// rebinding), and requests from pages of other servers.
 const { hostname, port } = new URL(url);
 const status_of = (headers) =>
   new Promise((resolve, reject) => get({ hostname, port, path: "/api/topics", headers }, ({ statusCode }) => resolve(statusCode)).on("error", reject));

@@ -1,6 +1,6 @@
-// crowd.mjs ws://HOST:PORT SECONDS READERS STALLED: viewers of one server, all subscribed to
-// everything: some read (by Foxglove's own client), some never do once they have subscribed. Prints
-// a line of JSON each 10 s and one at the end, what each reader got.
+// crowd.mjs ws://HOST:PORT SECONDS READERS STALLED: connects many viewers to one server. Each subscribes to all
+// channels. READERS of them read (with Foxglove's own client), STALLED of them stop reading. Prints what each reader
+// has received, as a line of JSON every 10 s and at the end.
 
 import foxglove from "@foxglove/ws-protocol";
 import WebSocket from "ws";
@@ -17,7 +17,7 @@ function read(index) {
   const heard = { messages: 0, bytes: 0, channels: 0, warnings: [], is_open: false };
   client.on("open", () => (heard.is_open = true));
   client.on("close", () => (heard.is_open = false));
-  client.on("error", () => {}); // a frame that only the newer subprotocol has
+  client.on("error", () => {}); // a frame of the newer subprotocol only
   client.on("status", (event) => heard.warnings.push(event.message));
   client.on("advertise", (channels) => {
     heard.channels += channels.length;
@@ -30,7 +30,7 @@ function read(index) {
   return heard;
 }
 
-/** Never reads again once it has subscribed to what was advertised in its first five seconds. */
+/** Subscribes to all that is advertised and stops reading after five seconds. */
 function stall(index) {
   const state = { is_open: true };
   const socket = new WebSocket(url, [subprotocols[index % subprotocols.length]]);

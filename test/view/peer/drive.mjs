@@ -1,11 +1,11 @@
 // Shared by the tests of the page: a headless Chromium, a list of all errors in the consoles of its pages, and
-// helpers for waiting and reading. Arguments: http://HOST:PORT KIND [FOLDER].
+// functions that wait and read. Arguments: http://HOST:PORT KIND [FOLDER].
 
 import assert from "node:assert";
 import { chromium } from "playwright-core";
 
 export const [url, kind, folder] = process.argv.slice(2);
-const kPatience_ms = 180_000; // a trial, two pages and no graphics card on a core that others want as well
+const kPatience_ms = 180_000; // enough for a trial and two pages without a graphics card on a busy core
 
 export const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
@@ -15,7 +15,8 @@ const complaints = [];
 
 const shows_a_world = () => window.vantage?.stats().entities > 10;
 
-/** @param prepare called with the page before it is loaded @param is_ready asked in the page until it says yes */
+/** @param prepare is called with the page before it is loaded @param is_ready is evaluated in the page until it
+    returns true */
 export async function open(width, height, scheme, draw, prepare, is_ready = shows_a_world) {
   const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme });
   page.setDefaultTimeout(kPatience_ms);
@@ -23,7 +24,7 @@ export async function open(width, height, scheme, draw, prepare, is_ready = show
   page.on("pageerror", (error) => complaints.push(String(error)));
   page.on("requestfailed", (request) => {
     const why = request.failure()?.errorText;
-    // Requests under way when the page is closed are aborted; that is not a failure.
+    // Requests that are aborted because the page is closed are no failures.
     if (why !== "net::ERR_ABORTED") complaints.push(`${request.url()} failed: ${why}`);
   });
   page.on("request", (request) => /^(data|blob):/.test(request.url()) || request.url().startsWith(url) || complaints.push(`asks for ${request.url()}`));
@@ -37,7 +38,7 @@ export const now = (page) => page.evaluate(() => window.vantage.state.now);
 export const shot = (page, name) => folder && page.screenshot({ path: `${folder}/${kind}_${name}.png` });
 export const until = (page, condition, argument) => page.waitForFunction(condition, argument);
 
-/** Ends the browser; fails where a page complained. */
+/** Ends the browser; fails if a page reported an error. */
 export async function finish() {
   await browser.close();
   assert.deepEqual([...new Set(complaints)], []);

@@ -1,5 +1,5 @@
-// foreign.mjs http://HOST:PORT foreign [FOLDER]: the page on the log of foreign_log.py, served with its .lcm
-// files: its topics with their types, the members of a message, and numbers of it in charts, as they were written.
+// foreign.mjs http://HOST:PORT foreign [FOLDER]: tests the page on the log of foreign_log.py, served with its .lcm
+// files: topics with their types, members of a message, and charts of its numbers, all with the written values.
 
 import assert from "node:assert";
 import { finish, folder, open, shot, until, url } from "./drive.mjs";
@@ -12,7 +12,7 @@ const is_ready = () => window.vantage?.state.range && document.querySelectorAll(
 const page = await open(1920, 1080, "light", "", null, is_ready);
 const topic = (name) => `[data-topic="/lcm/${name}"]`;
 
-/** Opens a topic and charts numbers of it. */
+/** Opens a topic and adds charts of its fields. */
 async function chart(page, name, fields) {
   await page.click(`${topic(name)} > summary`);
   await page.locator(`${topic(name)} [data-field="utime"]`).waitFor();
@@ -30,11 +30,11 @@ assert.equal(type_of["/lcm/ARM_STATE"], "demo_arm.state_t");
 assert.equal(type_of["/lcm/POWER"], "demo_arm.power_t");
 assert.equal(type_of["/lcm/SECRET"], "0x0001020304050607");
 assert.equal(await page.locator(`${topic("ARM_STATE")} > summary`).getAttribute("title"), "demo_arm.state_t");
-await page.fill("#topics input", "power_t"); // by its type, too
+await page.fill("#topics input", "power_t"); // filters topics by their type, too
 await page.locator(topic("ARM_STATE")).waitFor({ state: "hidden" });
 await page.fill("#topics input", "");
 
-// An element of a list, a member of a struct, an element of a matrix, a flag: each has the written value.
+// Charts of an element of a list, a member of a struct, an element of a matrix and a flag have the written values.
 await chart(page, "ARM_STATE", ["position_rad.1", "position_rad.3", "tip_m.z", "effort_nm.2.1", "is_enabled"]);
 const line = async (key, name) => {
   await until(page, ([key, name, count]) => vantage.series(key)[name]?.t.length === count, [key, name, kMessages]);
@@ -55,7 +55,7 @@ await expect("is_enabled", (since_s) => Number(since_s > 10));
 await chart(page, "POWER", ["voltage_v"]);
 await line("/lcm/POWER voltage_v", "POWER");
 
-// Time stands, and where it stands is marked in a chart from its first picture on.
+// While playback is paused, a new chart marks the current time from its first frame on.
 await page.evaluate(() => vantage.seek_and_wait(21));
 await page.locator(`${topic("ARM_STATE")} [data-field="position_rad.2"]`).scrollIntoViewIfNeeded();
 const marked = await page.evaluate(async () => {
@@ -87,7 +87,7 @@ for (let asked = 0; !(await page.evaluate(is_told)); ++asked) {
   assert(asked < 120, "no rate is told");
   await counted();
   if (await page.evaluate(() => vantage.state.is_playing)) continue;
-  await page.evaluate(() => vantage.seek_and_wait(1)); // a page that was late has come to the end of the log
+  await page.evaluate(() => vantage.seek_and_wait(1)); // playback has reached the end of the log
   await page.click("#play");
   await until(page, () => vantage.state.is_playing);
 }
@@ -95,7 +95,7 @@ assert(rates.every((said) => said === "" || (parseFloat(said) > 12 && parseFloat
 await page.click("#play");
 await until(page, () => !vantage.state.is_playing);
 
-// The cursor reads it; the message is of the instant that is shown.
+// The cursor shows the chart's value at its time. After a click, the topic list shows the message of that time.
 const charted = page.locator('[data-chart="/lcm/ARM_STATE position_rad.1"]');
 await charted.scrollIntoViewIfNeeded();
 const over = await charted.locator(".u-over").boundingBox();
@@ -115,12 +115,12 @@ await page.click(`${topic("SECRET")} > summary`);
 await until(page, () => /0x0001020304050607/.test(document.querySelector('[data-topic="/lcm/SECRET"] .message').innerText));
 await shot(page, "1080p_light");
 
-// A link brings it back.
-await until(page, () => decodeURIComponent(location.hash).includes("position_rad.2")); // it follows within half a second
+// A page that is opened by the link shows the same charts.
+await until(page, () => decodeURIComponent(location.hash).includes("position_rad.2")); // the address is updated within half a second
 const address = await page.evaluate(() => location.href);
 const other = await open(1366, 768, "dark", address.slice(url.length + 1), null, () => window.vantage && Object.keys(vantage.series("/lcm/POWER voltage_v")).length > 0);
 const keys = (await page.evaluate(() => vantage.charts())).map(({ key }) => key);
-await until(other, (count) => vantage.charts().length >= count, keys.length); // they come one after another
+await until(other, (count) => vantage.charts().length >= count, keys.length); // charts appear one after another
 assert.deepEqual((await other.evaluate(() => vantage.charts())).map(({ key }) => key), keys);
 await other.waitForTimeout(folder ? 1500 : 0);
 await shot(other, "1366_dark");

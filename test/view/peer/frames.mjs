@@ -1,12 +1,11 @@
-// frames.mjs http://HOST:PORT [SECONDS [FLAGS…]]: how many pictures a second the page draws while a
-// log plays, while it stands and both views are drawn anew again and again, and while the 3-D view is
-// turned; and what each picture costs each of Chromium's processes. FLAGS are Chromium's own. A figure
-// of a machine that does nothing else. Prints a line of JSON for each; SHOT=FILE keeps a screenshot.
-//
-// A picture is a callback of requestAnimationFrame in which the page painted at least one view; as
-// many callbacks are asked for all the time, so that a slow compositor is seen in both numbers.
-// Chromium is driven through its debugging port and not by playwright, which has all that arrives on
-// a WebSocket repeated to itself: a quarter of a core.
+// frames.mjs http://HOST:PORT [SECONDS [FLAGS…]]: measures the frame rate of the page and the CPU time per frame of
+// each Chromium process. Measured while a log plays, while playback is paused and both views are redrawn repeatedly,
+// and while the 3-D view is rotated. FLAGS are passed to Chromium. The machine must be idle otherwise. Prints a line
+// of JSON for each; SHOT=FILE writes a screenshot.
+// A frame is a callback of requestAnimationFrame in which the page painted at least one view. The script also
+// requests callbacks all the time, so that a slow compositor reduces both rates. Chromium is driven through its
+// debugging port and not by playwright, because playwright receives a copy of all WebSocket messages, which costs a
+// quarter of a core.
 
 import { spawn } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
@@ -21,10 +20,10 @@ const browser = spawn(process.env.CHROMIUM ?? "/usr/bin/chromium", [
   "--window-size=1280,800", ...flags, "about:blank",
 ]);
 
-const gone = new Promise((resolve) => browser.on("close", resolve)); // with all its processes
+const gone = new Promise((resolve) => browser.on("close", resolve)); // after all its processes
 process.on("uncaughtExceptionMonitor", () => browser.kill());
 
-/** Calls to a debugging address. */
+/** A connection to a debugging address, for calls. */
 class Debugged {
   static async open(address) {
     const socket = new WebSocket(address);
@@ -60,7 +59,7 @@ class Debugged {
 
 const wait_ms = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-/** Processor seconds by kind of process. */
+/** Returns the CPU time by kind of process, s. */
 async function processors(whole) {
   const used = {};
   for (const { type, cpuTime } of (await whole.call("SystemInfo.getProcessInfo")).processInfo) {
@@ -136,7 +135,7 @@ try {
   await page.evaluate(`document.dispatchEvent(new KeyboardEvent("keydown", { key: "Home" }))`);
   await until("vantage.state.now < 1");
   await page.evaluate(`document.getElementById("play").click()`);
-  await until("vantage.state.now > 4"); // the team is on its way
+  await until("vantage.state.now > 4"); // until the team is in flight
   await measure(whole, page, "playing");
   await page.evaluate(`document.getElementById("play").click()`);
   await until("!vantage.state.is_playing");

@@ -1,10 +1,10 @@
-// late.mjs http://HOST:PORT late [FOLDER]: a page that is opened during a trial, or that loses the server and
-// connects again, shows the earlier records, each of them once.
+// late.mjs http://HOST:PORT late [FOLDER]: tests that a page that is opened during a trial, or that reconnects after
+// it has lost the server, shows each earlier record exactly once.
 
 import assert from "node:assert";
 import { finish, open, until } from "./drive.mjs";
 
-/** Keeps of every WebSocket of the page the newest frame of each subscription, for repeat(). */
+/** Stores the newest frame of each subscription of every WebSocket of the page, for repeat(). */
 function listen_in() {
   const newest = new Map();
   const is_event = (data) => "level" in JSON.parse(new TextDecoder().decode(new Uint8Array(data, 13)));
@@ -18,7 +18,7 @@ function listen_in() {
       });
     }
   };
-  /** The newest of each once more, as a server sends what it keeps to who subscribes: all but events. */
+  /** Delivers the newest frame of each subscription again, except events, as a server does for a new subscription. */
   window.repeat = () => newest.forEach((data) => is_event(data) || window.sockets.at(-1).onmessage({ data }));
 }
 
@@ -29,7 +29,8 @@ const heard = (page) =>
     return { first: vantage.state.start + times[0], times, trail: vantage.trail("Q1"), events };
   });
 
-/** What somebody heard twice, nothing else: a trial goes on while a page is asked, however slow both are. */
+/** Returns the records that the page has received twice. (A count would not do: the trial continues during the
+    query.) */
 const twice = ({ times, events }) => [
   ...times.filter((time, i) => i > 0 && time <= times[i - 1]),
   ...events.filter((event, i) => events.indexOf(event) < i),
@@ -47,14 +48,14 @@ assert(told.times.length >= known.times.length);
 assert.deepEqual(twice(told), []);
 assert(told.trail > 5);
 
-// The server sends its kept records again: the charts show each once and lose none.
+// The stored records are delivered again: the charts show each record once and lose none.
 await late.evaluate(() => repeat());
 const again = await heard(late);
 assert(again.times.length >= told.times.length, `${again.times.length} of ${told.times.length} are left`);
 assert.deepEqual(twice(again), [], "repeated");
 assert(again.events.length >= told.events.length);
 
-// The connection is lost and comes again, to the same trial.
+// The page reconnects to the same trial after its connection was closed.
 await late.evaluate(() => window.sockets.at(-1).close());
 await until(late, (count) => window.sockets.length > 1 && vantage.series("margin").Q1?.t.length > count + 2, again.times.length);
 const later = await heard(late);

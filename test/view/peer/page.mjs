@@ -1,5 +1,5 @@
-// page.mjs http://HOST:PORT log|live|proposals [FOLDER]: drives the page in headless Chromium, as a person
-// would; fails on any error in its console. Leaves screenshots in FOLDER.
+// page.mjs http://HOST:PORT log|live|proposals [FOLDER]: uses the page in headless Chromium as a person would; fails
+// on any error in its console. Writes screenshots to FOLDER.
 
 import assert from "node:assert";
 import { readFileSync } from "node:fs";
@@ -13,8 +13,8 @@ async function open(...how) {
   return page;
 }
 
-/** Gives the page `picture()`: the stage as it is drawn now, and where it is in the window; and
-    `proposals()`: how many are shown. */
+/** Adds two functions to the page: `picture()` returns the current pixels of the stage and its position in the
+    window; `proposals()` returns the number of shown proposals. */
 function add_probes() {
   window.proposals = () =>
     Object.entries(vantage.stats().layers).reduce((sum, [topic, size]) => sum + (/^\/proposal\//.test(topic) ? size : 0), 0);
@@ -22,7 +22,7 @@ function add_probes() {
     const next_picture = () => new Promise((resolve) => requestAnimationFrame(resolve));
     await next_picture();
     vantage.draw_again();
-    await next_picture(); // what the graphics drew is there until it ends
+    await next_picture(); // the drawn pixels are readable until this frame ends
     const canvas = document.getElementById(document.getElementById("stage").dataset.drawn === "gl" ? "world" : "names");
     const sheet = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
     sheet.drawImage(canvas, 0, 0);
@@ -30,7 +30,7 @@ function add_probes() {
   };
 }
 
-/** How many targets are painted as the table says where the plan view says that they are. */
+/** Returns the number of targets that have their colour at the position where the plan view draws them. */
 async function targets_seen(paints) {
   const { sheet, box } = await picture();
   const truth = paints[document.documentElement.dataset.theme].match(/\w\w/g).map((c) => parseInt(c, 16));
@@ -39,7 +39,7 @@ async function targets_seen(paints) {
     if (at === null) return false;
     const [x, y] = at;
     const seen = sheet.getImageData(x - box.left, y - box.top + 3, 1, 1).data;
-    // Lit by the graphics, a side is darker than its paint.
+    // Drawn with lighting, a side is darker than its colour in the table.
     return truth.every((c, i) => Math.abs(c - seen[i]) < 60);
   }).length;
 }
@@ -50,13 +50,13 @@ async function check_log(page) {
   await until(page, (keys) => keys.every((key) => Object.keys(vantage.series(key)).length > 0), of_tracking);
   assert.deepEqual((await page.evaluate(() => vantage.charts())).map(({ key }) => key), of_tracking, "none is shown empty");
 
-  // It opened where there is something to see, and not on an empty room.
+  // The page opens at a time at which robots are visible, not at an empty scene.
   const first = await now(page);
   assert(first > 0.5 && first < 10, `opened at ${first} s`);
   await until(page, (topics) => topics.every((topic) => vantage.stats().layers[topic] > 0),
     ["/robots", "/estimates", "/plan/Q1", "/plan/Q2", "/plan/Q3", "/trails"]);
 
-  // The log plays, and pauses on request.
+  // The log plays, and pauses on a key.
   await page.click("#play");
   await until(page, () => window.vantage.state.now > 1 && window.vantage.state.is_playing);
   await page.keyboard.press("Space");
@@ -64,7 +64,7 @@ async function check_log(page) {
   const held = await now(page);
   const where = await page.evaluate(() => window.vantage.position("robot/Q1"));
 
-  // Seeks by the bar, by keys and by an event; the scene follows.
+  // The time can be changed by the bar, by keys and by an event; the scene follows.
   const bar = await page.locator("#timeline").boundingBox();
   await page.mouse.click(bar.x + bar.width * 0.75, bar.y + bar.height / 2);
   await until(page, () => Math.abs(window.vantage.state.now - 45) < 1);
@@ -81,7 +81,7 @@ async function check_log(page) {
   await until(page, () => window.vantage.state.now < 0.1);
   assert(held > 1);
 
-  // Events by their words.
+  // Events can be filtered by their text.
   const shown = () => page.evaluate(() => [...document.querySelectorAll("#events li")].filter((item) => item.checkVisibility()).map(({ textContent }) => textContent));
   const all = await shown();
   assert(all.some((text) => /Q1/.test(text)) && all.some((text) => !/Q1/.test(text)), all.join());
@@ -91,7 +91,7 @@ async function check_log(page) {
   assert.deepEqual(await shown(), all);
   await page.evaluate(() => document.activeElement.blur());
 
-  // Goes as fast as it is told.
+  // The log plays at the selected speed.
   await page.selectOption("#speed", "10");
   await page.keyboard.press("Space");
   await until(page, () => window.vantage.state.now > 20);
@@ -99,7 +99,7 @@ async function check_log(page) {
   await until(page, () => !window.vantage.state.is_playing);
 }
 
-/** Goes there by the bar, and waits for what is there: what was on its way is of another instant. */
+/** Seeks by the bar and waits for the data of that time, since data of another time may still arrive before. */
 async function seek(page, since) {
   const { length_s, x, y, width, height } = await page.evaluate(() => {
     const { x, y, width, height } = document.getElementById("timeline").getBoundingClientRect();
@@ -111,11 +111,12 @@ async function seek(page, since) {
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
 }
 
-/** `count` or more; 0: none. */
+/** Waits until at least `count` proposals are shown; 0: none. */
 const proposals_shown = (page, count) =>
   until(page, (count) => (count === 0 ? proposals() === 0 : proposals() >= count), count);
 
-/** Each robot's colour in the world and in every chart: one, and no other robot's. */
+/** Returns each robot's colour; checks that it is the same in the world and in every chart, and that nothing else has
+    it. */
 async function colours_of(page) {
   await until(page, () => vantage.state.has_history);
   await until(page, () => // each chart is drawn; this planner proves no bound, so the gap has no chart
@@ -133,7 +134,7 @@ async function colours_of(page) {
   return world;
 }
 
-/** The charts' numbers in another order: robot by robot, the last one first. */
+/** Reverses the order of the charts' records: robot by robot, the last robot first. */
 const turn_history = (page) =>
   page.route("**/api/history", async (route) => {
     const records = await (await route.fetch()).json();
@@ -141,12 +142,13 @@ const turn_history = (page) =>
     await route.fulfill({ json: records });
   });
 
-/** A team of three that proposes in the first half of each round's budget, from x.455 s on. */
+/** Checks a team of three that publishes proposals in the first half of each round's budget, from x.455 s on. */
 async function check_proposals(page) {
   await seek(page, 4.6);
   await proposals_shown(page, 3);
 
-  // Switched off and on they leave the picture, and are as before, in their robots' colours.
+  // Proposals that are switched off disappear from the picture. Switched on again, they are unchanged and have their
+  // robots' colours.
   const differs = async () => {
     const { sheet } = await picture();
     const now = sheet.getImageData(0, 0, sheet.canvas.width, sheet.canvas.height).data;
@@ -169,7 +171,7 @@ async function check_proposals(page) {
   await proposals_shown(page, 0);
   const { count, near } = await page.evaluate(differs);
   assert(count > 300, `${count} pixels of proposals`);
-  // One that proposes what it flies draws it where its plan is.
+  // A robot that proposes its present plan draws both at the same position, so only two colours are required.
   assert(near.filter((pixels) => pixels > 20).length >= 2, `pixels in each robot's colour: ${near}`);
   await page.keyboard.press("s");
   await proposals_shown(page, 3);
@@ -189,7 +191,7 @@ async function check_proposals(page) {
   await until(page, () => !vantage.state.is_playing);
   await seek(page, 3.8);
   await proposals_shown(page, 1);
-  await seek(page, 0.3); // before any
+  await seek(page, 0.3); // before the first proposal
   await proposals_shown(page, 0);
   await seek(page, 3.8);
   await proposals_shown(page, 1);
@@ -200,7 +202,7 @@ async function check_proposals(page) {
 const overlaps = (boxes) =>
   boxes.flatMap((a, i) => boxes.slice(0, i).filter((b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom));
 
-/** Numbers, grid, scale, names; measuring; following. */
+/** Checks labels, grid, scale, the ruler, and the camera that follows a robot. */
 async function check_stage(page) {
   await page.keyboard.press("1");
   await page.keyboard.press("r");
@@ -212,9 +214,9 @@ async function check_stage(page) {
     assert.deepEqual(overlaps(names), []);
   }
 
-  // Names are whole in each view, whatever was drawn before them.
+  // Labels are complete in each view, whatever was drawn before them.
   const ascents = async (view) => {
-    await page.keyboard.press(view); // all names are written anew
+    await page.keyboard.press(view); // redraws all labels
     await page.evaluate(() => picture());
     return Object.fromEntries(await page.evaluate(() => vantage.ascents()));
   };
@@ -223,7 +225,7 @@ async function check_stage(page) {
   assert(common.length > 0);
   common.forEach((key) => assert.equal(in_space[key], in_plan[key], key));
 
-  // From a target to a robot, as far as they are from each other.
+  // The ruler from a target to a robot shows the distance between them.
   const [target, robot] = await page.evaluate(() => ["target/R1", "robot/Q1"].map((id) => ({ at: vantage.position(id), pixel: vantage.pixel(id) })));
   await page.keyboard.press("l");
   await page.mouse.click(...target.pixel);
@@ -231,7 +233,7 @@ async function check_stage(page) {
   await page.mouse.click(...robot.pixel);
   const measured = await page.evaluate(() => vantage.measured());
   assert.deepEqual(measured.map(([x, y]) => [x.toFixed(3), y.toFixed(3)]), [target, robot].map(({ at: [x, y] }) => [x.toFixed(3), y.toFixed(3)]));
-  // And a metre of bare ground is a metre of the scale.
+  // A ruler of one scale length on bare ground shows one metre.
   await page.keyboard.press("l");
   await page.keyboard.press("l");
   const scale = await page.evaluate(() => vantage.scale());
@@ -245,7 +247,7 @@ async function check_stage(page) {
   await page.keyboard.press("Escape");
   assert.deepEqual(await page.evaluate(() => vantage.measured()), []);
 
-  // The eye goes with a robot, and stays when it is let go.
+  // The camera follows a robot, and stays in place when following is switched off.
   await page.mouse.click(...robot.pixel);
   await page.locator("#inspect").waitFor();
   await page.keyboard.press("c");
@@ -261,7 +263,7 @@ async function check_stage(page) {
   assert.deepEqual(await above(), kept);
   await page.keyboard.press("Escape");
 
-  // Trails are as long as one wants.
+  // The length of the trails can be selected.
   await page.selectOption("#trail", "2");
   await until(page, () => vantage.trail("Q1") <= 14);
   const short = await page.evaluate(() => vantage.trail("Q1"));
@@ -272,7 +274,7 @@ async function check_stage(page) {
   await page.keyboard.press("3");
 }
 
-/** What the cursor says is what the log says; zooming; a field of a topic; CSV. */
+/** Checks that the cursor shows the log's values; also zooming, a chart of a topic's field, and CSV export. */
 async function check_charts(page) {
   const of_chart = (key) => page.locator(`[data-chart="${key}"] .u-over`);
   await of_chart("entropy").waitFor();
@@ -290,7 +292,7 @@ async function check_charts(page) {
   assert(Math.abs(of_robot - told.robot_entropy_nats) < 0.006, `${of_robot} for ${told.robot_entropy_nats}`);
   const of_both = history.filter(([topic, , { robot_entropy_nats }]) => topic === "/team" && robot_entropy_nats !== undefined).map(([, , { entropy_nats, robot_entropy_nats }]) => robot_entropy_nats - entropy_nats);
   assert(of_both.length > 100 && of_both.every((more) => more > -1e-9) && of_both.some((more) => more > 0.1), "a robot knows no more than the team");
-  // The cursor is in the others as well: of each robot its value.
+  // The cursor also shows the value of each robot in all other charts.
   assert.match(await page.locator('[data-chart="battery"] .read').innerText(), /Q1 9\d.*%\nQ2 9\d.*%\nQ3 9\d/);
   await shot(page, "cursor");
 
@@ -314,11 +316,11 @@ async function check_charts(page) {
   await until(page, () => document.getElementById("span").hidden);
   assert.deepEqual((await windows())[0], [0, await page.evaluate(() => vantage.state.range[1] - vantage.state.range[0])]);
 
-  // A click goes there.
+  // A click in a chart seeks to that time.
   await page.mouse.click(box.x + box.width * 0.25, box.y + box.height / 2);
   await until(page, () => Math.abs(vantage.state.now - 15) < 1);
 
-  // Every topic, its rate while the log plays, its newest message; a number of it in a chart.
+  // The list shows every topic, its rate while the log plays and its newest message; its fields can be charted.
   await page.keyboard.press("i");
   const topic = (name) => page.locator(`[data-topic="${name}"]`);
   await topic("/vehicle/Q1").waitFor();
@@ -337,7 +339,7 @@ async function check_charts(page) {
   await until(page, () => Object.keys(vantage.series("/vehicle/* plan_round")).join() === "Q1,Q2");
   const rounds = await page.evaluate(() => vantage.series("/vehicle/* plan_round").Q1);
   assert(rounds.t.length > 100 && rounds.v.at(-1) - rounds.v[0] >= 50, "all of the log");
-  // A message as it is on the bus.
+  // Fields of raw bus messages can also be charted.
   await page.fill("#topics input", "/lcm/plan_q1");
   await page.click('[data-topic="/lcm/PLAN_Q1"] > summary');
   await page.click('[data-topic="/lcm/PLAN_Q1"] [data-field="nodes"]');
@@ -352,7 +354,7 @@ async function check_charts(page) {
   await page.locator("#status").waitFor();
 }
 
-/** How long before their deadlines plans were there, counted. */
+/** Checks the histogram of the times by which plans were ready before their deadlines. */
 async function check_histogram(page) {
   const history = await (await fetch(`${url}/api/history`)).json();
   const start = await page.evaluate(() => vantage.state.start);
@@ -381,8 +383,8 @@ async function check_histogram(page) {
   await page.keyboard.press("z");
 }
 
-/** From the capture of a measurement to the set-point of the plan that it went into: of each plan that is followed one, and
-    not longer than two rounds. */
+/** Checks the latency from a measurement to the set-points of the plan that used it: one value for each followed
+    plan, less than two rounds. */
 async function check_latency(page) {
   const latencies = await page.evaluate(() => vantage.series("latency"));
   assert.deepEqual(Object.keys(latencies).sort(), ["Q1", "Q2", "Q3"]);
@@ -392,13 +394,14 @@ async function check_latency(page) {
   assert(latencies.Q1.v.every((ms) => ms > 0 && ms < 2000 && all.has(ms.toFixed(3))), "as the vehicle's topic says");
 }
 
-/** NEES by how long a target was unseen: means of the stretch that is shown, and bands from means of 5 s. */
+/** Checks NEES by the time for which a target was unseen: the means over the shown interval, and bands from means
+    over 5 s. */
 async function check_ages(page) {
   const history = await (await fetch(`${url}/api/history`)).json();
   const start = await page.evaluate(() => vantage.state.start);
   const steps = history.filter(([topic]) => topic === "/team").map(([, utime, { nees_by_age }]) => [utime * 1e-6 - start, nees_by_age ?? []]);
   assert.equal(history.find(([, , { nees_expected }]) => nees_expected)[2].nees_expected, 2);
-  const kT = { 1: 12.706, 11: 2.201, 12: 2.179 }; // Student's, 95 % between, from a table
+  const kT = { 1: 12.706, 11: 2.201, 12: 2.179 }; // Student's t, two-sided 95 %, from a table
   const expect = async (from, to, batches) => {
     const classes = await page.evaluate(() => vantage.ages("nees"));
     assert(classes.length >= 2, `${classes.length} classes`);
@@ -434,7 +437,7 @@ async function check_ages(page) {
   await page.keyboard.press("z");
 }
 
-/** What has a name comes back: charts that were taken away, charted fields, cameras, layers; not the time. */
+/** Checks that a named layout restores closed charts, charted fields, cameras and layers, but not the time. */
 async function check_layouts(page) {
   const shown = () => page.evaluate(() => vantage.charts().map(({ key }) => key));
   await page.click('[data-chart="lost"] figcaption button');
@@ -454,7 +457,7 @@ async function check_layouts(page) {
   assert((await shown()).includes("lost"));
   await seek(page, 12);
   await page.keyboard.press("n");
-  // A link made while values are on their way has their fields as well.
+  // A link that is made while values are being loaded contains their fields, too.
   const held = [];
   let have_both;
   const both = new Promise((resolve) => (have_both = resolve));
@@ -472,7 +475,7 @@ async function check_layouts(page) {
   await until(page, (keys) => vantage.charts().map(({ key }) => key).join() === keys, kept.join());
   assert.equal(await page.getAttribute('[data-layer="map"]', "aria-pressed"), "false");
   assert(Math.abs((await now(page)) - 12) < 0.1);
-  // A browser keeps it; a link carries what was taken away.
+  // The browser stores the layout; a link also lists the closed charts.
   await until(page, () => /without=lost/.test(location.href) && /plan_round/.test(location.href));
   await page.reload();
   await until(page, () => window.vantage?.stats().entities > 10 && vantage.state.pending_link === null);
@@ -489,7 +492,7 @@ async function check_layouts(page) {
   await page.keyboard.press("3");
 }
 
-/** What a link says is what one sees who follows it. */
+/** Checks that a page opened by a link shows the same as the page that made the link. */
 async function check_link(page) {
   await page.keyboard.press("3");
   await page.keyboard.press("b"); // beliefs on
@@ -541,7 +544,7 @@ async function check_link(page) {
 }
 
 async function check_toggles(page) {
-  // Checks only the plans: other layers come and go while robots fly.
+  // Checks only the plans: other layers change while robots fly.
   const plans_shown = (is_wanted) =>
     until(page, (wanted) => {
       const layers = Object.entries(window.vantage.stats().layers);
@@ -567,13 +570,13 @@ async function check_inspection(page) {
   await page.keyboard.press("1");
   await until(page, () => document.getElementById("stage").dataset.view === "plan");
   await until(page, () => window.vantage.pixel("robot/Q2") !== null);
-  // Live it flies on meanwhile: until it is hit.
+  // In a live trial the robot moves, so clicks are repeated until one hits the robot.
   for (let is_hit = false; !is_hit; is_hit = /robot\/Q2/.test(await page.locator("#inspect").textContent())) {
     const spot = await page.evaluate(() => window.vantage.pixel("robot/Q2"));
     await page.mouse.click(spot[0], spot[1]);
     await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
   }
-  // A late plan has no bound, and a body seen for the first time has no speed.
+  // Waits, because a late plan has no bound, and a body that was seen only once has no speed.
   const told = await until(page, () => {
     const text = document.getElementById("inspect").textContent;
     return /lower bound/.test(text) && /speed/.test(text) && text;
@@ -587,8 +590,8 @@ async function check_inspection(page) {
   await page.keyboard.press("3");
 }
 
-/** In a crowd those are shown of whom something is to be noted, until all are asked for; and of a trouble one line says when
-    it began and when it was over. */
+/** Checks that the list of many robots shows only those with a remark until it is unfolded, and that one line reports
+    the start and the end of a trouble. */
 async function check_words(page) {
   await page.evaluate(() => {
     for (let i = 1; i <= 20; ++i) {
@@ -620,7 +623,7 @@ async function check_words(page) {
 if (kind === "proposals") {
   const known = [];
   const rgba = (hex) => `rgba(${hex.match(/\w\w/g).map((c) => parseInt(c, 16))},1)`;
-  /** Which of the table's colours each robot has. */
+  /** Returns the index of each robot's colour in the table. */
   const places = (colours, scheme) =>
     Object.fromEntries(Object.entries(colours).map(([robot, css]) => [robot, look.robots.findIndex((paint) => rgba(paint[scheme]) === css)]));
   for (const [scheme, draw, prepare] of [
@@ -636,7 +639,7 @@ if (kind === "proposals") {
   known.forEach((colours) => assert.deepEqual(colours, { Q1: 0, Q2: 1, Q3: 2 }));
 }
 
-// Here a processor draws the graphics, so that the page paints unless it is told not to.
+// Without a graphics card, the page paints on a canvas unless `?draw=gl` requests WebGL.
 for (const [width, height, scheme, name, draw] of [
   [1920, 1080, "light", "1080p_light", ""],
   [1920, 1080, "dark", "1080p_dark", ""],
@@ -667,11 +670,11 @@ for (const [width, height, scheme, name, draw] of [
     }
   }
   if (kind === "proposals") {
-    await seek(page, 4.6); // once in 768 pixels it is a finger's work
+    await seek(page, 4.6); // a time at which all proposals are shown
     await proposals_shown(page, 3);
   }
-  if (folder) await page.waitForTimeout(kind === "live" ? 8000 : 1500); // for the picture: charts with something in them
-  // Live, none may be known yet.
+  if (folder) await page.waitForTimeout(kind === "live" ? 8000 : 1500); // so that the charts in the picture have data
+  // In a live trial, no target may be tracked at first.
   await page.waitForFunction(targets_seen, look.roles.truth, { timeout: 30000 }).catch((error) => {
     throw new Error(`${name}: no target in the picture`, { cause: error });
   });

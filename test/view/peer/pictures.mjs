@@ -1,6 +1,6 @@
-// pictures.mjs SOURCE_DIR VANTAGE FOLDER [SCENE…]: writes pictures of the page at widths of 1920, 1366 and 768 pixels, light
-// and dark, to FOLDER/SCENE_WIDTH_SCHEME.png, for a person to judge (docs/results/viewer.md). Fails if a page reports an
-// error in its console or is wider than its window.
+// pictures.mjs SOURCE_DIR VANTAGE FOLDER [SCENE…]: writes pictures of the page to FOLDER/SCENE_WIDTH_SCHEME.png, at
+// widths of 1920, 1366 and 768 pixels, light and dark, for a person to judge (docs/results/viewer.md). Fails if a
+// page reports an error in its console or is wider than its window.
 
 import assert from "node:assert";
 import { execFileSync, spawn } from "node:child_process";
@@ -12,21 +12,21 @@ const [source, vantage, out, ...wanted] = process.argv.slice(2);
 const folder = mkdtempSync(`${tmpdir()}/pictures.`);
 const kSizes = [[1920, 1080], [1366, 768], [768, 1024]];
 
-/** Flies a scenario without a network; its log. */
+/** Flies a scenario without a network; returns the path of its log. */
 function fly(name, scenario, duration_s) {
   const log = `${folder}/${name}.lcmlog`;
   execFileSync(vantage, ["trial", scenario, "--duration-s", String(duration_s), "--log", log], { stdio: ["ignore", "ignore", "inherit"] });
   return log;
 }
 
-/** A crowd of 50 robots and 100 targets. */
+/** Flies 50 robots and 100 targets; returns the path of the log. */
 function crowd() {
   writeFileSync(`${folder}/crowd.yaml`, execFileSync(`${source}/tools/dev/crowded_scenario.py`, ["50", "100"]));
   return fly("crowd", `${folder}/crowd.yaml`, 20);
 }
 
-/** Five robots that watch over a camp of buildings and trees: what experiments/camp_world has, flown by the stack, one of
-    them jammed. */
+/** Flies five robots, one of them jammed, over the camp of buildings and trees of experiments/camp_world; returns the
+    path of the log. */
 function camp() {
   const text = readFileSync(`${source}/experiments/camp_world.cpp`, "utf8");
   const rows = (name) => [...text.match(new RegExp(`${name} = \\{\\{([^;]*)\\}\\};`))[1].matchAll(/\{([\d., ]+)\}/g)].map(([, row]) => row.split(",").map(Number));
@@ -74,7 +74,7 @@ function sample() {
 
 const plotted = ["ARM_STATE~position_rad.1", "ARM_STATE~position_rad.3", "ARM_STATE~tip_m.z", "POWER~voltage_v"].map((field) => `/lcm/${field}`);
 
-/** By name: what is served, what a link asks for, what is done before the picture. */
+/** Scenes by name: arguments of the server, link to the page, action before the picture. */
 const kScenes = {
   live: { args: () => ["demo", "--scenario", `${source}/config/lab.yaml`, "--duration-s", "900", "--out", `${folder}/demo`, "--view"], settle_ms: 30_000 },
   field: { args: () => ["view", fly("field", `${source}/config/field.yaml`, 90)], link: "t=80" },
@@ -90,7 +90,7 @@ const kScenes = {
   },
 };
 
-/** Starts a server; {url, end()}. */
+/** Starts a server; returns its address and a function that ends it. */
 async function serve(args) {
   const server = spawn(vantage, [...args, "--port", "0"]);
   let said = "";
@@ -132,7 +132,7 @@ try {
           ["/robots", "/plan/Q1"].every((topic) => vantage.stats().layers[topic] > 0), at_s);
         await scene.act?.(page);
         if (scene.settle_ms && width === 1920 && scheme === "light") await page.waitForTimeout(scene.settle_ms);
-        await page.waitForTimeout(2500); // charts are drawn one after the other
+        await page.waitForTimeout(2500); // charts are drawn one after another
         const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
         if (overflow > 0) complaints.push(`${name} at ${width}: ${overflow} px too wide`);
         await page.screenshot({ path: `${out}/${name}_${width}_${scheme}.png`, fullPage: width < 1000 });

@@ -1,15 +1,16 @@
-// record.mjs http://HOST:PORT record VIDEO [FOLDER]: VIDEO is what `vantage view LOG --record` made of 20 to 22 s of the
-// log that HOST serves, 640 × 480, ten pictures a second. Chromium plays it, and each picture is the page's at its
-// instant. Then the page's own button, for the stretch that its charts show.
+// record.mjs http://HOST:PORT record VIDEO [FOLDER]: tests VIDEO, which `vantage view LOG --record` made of 20 to 22
+// s of the log that HOST serves, 640 × 480, ten pictures per second. Chromium plays VIDEO, and each picture must
+// equal the page at the same time. Then tests the page's own button, which records the interval that the charts show.
 
 import assert from "node:assert";
 import { readFileSync, writeFileSync } from "node:fs";
 import { browser, finish, folder as video_path, open, until, url } from "./drive.mjs";
 
-const kLike = 5; // mean difference of a colour, of 255, that coding may make
+const kLike = 5; // of 255; largest mean colour difference by coding
 const shots = process.argv[5];
 
-/** Plays a file: {duration, width, height}, and the pixels of the picture at a time. */
+/** Opens a video; returns {duration, width, height, page, picture_at()}; picture_at(time_s) returns the pixels at
+    that time. */
 async function play(bytes) {
   const page = await browser.newPage();
   await page.evaluate(add_text_of);
@@ -23,7 +24,7 @@ async function play(bytes) {
       video.onerror = () => reject(new Error(video.error.message));
     });
     window.picture_at = async (time_s) => {
-      // Sought is before shown: a canvas may be given the picture of before.
+      // A seek ends before the picture is shown; until then a canvas may get the previous picture.
       const is_shown = new Promise((resolve) => video.requestVideoFrameCallback(resolve));
       const is_sought = new Promise((resolve) => (video.onseeked = resolve));
       video.currentTime = time_s;
@@ -38,7 +39,8 @@ async function play(bytes) {
   return { ...facts, page, picture_at: async (time_s) => Buffer.from(await page.evaluate((time_s) => picture_at(time_s), time_s), "base64") };
 }
 
-/** Gives a page `text_of(bytes)`: base64, since lists of millions of numbers are slow to hand over. */
+/** Adds `text_of(bytes)` to a page: it returns base64, because lists of millions of numbers are transferred slowly.
+    */
 function add_text_of() {
   window.text_of = (bytes) =>
     new Promise((resolve) => {
@@ -61,7 +63,8 @@ function difference(a, b) {
   return sum / (0.75 * a.length);
 }
 
-/** Differences where something is drawn that moves: of the pixels in which two pictures of the log differ. */
+/** Returns the mean differences from both pictures in the pixels in which these differ, so that only moving parts
+    count. */
 function of_what_moves(seen, own, other) {
   let [to_own, to_other, count] = [0, 0, 0];
   for (let i = 0; i < own.length; i += 1) {
@@ -101,7 +104,7 @@ await compare(made, alone, 20, 10, 20);
 await made.page.close();
 await alone.close();
 
-// Key W: records the interval that the charts show. The button has its own text again afterwards.
+// Key W records the interval that the charts show. The button shows its usual text afterwards.
 const page = await open_page(1280, 800, "dark", "");
 await page.evaluate(() => vantage.zoom(30, 30.8));
 const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("w")]);
@@ -114,7 +117,7 @@ assert(Math.abs(own.duration - 0.8) < 0.02, `${own.duration} s`);
 await compare(own, page, 30, 25, 20);
 await own.page.close();
 
-// Pressed again it ends, with what there is.
+// A second press ends the recording; the file contains what was recorded until then.
 await page.evaluate(() => vantage.zoom(10, 50));
 await page.keyboard.press("w");
 await until(page, () => /^\d+ %$/.test(document.getElementById("video").textContent));

@@ -1,6 +1,6 @@
-// seek.mjs ws://HOST:PORT [SEEKS]: how long `vantage view LOG` takes to show another instant. Subscribes to every topic
-// but the raw ones; a seek is from its request to the time that is told after the whole scene of its instant. Instants
-// anywhere in the log, the same ones each time. Prints a line of JSON, in ms.
+// seek.mjs ws://HOST:PORT [SEEKS]: measures how long `vantage view LOG` takes to show another instant. Subscribes to
+// every topic except raw messages. A seek is timed from its request until the server sends the new time, which
+// follows the complete scene. The instants are random but the same in each run. Prints a line of JSON, in ms.
 
 import WebSocket from "ws";
 
@@ -30,7 +30,7 @@ socket.on("message", (data, is_binary) => {
   }
 });
 
-/** Numbers in [0, 1), the same ones each time. */
+/** Returns pseudo-random numbers in [0, 1), the same in each run. */
 let seed = 1;
 const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647;
 
