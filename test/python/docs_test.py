@@ -27,7 +27,7 @@ class Page(unittest.TestCase):
             os.chdir(folder)
             try:
                 for block in blocks:
-                    # Keeps the line numbers of the page, so that a traceback refers to it.
+                    # Keeps the line numbers of the page, so that a traceback states the line of the page.
                     code = "\n" * text[:block.start(1)].count("\n") + block[1]
                     with contextlib.redirect_stdout(io.StringIO()) as said:
                         exec(compile(code, PAGE, "exec"), names)

@@ -91,7 +91,7 @@ class CheckedTeam:
             self.test.assertIs(type(terminated[agent]), bool)
             self.test.assertIs(type(truncated[agent]), bool)
             self.test.assertIs(type(infos[agent]), dict)
-        # An agent that has ended is removed; none returns before reset().
+        # Removes agents that have ended; no agent may return before reset().
         left = [agent for agent in alive if not (terminated[agent] or truncated[agent])]
         self.test.assertEqual(self.env.agents, left)
         self.test.assertEqual(self.env.num_agents, len(left))

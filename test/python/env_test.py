@@ -207,7 +207,7 @@ class Task(unittest.TestCase):
         env.reset(seed=2)
 
         def entropy(p):
-            p = numpy.clip(p, 0.01005, 0.98995)  # a settled cell keeps the entropy of the clamp, 4.595
+            p = numpy.clip(p, 0.01005, 0.98995)  # a settled cell keeps the clamp's entropy, 4.595
             p = numpy.where(p <= 0.0101, 1 / (1 + numpy.exp(4.595)), numpy.where(p >= 0.98990, 1 / (1 + numpy.exp(-4.595)), p))
             return -(p * numpy.log(p) + (1 - p) * numpy.log(1 - p)).sum()
         before = env.snapshot()
@@ -250,7 +250,7 @@ class Task(unittest.TestCase):
             side_m = 40 if name == "TargetTracking" else 16
             env.reset(seed=1)
             for _ in range(100):
-                env.step(5 if name == "TargetTracking" else 10)  # straight on at full speed
+                env.step(5 if name == "TargetTracking" else 10)  # straight ahead at full speed
                 x, y, _ = env.snapshot()["poses"][0]
                 self.assertTrue(0.19 <= x <= side_m - 0.19 and 0.19 <= y <= side_m - 0.19)
 

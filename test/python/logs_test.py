@@ -44,7 +44,7 @@ class Log(unittest.TestCase):
             for field in columns:
                 values, of_list = columns[field], columns._lists[field]
                 names = [field] if values.ndim == 1 else [f"{field}_{i}" for i in range(values.shape[1])]
-                # Omits lists in one cell of the table, and the second list of a message.
+                # Skips lists that are written into one cell of the table, and the second list of a message.
                 if of_list == field or (of_list or "").count(".") or names[0] not in rows[0] or values.ndim > 2:
                     continue
                 for i, column in enumerate(names):
@@ -53,10 +53,10 @@ class Log(unittest.TestCase):
         self.assertGreater(compared, 150)
 
     def check(self, of_list, values, rows, column):
-        if of_list is None:  # repeated for each element of the message's list; the first is enough
+        if of_list is None:  # repeated for each element of the list; the first is enough
             keys = [(row["log_utime"], row["run_id"], row["sequence"]) for row in rows]
             rows = [row for i, row in enumerate(rows) if i == 0 or keys[i] != keys[i - 1]]
-        else:  # a message without elements is a line in which these cells are empty
+        else:  # a message without elements is a line with empty cells
             rows = [row for row in rows if any(cell for name, cell in row.items() if name.startswith(of_list + "."))]
         self.assertEqual(len(rows), len(values), column)
         for row, value in zip(rows, values):

@@ -68,7 +68,7 @@ class Planners(unittest.TestCase):
         self.assertEqual(set(last["team"]), set(ROBOTS) - {last["robot"]})
         for mean, covariance in last["beliefs"].values():
             self.assertEqual((len(mean),), covariance.shape[:1])
-        self.assertLessEqual({(robot, "searched") for robot in ROBOTS}, sources)  # a wall may add others later
+        self.assertLessEqual({(robot, "searched") for robot in ROBOTS}, sources)  # others may occur later
         self.assertEqual(trial.metrics["collisions"], 0)
 
     def test_that_say_nothing_or_nonsense_are_not_flown(self):

@@ -29,7 +29,7 @@ class Plan(unittest.TestCase):
                     printed = command_json("plan", PROBLEMS / file, "--algorithm", algorithm, "--nodes", 5000,
                                            code=0 if plan.found else 1)
                     self.assertEqual(printed["algorithm"], plan.algorithm)
-                    self.assertEqual(printed["cost"], plan.cost)  # both as the shortest text of the double
+                    self.assertEqual(printed["cost"], plan.cost)  # both are the shortest text
                     self.assertEqual(printed["lower_bound"], plan.lower_bound)
                     self.assertEqual(printed["gap"], plan.gap)
                     self.assertEqual(printed["epsilon"], plan.epsilon)
@@ -118,7 +118,7 @@ class Plan(unittest.TestCase):
         self.assertEqual(plan.history.shape[1], 4)
 
 
-# The line "plans" is printed by a thread that gets the interpreter's lock only when the plan releases it.
+# A thread prints "plans" as soon as the plan releases the interpreter's lock.
 PLANS_FOR_AN_HOUR = """
 import signal, sys, threading
 import vantage
@@ -138,7 +138,7 @@ except KeyboardInterrupt:
     print("interrupted")
 """
 
-# A handler that uses the planner that it interrupted gets an error and is not blocked.
+# A signal handler that uses the planner that it has interrupted gets an error instead of a deadlock.
 ASKS_IN_A_HANDLER = PLANS_FOR_AN_HOUR.replace("signal.default_int_handler", "lambda *_: planner.prepare(problem)") \
     .replace("except KeyboardInterrupt", "except vantage.UsageError")
 

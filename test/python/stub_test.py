@@ -61,7 +61,7 @@ class Stub(unittest.TestCase):
                 positional, keyword, takes_any = docstring_arguments(getattr(owner, each.name))
                 stub_positional = [arg.arg for arg in each.args.args if arg.arg != "self"]
                 stub_keyword = [arg.arg for arg in each.args.kwonlyargs]
-                if takes_any:  # then the stub names the keywords, or takes any as well
+                if takes_any:  # then the stub may name the keywords or accept any
                     self.assertTrue(stub_keyword or each.args.kwarg, name)
                     keyword = stub_keyword
                 self.assertEqual((stub_positional, stub_keyword), (positional, keyword), name)

@@ -56,7 +56,7 @@ TEST(TrialMode, IsThatOfMostRealDevice) {
         scenario.mocap.device = mocap;
         scenario.robots[0].device = first;
         scenario.robots[1].device = second;
-        // Each source in this order is closer to the real device than the one before.
+        // Sorted: each source is closer to the real device than the previous one.
         const TrialMode expected[] = {TrialMode::kSimulation, TrialMode::kWire, TrialMode::kLive};
         const auto most = static_cast<std::size_t>(std::max({mocap, first, second}));
         EXPECT_EQ(trial_mode(scenario), expected[most]);

@@ -30,8 +30,8 @@ Scenario team() {
 }
 
 // A plan of 2.5 s and two rounds of 0.75 s last 4 s. The first robot travels 8 m and brakes within
-// 8 m; the second travels 16 m and brakes within 1 m, which is farther. The result is twice that,
-// plus the required clearance between them.
+// 8 m: its reach is 16 m. The second robot travels 16 m and brakes within 1 m: its reach is 17 m.
+// The result is twice 17 m, plus the required clearance between them.
 TEST(LeastNeighbourhood, IsTwiceFarthestPlanReachPlusClearance) {
   Scenario scenario = team();
   EXPECT_DOUBLE_EQ(least_neighbourhood_m(scenario), 2.0 * 17.0 + 0.75 + 2.0 * 0.125);
@@ -78,7 +78,8 @@ TEST(StepCost, SumsControlAndRegionCosts) {
   }
 }
 
-// The defaults of a scenario without these keys: robots in the air and targets on the ground.
+// Compares the defaults of a scenario without these keys: robots in the air and targets on the
+// ground.
 TEST(ScenarioDefaults, HoldForRobotsAndTargets) {
   const RobotSpec robot;
   EXPECT_EQ(robot.height_m, 1.0);

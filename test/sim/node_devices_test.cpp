@@ -92,7 +92,7 @@ TEST(SimNode, PublishesAtWholePeriodsForAnyStart) {
   for (std::size_t k = 0; k < lab.frames.size(); ++k) {
     EXPECT_EQ(lab.delivered[k], lab.frames[k] + Duration{12'000});
   }
-  // The status of each robot is published at the first instant, because its state is new, and then
+  // The status of each robot is published at the first instant, because the state is new, and then
   // at 10 Hz.
   std::vector<std::pair<std::string, Time>> stamps;
   for (const models::VehicleStatus& status : lab.statuses) {

@@ -96,7 +96,7 @@ TEST(WireQuadrotor, ReportsAgesFromTheNewestCapture) {
   vehicle.exchange(kStart);
   EXPECT_EQ(counts_of(vehicle).count("wire.Q2.setpoint_max_us"), 0u);
   EXPECT_EQ(counts_of(vehicle).count("wire.Q2.pose_max_us"), 0u);
-  // The pose is 24 h and the odometry 1 h older than kStart, which is itself in the past.
+  // The pose is 24 h and the odometry 1 h older than kStart; kStart itself is in the past.
   constexpr std::int64_t kHourUs = 3'600'000'000;
   wire::mavlink::VisionPositionEstimate vision;
   vision.usec = static_cast<std::uint64_t>(to_utime(kStart) - 24 * kHourUs);

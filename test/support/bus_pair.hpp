@@ -8,7 +8,7 @@
 
 namespace vantage::test {
 
-/// Two buses on one network, as in two processes.
+/// Two buses on one network, as in two processes of a trial.
 struct BusPair {
   BusPair(std::int64_t own_run, std::int64_t other_run)
       : own(*own_link, own_run), other(*other_link, other_run) {}

@@ -1,4 +1,5 @@
-// Detection of flights that the machine held up, and the rules that still apply to them.
+// Tests the detection of flights that an overloaded host delayed, and the rules that still apply to
+// them.
 
 #include <cmath>
 #include <cstdint>
@@ -35,7 +36,7 @@ struct Waits {
   }
 };
 
-/// Returns a flight in which Q1 holds for 2 s while a process waits `waits_us`.
+/// Returns a flight in which Q1 holds for 2 s while a process waits `waits_us` for a processor.
 MadeUpFlight flight_held_up_us(std::int64_t waits_us) {
   MadeUpFlight flight;
   flight.says = [](double t_s, models::VehicleStatus& status) {
@@ -72,8 +73,8 @@ TEST(FlightHeldUp, JudgesTimingOnlyWithoutWaits) {
   EXPECT_EQ(broken(there, slowed), Names{});
 }
 
-/// Returns a flight in which Q1 lands for `reason` from 10 s on, its autopilot lands alone from 11
-/// s on, and Q1 touches `other` at `touches_s`.
+/// Returns a flight in which Q1 lands for `reason` from 10 s on, the autopilot lands it alone from
+/// 11 s on, and Q1 touches `other` at `touches_s`.
 MadeUpFlight flight_that_touches(const std::string& other, double touches_s, std::int64_t waits_us,
                                  const std::string& reason = "pose lost") {
   MadeUpFlight flight = flight_held_up_us(waits_us);
@@ -110,8 +111,8 @@ TEST(FlightHeldUp, ExcusesCollisionInBlindLanding) {
   EXPECT_EQ(blind.collisions()[0].text,
             "Q1 with R2; Q1 was at 1.00 m, land: pose lost, waiting for touch-down");
   EXPECT_EQ(collisions(blind), Names{});
-  // A collision counts if the host delayed nothing, or if the driver was steering, or if it was
-  // with another robot, or if the vehicle landed with a pose.
+  // A collision counts if the host delayed nothing, the driver still steered (before 11 s), the
+  // other body was a robot, or the vehicle landed for a reason other than a lost pose.
   for (const auto& [other, touches_s, waits_us] :
        {std::tuple{"R2", 12.0, std::int64_t{100'000}},
         std::tuple{"R2", 10.5, std::int64_t{100'001}}, std::tuple{"R2", 9.0, std::int64_t{100'001}},
@@ -177,8 +178,8 @@ TEST(FlightHeldUp, JudgesSafetyEvenWhenHeldUp) {
   EXPECT_EQ(broken(idle.record()), Names{"Q1 following"});
 }
 
-// Reports the longest wait of any process and second. Waits during the start, or of another run of
-// the process, do not count.
+// The longest wait of any process in any second is reported. Waits during the start, or of another
+// run of the process, do not count.
 TEST(FlightHeldUp, ReportsLongestWaitWithinOneRun) {
   MadeUpFlight flight;
   flight.add_messages = [planner = Waits(), sim = Waits()](double t_s,
@@ -216,8 +217,8 @@ TEST(FlightHeldUp, ReportsLongestWaitWithinOneRun) {
   EXPECT_NEAR(processors_used(of_older, MadeUpFlight::at(5.0), MadeUpFlight::at(9.0)), 0.5, 1e-6);
 }
 
-// Two processes report at different instants of the second; each counts with the part inside the
-// span.
+// Two processes report at different instants of the second. Each counts with the part of its second
+// inside the requested span.
 TEST(FlightHeldUp, CountsProcessorsOfRequestedSpan) {
   MadeUpFlight flight;
   flight.add_messages = [planner = Waits(), sim = Waits()](double t_s,
@@ -241,8 +242,8 @@ TEST(FlightHeldUp, CountsProcessorsOfRequestedSpan) {
   EXPECT_EQ(used(9.0, 9.0), 0.0);
 }
 
-// Waits caused by the flight's own processes are not an excuse. A wait caused by other programs at
-// another time still is one.
+// Waits caused by the flight's own processes are no excuse. A wait caused by other programs at
+// another time is an excuse.
 TEST(FlightHeldUp, DoesNotExcuseWaitsCausedByOwnProcesses) {
   const auto record = [](std::int64_t sim_runs_us, std::int64_t waits_later_us) {
     MadeUpFlight flight = flight_held_up_us(300'000);
@@ -254,7 +255,7 @@ TEST(FlightHeldUp, DoesNotExcuseWaitsCausedByOwnProcesses) {
         return;
       }
       sim.say(out, t_s, 0, "SIM", second == 8.0 ? sim_runs_us : 200'000);
-      later.say(out, t_s, second == 12.0 ? waits_later_us : 0, "SENSOR_Q1");  // uses 0.1 s
+      later.say(out, t_s, second == 12.0 ? waits_later_us : 0, "SENSOR_Q1");  // used: 0.1 s
     };
     return flight.record();
   };
@@ -266,7 +267,8 @@ TEST(FlightHeldUp, DoesNotExcuseWaitsCausedByOwnProcesses) {
       held_up(record(1'900'000, 150'000)).value_or("").starts_with("SENSOR_Q1 waited 0.15"));
 }
 
-// Counts from the first followed plan; the second in which a process was restarted is unknown.
+// Processor time counts from the first followed plan on. The second in which a process was
+// restarted is skipped.
 TEST(FlightHeldUp, NamesSpinningProcessEvenWhenHeldUp) {
   for (const std::int64_t sim_runs_us : {600'000, 601'000}) {
     MadeUpFlight flight;

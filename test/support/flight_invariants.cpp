@@ -31,7 +31,7 @@ class Judge {
   std::vector<std::string>& out_;
 };
 
-/// Returns the distance of centres at which the robot touches the largest of the others.
+/// Returns the distance of centres at which `robot` touches the largest other robot, m.
 double contact_m(const scenario::Scenario& scenario, const scenario::RobotSpec& robot) {
   double radius_m = 0.0;
   for (const scenario::RobotSpec& other : scenario.robots) {
@@ -42,7 +42,7 @@ double contact_m(const scenario::Scenario& scenario, const scenario::RobotSpec& 
   return robot.limits.radius_m + radius_m;
 }
 
-// Judges the invariants that hold whatever the machine does.
+// Judges the invariants that must hold whether or not the host delayed the flight.
 void judge_safety(const CourseMetrics& kept, double contact_m, const FlightBounds& bounds,
                   Judge& judge) {
   judge.at_least("separation", kept.separation_least_m, contact_m, "m from another");
@@ -59,7 +59,7 @@ void judge_safety(const CourseMetrics& kept, double contact_m, const FlightBound
   }
 }
 
-// Judges the invariants that hold only if every process ran in time.
+// Judges the invariants that must hold only if every process ran in time.
 void judge_course(const CourseMetrics& kept, bool may_hold, const FlightBounds& bounds,
                   Judge& judge) {
   if (!may_hold) {

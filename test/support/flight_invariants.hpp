@@ -22,7 +22,8 @@ struct FlightBounds {
   double gap_max_s = 0.5;  ///< s; between status messages, and between TRUTH frames
   int runs_max = 1;
   double held_up_max_s = 0.1;  ///< s; longest wait of a process for a processor in any second
-  /// Processors used by all processes together in that second; above it the flight held itself up.
+  /// Processors used by all processes together in that second; above it, the flight's own processes
+  /// caused the wait.
   double processors_held_up_max = 1.5;
   double processors_max = 1.0;  ///< mean of all processes together; a spinning process exceeds it
   bool is_slowed = false;       ///< a sanitizer slows all processes down
@@ -30,25 +31,25 @@ struct FlightBounds {
 
 /// Returns the mean number of processors that all processes used since the first followed plan.
 double processors_used(const FlightRecord& record);
-/// Returns the same for a part of that time.
+/// Returns the mean number of processors that all processes used from `begin` to `end`.
 double processors_used(const FlightRecord& record, Time begin, Time end);
 
-/// Returns how the machine held the flight up, for people: the process that waited longer than
-/// allowed, or that a sanitizer slows everything down. nullopt if only the flight's own processes
-/// caused waits, or if the log (an old one) lacks the counters.
+/// Returns how an overloaded host delayed the flight, as text for people: which process waited
+/// longer than allowed, or that a sanitizer slows everything down. Returns nullopt if only the
+/// flight's own processes caused waits, or if the log (an old one) lacks the counters.
 std::optional<std::string> held_up(const FlightRecord& record, const FlightBounds& bounds = {});
 
-/// Returns the collisions that are judged, for people. In a flight that was held_up() collisions of
-/// landings without a pose are left out: the autopilot lands straight down there
-/// (docs/explanation/safety.md).
+/// Returns the collisions that count, as text for people. In a flight for which held_up() returns a
+/// reason, collisions in landings without a pose are omitted, because the autopilot then lands
+/// straight down (docs/explanation/safety.md).
 std::vector<std::string> collisions(const FlightRecord& record, const FlightBounds& bounds = {});
 
 /// Returns the violations, one line each: `ROBOT INVARIANT: observed (allowed)`. The invariants
 /// are: following, set-point error, speed, turn, separation (at least the sum of the two radii),
-/// fence (outside, or landed for it), continuity, ages, believed. Empty if all hold. A record
-/// without a scenario or without vehicles holds none. A flight that was held_up() is judged only by
-/// the rules that the machine cannot affect: that each vehicle followed at all, separation, fence,
-/// believed, and that no process spins (TEAM processors).
+/// fence (outside, or landed for it), continuity, ages, believed. Empty if all hold, and for a
+/// record without a scenario or without vehicles. A flight for which held_up() returns a reason is
+/// judged only by rules that the host cannot affect: each vehicle followed at all, separation,
+/// fence, believed, and no process spins (TEAM processors).
 std::vector<std::string> violations(const FlightRecord& record, const FlightBounds& bounds = {});
 
 }  // namespace vantage::test

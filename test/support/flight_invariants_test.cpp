@@ -1,4 +1,4 @@
-// A made-up flight that keeps every invariant, and flights that break one each.
+// Tests an artificial flight that keeps every invariant, and flights that each break one invariant.
 
 #include "test/support/flight_invariants.hpp"
 
@@ -143,7 +143,8 @@ TEST(FlightInvariants, OutsideMeansBeyondBoundsOrInAnObstacle) {
   }
 }
 
-// A ground robot is judged at a height at which flying vehicles are not.
+// A ground robot's fence, speed and turns are judged on the ground; a flying vehicle's are not
+// judged at such a height.
 TEST(FlightInvariants, GroundRobotsAreCheckedOnTheGround) {
   const std::string flying = "height_m: 1.0\n";
   const std::string ground =
@@ -188,8 +189,8 @@ TEST(FlightInvariants, GroundRobotsAreCheckedOnTheGround) {
   EXPECT_EQ(of_q1(false, turned), Names{});
 }
 
-// Messages of another run are refused while the vehicle's own run is alive. After a silence they
-// are accepted, and the flight is reported to have had another driver.
+// Messages of another run are refused while the vehicle's own run is active. After a silence they
+// are accepted, and the record reports that the flight had another driver.
 TEST(FlightInvariants, CountForeignMessagesAndDriverRestarts) {
   MadeUpFlight beside;
   beside.add_messages = [](double t_s, FlightRecord& record) {

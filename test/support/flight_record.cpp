@@ -17,7 +17,7 @@ namespace {
 
 using models::FlightState;
 
-/// False for messages of an old log that was replayed during the flight.
+/// Returns false for messages of an old log that was replayed during the flight.
 bool is_current(const models::Stamp& stamp, const lcm::LogEvent& event) {
   return std::abs(to_utime(stamp.time) - event.timestamp) < 2'000'000;
 }
@@ -25,7 +25,7 @@ bool is_current(const models::Stamp& stamp, const lcm::LogEvent& event) {
 constexpr double kLowM = 0.5;       // m; a flying vehicle below it lands or takes off
 constexpr double kReactionS = 0.2;  // s; a vehicle that starts to move still accelerates
 
-/// Returns "pose lost" of "pose lost; pose_age_s > pose_age_land_s".
+/// Returns the name of a reason, e.g. "pose lost" of "pose lost; pose_age_s > pose_age_land_s".
 std::string name_of_reason(const std::string& reason) { return reason.substr(0, reason.find(';')); }
 
 void add_new(const std::vector<std::string>& words, std::vector<std::string>& known) {
@@ -241,7 +241,7 @@ void FlightRecord::judge_words(const Robot& robot, Time begin, Time end, double 
       const double gap_s = to_seconds(said.stamp.time - last->stamp.time);
       out.status_gap_max_s = std::max(out.status_gap_max_s, gap_s);
       const double moved_m = (said.setpoint.position_m() - last->setpoint.position_m()).norm();
-      // Braking starts at the vehicle's position, whatever the set-point before.
+      // Braking starts at the vehicle's position, so the set-point may jump there.
       if (last->state == FlightState::kFollow && said.state == FlightState::kFollow) {
         out.setpoint_jump_max_m =
             std::max(out.setpoint_jump_max_m, moved_m - speed_max_mps * gap_s);

@@ -15,8 +15,8 @@
 
 namespace vantage::test {
 
-/// Course of one vehicle compared with its commands, from its first plan to its final landing or
-/// the end of the log. Judged on the truth.
+/// The motion of one vehicle compared with its commands, from its first plan to its final landing
+/// or the end of the log. Computed from the true positions.
 struct CourseMetrics {
   double airborne_s = 0.0;
   double follow_share = 0.0;          ///< share of that time in FOLLOW
@@ -37,7 +37,7 @@ struct CourseMetrics {
   std::map<std::string, double> reasons;  ///< s in the air, by reason
 };
 
-/// The response to one order or need to stop while the vehicle followed a plan.
+/// The response of a vehicle that followed a plan to one order or condition to stop.
 struct Stop {
   Time begin{};
   double speed_mps = 0.0;      ///< greatest horizontal speed within 0.2 s
@@ -73,26 +73,26 @@ struct MachineShare {
   std::optional<double> waited_s;  ///< s ready to run without a processor; nullopt if not reported
 };
 
-/// The start of a contact between two bodies, or a body and an obstacle or a wall.
+/// A contact between two bodies, or between a body and an obstacle or a wall.
 struct Collision {
   std::string text;  ///< e.g. "Q2 with R2; Q2 was at 0.44 m, land: pose lost"
-  /// True if an autopilot was landing the robot straight down without a pose, and the other body is
-  /// no robot.
+  /// True if the autopilot was landing the robot straight down without a pose, and the other body
+  /// is not a robot.
   bool is_of_blind_landing = false;
 };
 
-/// Reads a log of a flight, event by event: SCENARIO, TRUTH, COLLISION, VEHICLE_* and HEALTH_*.
+/// A reader of a flight's log, event by event: SCENARIO, TRUTH, COLLISION, VEHICLE_* and HEALTH_*.
 class FlightRecord {
  public:
   void take(const lcm::LogEvent& event);
   [[nodiscard]] std::map<std::string, CourseMetrics> summaries() const;
-  /// Returns nullopt for a robot that TRUTH does not show at that time.
+  /// Returns a robot's response to an event; nullopt if TRUTH does not show the robot then.
   [[nodiscard]] std::optional<EventResponse> after(const std::string& robot, Time event) const;
   [[nodiscard]] const std::optional<scenario::Scenario>& scenario() const { return scenario_; }
-  /// Number of TRUTH frames of another simulation while this one's were received.
+  /// Returns the number of TRUTH frames of another simulation that were received during the flight.
   [[nodiscard]] std::int64_t truth_strangers() const { return truth_strangers_; }
   [[nodiscard]] const std::vector<Collision>& collisions() const { return collisions_; }
-  /// Shares of every process since the first followed plan; empty if the log lacks them.
+  /// Returns the processor use since the first followed plan; empty if the log lacks it.
   [[nodiscard]] const std::vector<MachineShare>& machine_shares() const { return machine_shares_; }
   /// Returns each time that a vehicle left FOLLOW for HOLD and stayed there for a second.
   [[nodiscard]] std::map<std::string, std::vector<Stop>> stops() const;
@@ -117,11 +117,11 @@ class FlightRecord {
   [[nodiscard]] std::string state_of(const std::string& body) const;
   [[nodiscard]] bool is_landed_blind(const std::string& body) const;
   [[nodiscard]] static std::optional<Stop> stop_at(const Robot& robot, std::size_t said);
-  /// True for a flying vehicle that lands or takes off.
+  /// True if a flying vehicle is so low that it lands or takes off.
   [[nodiscard]] static bool is_low(const At& at, const scenario::RobotSpec& spec);
   [[nodiscard]] std::optional<Eigen::Vector3d> place(const Robot& robot, Time time) const;
   [[nodiscard]] CourseMetrics summary(const std::string& name, const Robot& robot) const;
-  /// Judges the status messages from `begin` to `end`.
+  /// Evaluates the status messages from `begin` to `end`.
   static void judge_words(const Robot& robot, Time begin, Time end, double speed_max_mps,
                           CourseMetrics& out);
   static void judge_turns(const Robot& robot, Time begin, Time end, const scenario::RobotSpec& spec,
@@ -142,7 +142,7 @@ class FlightRecord {
   std::vector<MachineShare> machine_shares_;
 };
 
-/// Returns one line for people.
+/// Formats `kept` as one line of text for people.
 std::string to_text(const std::string& robot, const CourseMetrics& kept);
 
 }  // namespace vantage::test

@@ -9,7 +9,7 @@
 
 namespace vantage::test {
 
-/// One change of a text: the first `was` is replaced by `becomes`.
+/// A change of a text: the first occurrence of `was` is replaced by `becomes`.
 struct TextEdit {
   std::string was;
   std::string becomes;

@@ -18,11 +18,11 @@ inline constexpr Time kStart = from_utime(1'700'000'000'000'000);
 inline constexpr double kFollowS = 2.0;
 inline constexpr double kLandS = 18.0;
 
-/// A made-up flight: Q1 and Q2 of the lab oscillate about their starts, Q3 stays on the ground and
-/// is not visible.
+/// An artificial flight: Q1 and Q2 of the lab oscillate about their starts; Q3 stays on the ground
+/// and is not visible.
 class MadeUpFlight {
  public:
-  /// Change the message at `t_s`; return false to omit it.
+  /// These functions may change the message at `t_s`; they return false to omit it.
   std::function<bool(double t_s, models::VehicleStatus&)> says =
       [](double, models::VehicleStatus&) { return true; };
   std::function<bool(double t_s, models::TruthBody&)> is = [](double, models::TruthBody&) {
@@ -50,7 +50,7 @@ class MadeUpFlight {
     return out;
   }
 
-  /// Gives the record a message as LCM's log contains it.
+  /// Passes a message to the record in the form in which LCM's log contains it.
   template <class Message>
   static void give(FlightRecord& record, const std::string& channel, Time now,
                    const Message& message) {
@@ -116,7 +116,7 @@ inline std::vector<std::string> broken(const FlightRecord& record,
   return out;
 }
 
-/// True at a moment without a status message.
+/// True at one time between two status messages.
 inline bool is_between_words(double t_s) { return std::abs(t_s - 9.05) < 0.025; }
 
 }  // namespace vantage::test

@@ -5,8 +5,8 @@
 
 namespace vantage::test {
 
-/// EXPECT_TRUE(is_near(actual, expected, tol)): true if max |difference| ≤ tol; prints both
-/// otherwise.
+/// True if max |actual − expected| ≤ tol; otherwise prints both: EXPECT_TRUE(is_near(actual,
+/// expected, tol)).
 template <class A, class B>
 ::testing::AssertionResult is_near(const Eigen::MatrixBase<A>& actual,
                                    const Eigen::MatrixBase<B>& expected, double tolerance) {
@@ -16,7 +16,7 @@ template <class A, class B>
            << "x" << expected.cols();
   }
   const double worst = (actual - expected).cwiseAbs().maxCoeff();
-  // allFinite() is required since maxCoeff may ignore a NaN; infinities must not pass either.
+  // allFinite() refuses infinities, and NaN, which maxCoeff() may ignore.
   if ((actual - expected).allFinite() && worst <= tolerance) {
     return ::testing::AssertionSuccess();
   }

@@ -4,7 +4,7 @@
 
 namespace vantage::test {
 
-/// Counts the pages that the system gave this thread since construction.
+/// Counts the page faults of this thread since construction.
 class PageFaultCounter {
  public:
   PageFaultCounter() : start_(so_far()) {}

@@ -14,14 +14,14 @@
 #include "trial/replay/log_replay.hpp"
 #include "trial/trial.hpp"
 
-// Teams in which no robot subscribes to all others.
+// Tests teams in which no robot subscribes to all others.
 
 namespace vantage::trial {
 namespace {
 
 constexpr double kNeighbourhood_m = 36.0;
 
-/// Robots 16 m apart in rows of 13, the same number of targets, 4 s.
+/// Returns a scenario of 4 s with robots 16 m apart in rows of 13, and the same number of targets.
 scenario::Scenario crowd(int robots, const std::string& of_planner) {
   const int rows = (robots + 12) / 13;
   std::string text = fmt::format(

@@ -13,7 +13,7 @@ using planner::Algorithm;
 
 int g_own_plans = 0;
 
-/// A search from outside the library: greedy search that counts its plans.
+/// A user's own search, not part of the library: a greedy search that counts its plans.
 class CountedSearch final : public planner::Search {
  public:
   CountedSearch(const planner::SearchCapacity& capacity, const planner::AlgorithmOptions& options)

@@ -5,8 +5,8 @@
 namespace vantage::trial {
 namespace {
 
-// Logs name their runs by these numbers, so they must not change. Worked out with integers of
-// Python from the published constants of FNV-1a and SplitMix64.
+// Logs identify their runs by these numbers, so the numbers must not change. They were computed
+// with Python integers from the published constants of FNV-1a and SplitMix64.
 TEST(DeterministicRunId, EqualsTheStatedHash) {
   EXPECT_EQ(deterministic_run_id(1, "PLANNER_Q1"), 8938889392048076765);
   EXPECT_EQ(deterministic_run_id(0, ""), 4656582077437394441);

@@ -176,7 +176,7 @@ TEST(RunTrial, ReportsProgress) {
   EXPECT_NEAR(shares.back(), 1.0, 1e-9);
 }
 
-// Without nodes nothing happens, and three hours pass at once.
+// Without nodes nothing has to be computed, so three hours of virtual time pass immediately.
 TEST(RunTrial, ReportsProgressAHundredTimes) {
   scenario::Scenario scenario = short_lab(5);
   for (const double duration_s : {300.0, 10'800.0}) {
@@ -277,7 +277,7 @@ TEST(RunTrial, EndsOnALogErrorAndCountsLostEvents) {
   EXPECT_GT(result.summary.messages_lost, 0);
 }
 
-/// Says more at its first instant than a queue holds, and listens to itself.
+/// Publishes at its first instant more messages than a queue can contain, and subscribes to them.
 class Talker : public bus::Node {
  public:
   explicit Talker(bus::Bus& bus) : bus_(bus) {
@@ -300,8 +300,8 @@ class Talker : public bus::Node {
   Time next_{};
 };
 
-// A queue holds the last ten thousand of 10 050 messages. The trial's queue loses 50; the
-// recorder's, which also receives the talker's health, loses 51.
+// A queue keeps the last ten thousand of 10 050 messages. The trial's queue loses 50. The
+// recorder's queue also receives the talker's health, so it loses 51.
 TEST(RunTrial, CountsEventsDroppedByTheRecorder) {
   scenario::Scenario scenario = short_lab(5);
   scenario.duration_s = 1.0;
@@ -328,11 +328,11 @@ TEST(RunTrial, StartsOnAWholeRound) {
   EXPECT_GE(start, 1'700'000'000'000'000);
   EXPECT_LT(start, 1'700'000'000'000'000 + 2'100'000);
   EXPECT_EQ(start % 2'100'000, 0);
-  // Where a round begins just then, at that.
+  // If a round begins exactly at that time, the trial starts there.
   scenario.planner.step_s = 0.5;
   scenario.planner.execute_steps = 2;
   EXPECT_EQ(to_utime(trial_start(scenario)), 1'700'000'000'000'000);
-  // 1 699 999 999 999 999 is a multiple of 157, and the next is 156 behind that instant.
+  // 1 699 999 999 999 999 is a multiple of 157, so the next round begins 156 µs after that time.
   scenario.planner.step_s = 157e-6;
   scenario.planner.execute_steps = 1;
   EXPECT_EQ(to_utime(trial_start(scenario)), 1'700'000'000'000'156);

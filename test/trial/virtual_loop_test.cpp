@@ -169,8 +169,8 @@ vantage_lcm::attack_t attack_numbered(std::int64_t sequence) {
   return attack;
 }
 
-// One bus misses four numbers and then three, another only the three. A queue of ten thousand drops
-// the excess.
+// One bus misses four numbers of channel A and three of B; another bus misses only the three of B.
+// A third bus has a queue of ten thousand messages and drops seven.
 TEST(VirtualTimeLoop, CountsLossAndDroppedMessages) {
   VirtualTimeLoop loop(kStart);
   const auto speaks = loop.connect();

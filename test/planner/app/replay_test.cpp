@@ -59,7 +59,7 @@ class ReplayTest : public test::PlannerNodeTest {
     return -1;
   }
 
-  // Expects the number of decisions that are the same, differ, or have missing inputs.
+  // Expects these numbers of decisions that were the same, were different, or lacked inputs.
   void expect_counts(std::int64_t same, std::int64_t different, std::int64_t missing) const {
     EXPECT_EQ(replayed("replayed_same"), same);
     EXPECT_EQ(replayed("replayed_different"), different);
@@ -221,8 +221,8 @@ TEST_F(ReplayTest, ReproducesExternalPlans) {
   expect_all_again(2, {"EXTERNAL_PLAN_Q1"});
 }
 
-// The replay repeats the robot's own proposals, and the resulting plan. The first proposal improves
-// on a teammate's.
+// The replay repeats the robot's own proposals and the resulting plan. The robot's first proposal
+// improves on a proposal of a teammate.
 TEST_F(ReplayTest, ReplaysOwnProposals) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.team_algorithm = scenario::TeamAlgorithm::kLocalSearch;
@@ -251,8 +251,8 @@ TEST_F(ReplayTest, ReplaysOwnProposals) {
     EXPECT_EQ(said_again_[i].nodes, said_[i].nodes);
     EXPECT_EQ(said_again_[i].inputs, said_[i].inputs);
   }
-  // The replay must differ from proposals with a changed value, with a base that cannot be
-  // improved, with a base of another round, and without inputs.
+  // The replay must report a difference from a logged proposal with a changed value, with an input
+  // that cannot be improved, of another round, or without inputs.
   models::TeamProposal other = said_.back();
   other.value_nats += 1.0;
   robot_bus_.publish(bus::team_proposal_channel("Q1"), other);
@@ -295,7 +295,7 @@ TEST_F(ReplayTest, ReportsDifferentPlans) {
   expect_counts(1, 2, 0);  // a different robot's proposal
 }
 
-// After a search that ended too late, the robot continued its committed motion.
+// After a search that ended too late, the robot continues its committed motion.
 TEST_F(ReplayTest, ReproducesFallbacksOfLateSearches) {
   start_without_planner(test::lab_scenario());
   const auto belief = world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
@@ -343,7 +343,7 @@ TEST_F(ReplayTest, PlansInTheLoggedSlot) {
 }
 
 // Inputs may be logged after the message that was computed from them. The replay waits two seconds
-// for them and then continues with the next message.
+// for missing inputs and then continues with the next message.
 TEST_F(ReplayTest, WaitsForMissingInputs) {
   start_without_planner(test::lab_scenario());
   EXPECT_EQ(replay_->next_tick(), clock_.now());

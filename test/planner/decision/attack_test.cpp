@@ -214,7 +214,7 @@ TEST(RandomAttack, DrawsNothingForZeroAttacks) {
   EXPECT_EQ(rng(), untouched());
 }
 
-// ---- The exhaustive optima to which the searches are compared ----
+// ---- The exhaustive optima, with which the searches are compared ----
 
 TEST(ExhaustiveOptimum, ReturnsTheFirstBestChoice) {
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {

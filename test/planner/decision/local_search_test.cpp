@@ -210,8 +210,8 @@ TEST(LocalSearch, EndsAtALocalOptimum) {
   }
 }
 
-// 10 robots of 1250 candidates, nearly all equal in value. 1 + α/N⁴ rounds to 1, so a search that
-// adopts equal values would not end.
+// 10 robots have 1250 candidates with nearly equal values. 1 + α/N⁴ rounds to 1, so a search that
+// accepts equal values would not end.
 TEST(LocalSearch, EndsWhenAlphaOverN4Vanishes) {
   TeamProblem problem = test::random_instance(3, {1, 1, 0.0}, {});
   problem.horizon_steps = 3;

@@ -260,7 +260,7 @@ TEST(PathsBound, UnderAttackExcludesBestRobots) {
     EXPECT_EQ(left(3).information_nats, 0.0);
     EXPECT_EQ(left(9).information_nats, 0.0);
     EXPECT_TRUE(left(3).parts.empty());
-    // Half of the work determines the attacked robots, half computes the bound of the others.
+    // Half of the work determines the attacked robots, half the bound of the others.
     EXPECT_GE(left(1).work_nodes, 2 * kNodes);
     EXPECT_LE(left(1).work_nodes, 3 * kNodes);
     EXPECT_GE(left(3).work_nodes, kNodes);

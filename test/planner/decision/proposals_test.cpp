@@ -102,7 +102,8 @@ TEST(Fingerprint, DependsOnMotionAndNotOnValue) {
 
 // ---- Sessions ----
 
-/// A candidate of Q2 that measures one static target with information m, a gain of log(1 + m) nats.
+/// A candidate of Q2 that measures one static target with information m; its gain is log(1 + m)
+/// nats.
 struct Own {
   double m = 0.0;
   double cost = 0.0;

@@ -200,8 +200,8 @@ TEST(AttackOnBestTogether, AttacksMostValuableRobotForOneAttack) {
   }
 }
 
-// One more attack adds the robot with which J of the attacked robots, by the plain recursion, is
-// largest.
+// One more attack adds the robot with which J of the attacked robots, computed by the direct
+// recursion, is largest.
 TEST(AttackOnBestTogether, AddsRobotThatMaximisesJointValue) {
   int unlike_alone = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {

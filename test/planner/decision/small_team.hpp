@@ -20,7 +20,7 @@ inline double value_of(const planner::TeamOracle& oracle, const planner::Choice&
   return team.value();
 }
 
-/// Returns `choice` with candidate `id` and without the candidate of robot `dropped`.
+/// Returns `choice` after candidate `id` is added and the candidate of robot `dropped` is removed.
 inline planner::Choice changed(const planner::TeamOracle& oracle, planner::Choice choice,
                                int dropped, planner::CandidateId id) {
   if (dropped >= 0) {

@@ -30,9 +30,9 @@ constexpr std::uint64_t kInstances = 200;
 // ---- Searches with known calls and messages ----
 
 // One robot with a better and a worse trajectory. The central search evaluates the deletion and
-// both swaps, then the deletion of the worse one and its swap with itself. In the distributed
-// search the robot sends its candidate count and best value, then that it proposes nothing. It
-// evaluates deletion and swap, then the deletion only.
+// both swaps; then it evaluates the deletion of the worse trajectory and its swap with itself. In
+// the distributed search, the robot first sends its candidate count and best value, and later that
+// it proposes nothing. It evaluates deletion and swap, then the deletion only.
 TEST(LocalSearch, CallsPerMoveForOneRobot) {
   const TeamProblem problem = made_team(1, {{{0, 1.0}, {0, 2.0}}});
   const TeamOracle oracle(problem);
@@ -291,7 +291,7 @@ TEST(ValueBound, EqualsTheOptimumForIndependentRobots) {
   const double both = std::log(1.0 + 2.0 * std::expm1(2.0));
   const double all_three = std::log(1.0 + 3.0 * std::expm1(2.0));
   EXPECT_NEAR(value_bound(of_same, {kNoCandidate, kNoCandidate}), 2.0 + 2.0, 1e-12);
-  // I(S) plus the gain of each of the two candidates, including the candidate of a chosen robot.
+  // I(S) plus the gains of both candidates, including that of the robot with a choice.
   EXPECT_NEAR(value_bound(of_same, {0, kNoCandidate}), 2.0 + 2.0 * (both - 2.0), 1e-12);
   EXPECT_NEAR(value_bound(of_same, {0, 1}), both + 2.0 * (all_three - both), 1e-12);
 }

@@ -274,8 +274,8 @@ TEST(MappingSearch, FindsTheBestSeparatedRoute) {
 }
 
 // If routes may end at some poses only, the search returns the best full-length route that ends at
-// such a pose. If none exists, it returns the best of the longest such routes, after which the
-// robot stops. If none exists either, the robot does not move.
+// such a pose. If no full-length route does, it returns the best of the longest shorter routes that
+// do, and the robot then stops. Without any such route, the robot does not move.
 TEST(MappingSearch, EndsRoutesAtAllowedPoses) {
   test::Random random(4713);
   std::vector<int> ended(4, 0);

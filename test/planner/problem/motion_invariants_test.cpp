@@ -370,8 +370,9 @@ TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
   }
 }
 
-// Two robots that drive towards each other may reach exactly the separation at the end of the step,
-// and so may a robot that follows a returning teammate. No distant teammate may be skipped.
+// Two robots that drive towards each other may have exactly the required separation at the end of
+// the step. The same holds for a robot that follows a returning teammate. No distant teammate may
+// be skipped.
 TEST(IsFree, ChecksTheEndOfAStep) {
   for (const double side : {1.0, -1.0}) {
     for (const int depth : {0, 1, 3}) {
@@ -447,7 +448,7 @@ TEST(MotionTable, WrapsHeadingsLikeTheUnicycle) {
   }
 }
 
-// The reach is the longest step of any control of the current problem.
+// The reach is the length of the longest step of any control of the current problem.
 TEST(MotionTable, ReachEqualsTheFastestControl) {
   models::World world;
   world.bounds = {{-10.0, -10.0}, {10.0, 10.0}};

@@ -40,7 +40,7 @@ planner::SearchTarget random_target(std::mt19937_64& rng) {
   const bool moves = target.model.kind == models::TargetKind::kDoubleIntegrator;
   target.model.position_dim = moves || pick(rng, 0, 2) > 0 ? 2 : 3;
   target.model.q = target.model.kind == models::TargetKind::kStatic ? 0.0 : uniform(rng, 0.0, 0.05);
-  constexpr double kDragAbove = 0.035;  // so that a third of the moving targets has a user's law
+  constexpr double kDragAbove = 0.035;  // makes a third of the moving targets a user's kind
   if (moves && target.model.q > kDragAbove) {
     target.model.kind = drag();
   }
@@ -194,7 +194,7 @@ OwnedProblem random_problem(std::uint64_t seed) {
   if (pick(rng, 0, 2) == 0) {
     add_fixed_information(rng, problem);
   }
-  if (seed % 2 == 0) {  // drawn last: other draws do not change
+  if (seed % 2 == 0) {  // drawn last, so that other draws are unchanged
     let_oscillate(rng, problem);
   }
   return owned;

@@ -9,9 +9,10 @@ namespace vantage::test {
 
 using planner::OwnedProblem;
 
-/// Returns a small problem drawn by `seed`: one or two of the five sensor kinds, all target models
-/// in all dimensions, 1–6 targets, 1–5 steps, both costs. World, distance field, required stop and
-/// teammates' information are optional. |U|^T ≤ 700, so that exhaustive search is cheap.
+/// Returns a small problem drawn by `seed`, with one or two of the five sensor kinds, all target
+/// models in all dimensions, 1–6 targets, 1–5 steps and either cost. World, distance field,
+/// required stop and teammates' information are optional. |U|^T ≤ 700, so that exhaustive search is
+/// cheap.
 OwnedProblem random_problem(std::uint64_t seed);
 
 /// Returns a problem in which information is Lipschitz in the pose: range or range-bearing sensors

@@ -103,7 +103,7 @@ TEST(IsFree, AccountsForTurnsWithinATeammatesPiece) {
   }
 }
 
-// A stop that lasts longer than any teammate's motion, next to a hovering teammate. All instants of
+// A stop lasts longer than any teammate's motion and passes a hovering teammate. All instants of
 // the stop must be checked.
 TEST(CanStop, DetectsHoverNextToEndOfLongStop) {
   std::mt19937_64 rng(34);

@@ -8,8 +8,8 @@
 #include "planner/robot/trajectory_tools.hpp"
 #include "test/planner/robot/team_scenario.hpp"
 
-// Obstacles of a plan in addition to the plans of teammates: bodies other than robots, and
-// teammates that are silent or off their plan.
+// Tests the obstacles of a plan in addition to the plans of teammates: bodies other than robots,
+// and teammates that are silent or off their plan.
 
 namespace vantage::planner {
 namespace {

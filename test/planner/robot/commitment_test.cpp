@@ -246,7 +246,7 @@ TEST(RobotPlanner, KeepsClearOfHeightsPassedInAClimbOrLanding) {
     return planner.problem().teammates.back().height_m;
   };
   using models::FlightState;
-  // A climb of Q2 from 0.2 m to 1.5 m passes 1 m but does not reach 2 m.
+  // Q2 climbs from 0.2 m to 1.5 m; this passes 1 m but does not reach 2 m.
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 0.2), 1.0);
   EXPECT_DOUBLE_EQ(kept_at_m("Q3", FlightState::kHold, 0.2), 1.5);
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 1.2), 1.2);

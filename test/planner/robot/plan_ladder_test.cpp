@@ -13,7 +13,8 @@ namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// A robot of radius 0.3 m that drives at 1 m/s towards a wall and may brake at 2 m/s².
+/// Fixture with a robot of radius 0.3 m that drives at 1 m/s towards a wall and may brake at 2
+/// m/s².
 class Ladder : public ::testing::Test {
  protected:
   Ladder() {

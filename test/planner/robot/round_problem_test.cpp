@@ -36,7 +36,8 @@ TEST(ProblemOfRound, CountsUnseenStepsUntilPlanBegins) {
   }
 }
 
-/// A scenario in which the beliefs of unseen targets are mixtures of several Gaussians.
+/// Fixture with a scenario in which the beliefs of unseen targets are mixtures of several
+/// Gaussians.
 class PlansByMixtures : public ::testing::Test {
  protected:
   PlansByMixtures() {

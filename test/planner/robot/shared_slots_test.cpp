@@ -58,9 +58,9 @@ TEST_F(SharedSlotsTest, BelongToLowestRobotWithAReceivedPlan) {
       {0, 0, {-1, -1, -1}, false, 0},  // no robot has used the slot
       {1, 1, {-1, -1, -1}, false, 1}, {2, 0, {-1, -1, -1}, false, 0},
       {0, 0, {0, -1, -1}, true, 0},   {1, 1, {-1, 1, -1}, true, 1},
-      {2, 0, {-1, -1, 0}, true, 0},   {0, 0, {0, 1, 0}, true, 0},  // Q3 must move
-      {2, 0, {0, 1, 0}, false, 0},                                 // … and no slot is free
-      {2, 0, {0, -1, 0}, false, 1},                                // … or one is free
+      {2, 0, {-1, -1, 0}, true, 0},   {0, 0, {0, 1, 0}, true, 0},  // Q3 must move away
+      {2, 0, {0, 1, 0}, false, 0},                                 // Q3 has no free slot
+      {2, 0, {0, -1, 0}, false, 1},                                // Q3 has a free slot
       {2, 0, {0, -1, -1}, false, 1},  {2, 1, {0, -1, 1}, true, 1},
       {2, 1, {0, 1, 1}, false, 1},    {2, 1, {1, -1, 1}, false, 0},
       {0, 0, {0, 0, 0}, true, 0},     {1, 0, {0, 0, 0}, false, 1},
@@ -132,7 +132,7 @@ TEST(MaySearch, IsTrueForTheLowestRobotIndexOfASlot) {
       EXPECT_EQ(next_slot({robot, slot}, holders, 3), slot) << "none is free";
     }
   }
-  // Holders of slots outside the range occupy none.
+  // Slot numbers outside the range do not count as occupied.
   EXPECT_EQ(next_slot({7, 0}, std::vector<SlotHolder>{{1, 0}, {2, -1}, {3, 2}}, 2), 1);
 }
 

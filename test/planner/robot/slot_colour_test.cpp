@@ -44,8 +44,8 @@ class Team {
     return most;
   }
 
-  /// Runs one round and returns which robots search. All robots of a slot decide by the plans that
-  /// were published before the slot began.
+  /// Runs one round; returns for each robot whether it searches. All robots of a slot decide by the
+  /// plans that were published before the slot began.
   std::vector<bool> round() {
     std::vector<bool> searches(slot_.size(), false);
     const std::vector<int> before = slot_;

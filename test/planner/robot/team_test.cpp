@@ -99,7 +99,7 @@ class Team {
   }
 
   Eigen::Vector3d position_m(const scenario::RobotSpec& robot, Time now) const {
-    // The plan in force is the newest one that has begun.
+    // The current plan is the newest one that has begun.
     Pose2 pose = robot.start;
     const auto in_force = in_force_.find(robot.name);
     const auto newest = plans_.find(robot.name);

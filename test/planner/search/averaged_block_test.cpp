@@ -183,7 +183,7 @@ TEST(PointedInformation, EqualsBestMeasurementDirections) {
         least_trace_twice = std::min(least_trace_twice, both.inverse().trace());
       }
     }
-    // At least the best tested direction. The tolerance covers the spacing of the tested angles.
+    // At least the result of the best tested direction; the tolerance covers their spacing.
     EXPECT_GE(once.determinant(), most_once * (1.0 - 1e-9));
     EXPECT_LE(once.determinant(), most_once * 1.01);
     EXPECT_LE(once.covariance_trace(), least_trace_once * (1.0 + 1e-9));

@@ -7,7 +7,7 @@
 #include "test/planner/search/exhaustive_oracle.hpp"
 #include "test/planner/search/solved_problems.hpp"
 
-// Compares paths of the baselines that do not search with all feasible paths.
+// Compares the paths of baselines without a search with all feasible paths.
 
 namespace vantage::planner {
 namespace {

@@ -46,8 +46,8 @@ TEST(RefiningBeam, ReportsOptimum) {
   EXPECT_GE(solvable, 300);
 }
 
-// At every budget with a complete pass there is a plan. Its cost never rises with the budget, and
-// the lower bound is below every plan.
+// At every budget with a complete pass there is a plan. A larger budget never has a higher cost,
+// and the lower bound is below the cost of every plan.
 TEST(RefiningBeam, BoundHoldsAndCostNeverRises) {
   RefiningBeam search(small_capacity());
   int worse = 0;

@@ -264,8 +264,8 @@ TEST(DefaultAlgorithm, IsAStarForRangesOfStaticTargets) {
   }
 }
 
-// The capacity is the number of nodes that are kept: at least 20,000, and at most what fits into
-// memory at 260 bytes per node plus twelve numbers of nine bytes.
+// The capacity is the number of stored nodes. It is at least 20,000 and otherwise at most what fits
+// into memory, at 260 + 12 · 9 bytes per node (twelve values of 8 bytes with one flag each).
 TEST(CapacityFor, FitsKeptNodesIntoMemory) {
   SearchProblem problem;
   problem.targets.resize(3);

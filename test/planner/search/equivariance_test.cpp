@@ -147,8 +147,8 @@ std::vector<std::string> all_but(const std::vector<std::string>& left_out) {
 
 INSTANTIATE_TEST_SUITE_P(Planner, Equivariance, ::testing::ValuesIn(all_but({"lawn_mower"})),
                          [](const auto& each) { return each.param; });
-// Paths without measurements have equal costs up to the last bit. AEGIS keeps the first of them
-// that it finds, within (ε, δ), so it is excluded.
+// Paths without measurements have equal costs up to the last bit. AEGIS keeps the first one that it
+// finds, within (ε, δ), so AEGIS is excluded.
 INSTANTIATE_TEST_SUITE_P(Planner, EquivarianceUpToRounding,
                          ::testing::ValuesIn(all_but({"lawn_mower", "aegis"})),
                          [](const auto& each) { return each.param; });

@@ -144,8 +144,8 @@ models::Rectangle transformed(const models::Rectangle& box, bool is_mirrored, in
 }
 
 // No path leads between a box and a wall that it touches, for any wall. The path leads around the
-// other end of the box, past two corners. If a point lies outside the walls, paths outside them
-// exist.
+// other end of the box, past two corners. If a point lies outside the walls, a path outside them
+// exists.
 TEST(GeodesicTable, HasNoPathBetweenBoxAndTouchedWall) {
   for (int which = 0; which < 8; ++which) {
     SCOPED_TRACE(which);

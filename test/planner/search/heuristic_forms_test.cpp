@@ -115,7 +115,7 @@ double sum(const std::vector<double>& all) {
   return total;
 }
 
-/// Returns the belief about a target at `depth` without own measurements.
+/// Returns the belief about a target at `depth` if the robot takes no measurements.
 models::Gaussian open_loop(const SearchProblem& problem, int m, int depth) {
   models::Gaussian belief = problem.targets[index(m)].prior;
   for (int k = 1; k <= depth; ++k) {
@@ -155,8 +155,8 @@ class InformationHeuristicTest : public ::testing::Test {
   }
 };
 
-// Near and far targets, with and without earlier measurements, from every depth. `apart` returns
-// the part of selected targets.
+// Targets are near and far, with and without earlier measurements, and the heuristic starts from
+// every depth. `apart` returns the part of selected targets.
 TEST_F(InformationHeuristicTest, EqualsClosedFormForIsotropicMeasurements) {
   std::mt19937_64 rng(51);
   int compared = 0;

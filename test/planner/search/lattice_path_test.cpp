@@ -11,8 +11,8 @@
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/lattice_problem.hpp"
 
-// Tests of the lattice's best path and bound in limit cases: without measurements, and with a
-// single path.
+// Tests the lattice's best path and bound in limit cases: without measurements, and with a single
+// path.
 
 namespace vantage::planner {
 namespace {

@@ -118,7 +118,7 @@ TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
     }
   }
   EXPECT_GT(tighter, 150);
-  // Measured: 15 178; 13 884 if the discs have half the largest radius.
+  // Measured sum: 15 178; if the discs had half the largest radius: 13 884.
   EXPECT_GT(gained, 15'000.0);
 }
 
@@ -257,10 +257,10 @@ double cost_of(const SearchProblem& problem, const SearchTarget& target,
   return cost;
 }
 
-// A robot on rails, 1.1 m per step, among distant targets can be near one of them at one step at
-// most. All other measurements are from the nearest position that is reachable by then, or from the
-// edge of the disc. The bound uses the best of three disc sizes. Beliefs are isotropic, so the
-// bound has a closed form.
+// A robot on rails drives 1.1 m per step among distant targets. It can be near one target at one
+// step at most. All other measurements are from the nearest position that is reachable by then, or
+// from the edge of the disc. The bound uses the best of three disc sizes. Beliefs are isotropic, so
+// the bound has a closed form.
 TEST(NearBound, CountsOneNearMeasurementAndOthersFromAfar) {
   std::mt19937_64 rng(72);
   BeliefTable beliefs(8, 8);

@@ -113,8 +113,8 @@ SearchProblem with_turns(const std::vector<double>& turns_rad, int horizon_steps
   return problem;
 }
 
-// The unit is the largest angle of which all turns are whole multiples, such that the least turn is
-// one to four units, in both directions.
+// The unit is the largest angle of which all turns are whole multiples, such that the smallest turn
+// is one to four units. Turns in both directions are tested.
 TEST(ReachLattice, FindsTheCommonTurnAngle) {
   ReachLattice lattice(8);
   const auto expect = [&](const std::vector<double>& turns_rad, double unit_rad,

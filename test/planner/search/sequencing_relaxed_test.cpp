@@ -12,7 +12,7 @@
 #include "test/planner/problem/random_problem.hpp"
 
 // Compares the sequencing bound with an exhaustive solution of its relaxed problem: which target is
-// observed at which step if travel between the discs of visibility takes time.
+// observed at which step, if travel between the discs of visibility takes time.
 
 namespace vantage::planner {
 namespace {

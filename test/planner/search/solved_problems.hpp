@@ -11,7 +11,7 @@
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/exhaustive_oracle.hpp"
 
-// Small random problems with the answers of exhaustive search, the reference of all search tests.
+// Small random problems with the solutions of exhaustive search, the reference of all search tests.
 
 namespace vantage::test {
 

@@ -58,7 +58,7 @@ double substitution_bound(const FullTree& full, const std::vector<double>& best_
           !std::isfinite(best_through[left])) {
         continue;
       }
-      // Difference of the costs of the best completions from this depth on.
+      // The difference of the best completions' costs from this depth on.
       const double lost = (best_through[kept] - a.cost) - (best_through[left] - b.cost);
       if (lost <= loss[b.depth] ||
           metric.squared(a.world_from_body, b.world_from_body) > delta2_m2) {

@@ -5,7 +5,8 @@
 #include "core/check.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 
-// Returns "taken" if the scenario is accepted, otherwise the whole error message.
+// answer_to() and its variants return "taken" if the scenario is accepted, otherwise the whole
+// error message.
 
 namespace vantage::test {
 
@@ -22,12 +23,12 @@ inline std::string answer_to(const std::string& text) {
   return "taken";
 }
 
-/// Returns the answer to a team with the robots `robots` from line 6 on.
+/// Returns the result for a team; its list `robots` begins on line 6.
 inline std::string answer_to_team(const std::string& robots, const std::string& more = "") {
   return answer_to(kWorld + kTargets + kDefaults + "robots:\n" + robots + more);
 }
 
-/// Returns the answer to one robot with `keys` on line 6, and `more` from line 7 on.
+/// Returns the result for one robot with `keys` on line 6 and `more` from line 7 on.
 inline std::string answer_to_robot(const std::string& keys, const std::string& more = "") {
   return answer_to_team("  - {name: A, start: {x_m: 2, y_m: 2}" + keys + "}\n", more);
 }

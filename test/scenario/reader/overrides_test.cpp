@@ -38,7 +38,7 @@ TEST(Overrides, ChangeScenarioText) {
   }
 }
 
-// Each override alone makes the set non-empty and changes only its own key.
+// Each single override makes the set non-empty and changes only its own key.
 TEST(Overrides, ChangeOneKeyEach) {
   const Scenario lab = load_scenario(kLab);
   EXPECT_TRUE(Overrides{}.is_empty());
@@ -95,7 +95,8 @@ TEST(Overrides, AreNamedInErrors) {
   }
 }
 
-// The robots and the noise of a sweep: keys without a command-line option.
+// Overrides by path can change keys that have no command-line option, such as the robots and the
+// noise of a sweep.
 TEST(Overrides, WriteAnyKeyByItsPath) {
   Overrides overrides;
   overrides.keys["robot_defaults.sensor.range_sigma_m"] = "0.75";

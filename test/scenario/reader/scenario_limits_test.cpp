@@ -8,7 +8,7 @@
 #include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 
-// Every number of a scenario, at both ends of its allowed range.
+// Tests every number of a scenario at both ends of its allowed range.
 
 namespace vantage::scenario {
 namespace {
@@ -23,7 +23,8 @@ targets: {count: 1}
 
 using Keys = std::map<std::string, std::string>;
 
-/// The values that a key accepts at the ends of its range and refuses beyond them; "": not tested.
+/// Values at the ends of a key's range, which are accepted, and values beyond them, which are
+/// refused; "": not tested.
 struct Limit {
   std::string key;
   const char* below;
@@ -258,7 +259,7 @@ TEST(ScenarioLimits, HoldForMaps) {
   for (const char* key : {"mapping.resolution_m", "estimator.grid_resolution_m"}) {
     const bool is_map = std::string(key) == "mapping.resolution_m";
     const Limit cells{key, "", "", "", ""};
-    // In estimators' grids 707 by 707 cells are less than the half million that fit into a belief.
+    // 707 by 707 cells of an estimator's grid fit into a belief: fewer than half a million.
     EXPECT_EQ(answer_to(cells, is_map ? "0.1794" : "0.0566"), "taken");
     EXPECT_NE(answer_to(cells, is_map ? "0.1788" : "0.0565").find("must divide world.bounds"),
               std::string::npos)

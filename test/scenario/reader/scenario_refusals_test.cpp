@@ -167,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(Values, BadScenario, testing::ValuesIn(kValues), name_o
 INSTANTIATE_TEST_SUITE_P(Ranges, BadScenario, testing::ValuesIn(kRanges), name_of);
 INSTANTIATE_TEST_SUITE_P(Teams, BadScenario, testing::ValuesIn(kTeams), name_of);
 
-/// Whole files, each with the whole error message.
+/// A whole file and its whole error message.
 struct BadFile {
   const char* text;
   const char* refusal;
@@ -225,7 +225,7 @@ TEST(ParseScenario, ErrorIsOneShortLine) {
             0U);
   EXPECT_EQ(refusal_of("name: \"a\\eb\"\n" + kWorld + kRobot + kTargets),
             "lab.yaml:1: name: must contain only letters, digits, - and _, is 'a\\x1Bb'");
-  // The cut after forty bytes falls inside a two-byte character.
+  // The limit of forty bytes falls inside a two-byte character.
   std::string umlauts = "x";
   for (int i = 0; i < 50'000; ++i) {
     umlauts += "ä";
@@ -238,8 +238,8 @@ TEST(ParseScenario, ErrorIsOneShortLine) {
   EXPECT_LT(refusal_of(umlauts + ": 1\n" + kWorld).size(), 400U);
 }
 
-// An alias stands for the node of its anchor, with the line of its own key; the node is never
-// copied.
+// An alias refers to the node of its anchor, with the line of the alias's own key; the node is
+// never copied.
 TEST(ParseScenario, ReadsAliases) {
   const std::string text =
       "name: x\nworld:\n  bounds: {min_m: &zero [0, 0], max_m: [9, 9]}\n  obstacles:\n"
@@ -251,8 +251,8 @@ TEST(ParseScenario, ReadsAliases) {
             "in y; is [1, 1]");
   EXPECT_EQ(refusal_of("name: x\nworld: &a {bounds: *a}\n" + kRobot + kTargets),
             "lab.yaml:2: world.bounds.bounds: unknown key; valid keys are min_m, max_m");
-  // Each line multiplies by ten the size of the one before: copies would make ten thousand million
-  // nodes.
+  // Each line is ten times as large as the previous one; if aliases were copied, there would be ten
+  // thousand million nodes.
   std::string laughs = "name: x\nseed: &a0 [0]\n";
   for (char i = '1'; i <= '9'; ++i) {
     const std::string before = std::string("*a") + static_cast<char>(i - 1);

@@ -6,7 +6,7 @@
 
 #include "test/scenario/reader/answer_to.hpp"
 
-// Rules between keys, tested by the whole error message: its numbers, names and line.
+// Tests the rules between keys by the whole error message: its numbers, names and line.
 
 namespace vantage::scenario {
 namespace {
@@ -124,7 +124,7 @@ TEST(ScenarioRules, StartsKeepClearanceToWallsObstaclesAndRobots) {
   const auto at = [](const std::string& x, const std::string& y) {
     return answer_to_team("  - {name: A, start: {x_m: " + x + ", y_m: " + y + "}}\n");
   };
-  // The horizontal limit is 0.25 m of radius plus 0.1 m, at each of the four walls.
+  // The horizontal limit is the radius, 0.25 m, plus 0.1 m, at each of the four walls.
   for (const auto& [x, y] : Pairs{{"8.6", "0"}, {"-8.6", "0"}, {"0", "4.6"}, {"0", "-4.6"}}) {
     EXPECT_EQ(at(x, y), "taken");
   }
@@ -138,7 +138,7 @@ TEST(ScenarioRules, StartsKeepClearanceToWallsObstaclesAndRobots) {
   const auto b = [](const std::string& x, const std::string& y, const std::string& z) {
     return ", start: {x_m: " + x + ", y_m: " + y + "}, height_m: " + z;
   };
-  // In space: 0.6 m along any one axis, in either direction, is enough; so are 0.36 m with 0.48 m.
+  // In space, 0.6 m along any axis is enough, and so are 0.36 m and 0.48 m along two axes.
   for (const auto& [x, y, z] : Triples{{"1.625", "1", "3"},
                                        {"0.375", "1", "3"},
                                        {"1", "1.625", "3"},
@@ -328,7 +328,7 @@ TEST(ScenarioRules, TargetsHaveValidIdsPositionsAndSpeeds) {
             "f:6: targets[0].start: (9.5, 1) m is outside world.bounds");
   EXPECT_EQ(answer_to(base + "  - {}\ntarget_truth: {speed_min_mps: 1.5, speed_max_mps: 1}\n"),
             "f:7: target_truth.speed_min_mps: must be at most speed_max_mps, 1, is 1.5");
-  // If the list is short enough, its first wrong entry is named instead.
+  // If the list is not too long, its first wrong entry is reported.
   const auto many = [&](int count) {
     std::string list = "  - {id: -1}\n";
     for (int i = 1; i < count; ++i) {

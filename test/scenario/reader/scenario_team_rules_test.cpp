@@ -4,7 +4,7 @@
 
 #include "test/scenario/reader/answer_to.hpp"
 
-// Rules between keys, tested by the whole error message: its numbers, names and line.
+// Tests the rules between keys by the whole error message: its numbers, names and line.
 
 namespace vantage::scenario {
 namespace {
@@ -15,7 +15,7 @@ using test::answer_to_two;
 using test::kDefaults;
 using test::kTargets;
 
-// The world is not centred at the origin, so that adding and subtracting an offset differ.
+// The world is not centred at the origin, so that an offset with the wrong sign is detected.
 TEST(ScenarioRules, GridsAndDrawsFollowWorldOffset) {
   const auto world = [](double x_m, double y_m, const std::string& more) {
     const auto text = [](double a, double b) {
@@ -90,8 +90,8 @@ TEST(ScenarioRules, TeamAlgorithmsExcludeEachOther) {
             "f:8: planner: attacks_max must be below the number of robots, 2, is 5");
 }
 
-// A belief contains, in addition to the targets, the time of the last observation of each cell: of
-// the whole world or of the neighbourhood.
+// A belief contains targets and, for each cell of the world or of the neighbourhood, the time of
+// its last observation.
 TEST(ScenarioRules, GridsFitIntoAMessage) {
   const auto with = [](const std::string& side_m, const std::string& resolution_m,
                        const std::string& neighbourhood_m, const std::string& targets = "1") {
@@ -145,7 +145,7 @@ TEST(ScenarioRules, PlansOutlastTheDriversLimits) {
             "60 s if a robot's device is wire or real");
 }
 
-// The limit for one robot with the defaults: 2 (3 (6 + 2 · 3) + 9/4) + 0.6 + 2 · 0.2 m.
+// The limit for one robot with the defaults is 2 (3 (6 + 2 · 3) + 9/4) + 0.6 + 2 · 0.2 m.
 TEST(ScenarioRules, NeighbourhoodsRequireTrackingTeamWithSlots) {
   const auto with = [](const std::string& neighbourhood_m, const std::string& planner) {
     return answer_to_robot("", "network: {neighbourhood_m: " + neighbourhood_m +

@@ -204,7 +204,7 @@ targets: {count: 1}
   EXPECT_EQ(a.device, DeviceSource::kWire);
   EXPECT_EQ(a.limits.radius_m, 0.3);
   EXPECT_EQ(a.limits.brake_mps2, 3.0);
-  EXPECT_EQ(a.sensor.fov_rad, 1.0);  // its own value, although in another unit than the default
+  EXPECT_EQ(a.sensor.fov_rad, 1.0);  // its own value, in another unit than the default
   EXPECT_EQ(a.sensor.range_max_m, 4.0);
   EXPECT_EQ(a.sensor.range_sigma_m, 0.7);
   EXPECT_EQ(a.sensor.calibration.range_scale, 1.02);

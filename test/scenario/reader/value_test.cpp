@@ -245,7 +245,7 @@ TEST(NearestWord, AllowsTwoEditsOrAThirdOfTheLength) {
   EXPECT_EQ(nearest_word("abcdefghxyz", {"abcdefghi"}), "abcdefghi") << "two more, one other";
 }
 
-// The rule "the same name with another unit, else the nearest" holds for units of any length.
+// A name with another unit is preferred to a nearer name, for units of any length.
 TEST(NearestWord, PrefersTheSameNameWithAnotherUnit) {
   EXPECT_EQ(nearest_word("range_km", {"range_k", "range_m"}), "range_m");
   EXPECT_EQ(nearest_word("range_km", {"range_m", "range_k"}), "range_m");
@@ -254,8 +254,8 @@ TEST(NearestWord, PrefersTheSameNameWithAnotherUnit) {
   EXPECT_EQ(nearest_word("seed_min", {"name", "seed"}), "seed");
 }
 
-// Absent keys have their rule and default, present ones their line too; items of a list share a
-// row.
+// A key that is absent has its rule and default; a key that is present also has its line. Items of
+// a list share a row.
 TEST(KeyTable, ListsEachKeyOfTheReader) {
   KeyTable table;
   Value document = parse_yaml("speed_mps: 2\nrobots:\n  - {name: A}\n  - {name: B}\n", "");

@@ -287,7 +287,7 @@ TEST(PoseEstimator, DriftsQuadraticallyWithoutPoses) {
   EXPECT_NEAR(off_m.tail<2>().norm(), 0.0, 1e-12);
 }
 
-// Each pose corrects three tenths of the error. The first pose, a pose after a gap and a pose with
+// Each pose corrects three tenths of the error. The first pose, a pose after a gap, and a pose with
 // a new reset counter correct the complete error.
 TEST(PoseEstimator, CorrectsThirtyPercentPerPoseAndAllAfterReset) {
   PoseEstimatorTraits traits = traits_of(0.0);

@@ -101,7 +101,7 @@ struct EmulatorBench {
   [[nodiscard]] Eigen::Vector3d place_m() const {
     return convert_axes(emulator.world_from_body().translation_m);
   }
-  /// Sends poses at 50 Hz for `seconds`, together with the set-point `target` if it is given.
+  /// Sends poses at 50 Hz for `seconds`, each with the set-point `target` if it is not null.
   void send_poses(double seconds, const mavlink::SetPositionTargetLocalNed* target = nullptr) {
     for (double t = 0.0; t < seconds - 1e-9; t += 0.02) {
       send(pose(place_m()));

@@ -83,7 +83,7 @@ TEST(FlightController, ReachesItsSetPointWithinItsLimits) {
     EXPECT_NEAR(most_mps.x(), 1.5, 0.12) << "as fast as it may";
     EXPECT_NEAR(most_mps.y(), 0.7, 0.1);
     EXPECT_NEAR(turn_radps, 1.0, 0.02);
-    // Then a descent within the limit of the descent rate, and a turn back across ±π.
+    // Then the vehicle descends within the limit of the descent rate and turns back across ±π.
     pilot.target->position_m->z() = -1.5;
     pilot.target->yaw_rad = -3.0;
     double sink_mps = 0.0;

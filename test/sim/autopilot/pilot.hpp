@@ -33,7 +33,7 @@ inline sim::AutopilotSettings settings() {
   return out;
 }
 
-/// A flight controller that receives poses and set-points at 50 Hz.
+/// An emulated flight controller, and a pilot that sends it poses and set-points at 50 Hz.
 struct Pilot {
   explicit Pilot(models::AutopilotDialect dialect, const sim::AutopilotSettings& set = settings(),
                  const Eigen::Vector3d& place_m = {0.0, 0.0, 0.0}, double yaw_rad = 0.0)

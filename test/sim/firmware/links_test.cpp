@@ -1,5 +1,5 @@
-// Links between the simulator and firmware: all packets arrive, in order; the newest of several
-// connected peers is used; positions are interpolated between two samples of a flight.
+// Tests the links between simulator and firmware: all packets arrive, in order; the newest of
+// several connected peers is used; positions are interpolated between two samples of a flight.
 
 #include <algorithm>
 #include <array>
@@ -190,8 +190,8 @@ struct Px4 {
   wire::mavlink::Parser parser;
 };
 
-// A heartbeat precedes the first and each 250th sample. Frames are sent by system 200, with
-// consecutive numbers. Compass and barometer alternate.
+// A heartbeat precedes the first sample and every 250th sample. Frames are sent by system 200, with
+// consecutive numbers. Compass and barometer data are sent in turn.
 TEST(Px4Link, SendsHeartbeatEachSecondAndNumbersFrames) {
   Px4 firmware;
   std::vector<wire::mavlink::Frame> frames;

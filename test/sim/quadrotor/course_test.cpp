@@ -159,8 +159,8 @@ TEST(AfterCommand, MatchesTheTable) {
   }
 }
 
-// The words that seed the stream are the lower half and the upper half of the seed and the letters
-// of the purpose.
+// The random stream is seeded with the lower half and the upper half of the seed and the letters of
+// the purpose.
 TEST(RandomStream, DependsOnSeedAndPurposeOnly) {
   const std::uint64_t seed = 0x0123456789ABCDEFULL;
   std::seed_seq words{0x89ABCDEFU, 0x01234567U, std::uint32_t{'a'}, 0xFFU};

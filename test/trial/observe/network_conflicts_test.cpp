@@ -180,7 +180,7 @@ TEST(ActiveChannels, AreLimitedToTenThousandNames) {
 TEST(ActiveChannels, AreCollectedForTheGivenTime) {
   bus::InProcessHub hub;
   const auto listens = hub.connect();
-  // It asks whether to stop each 50 ms at most: at 0 and at 50 ms, and perhaps at 100.
+  // The function checks for a stop at most every 50 ms: at 0 and 50 ms, and perhaps at 100 ms.
   const std::int64_t begin_ns = monotonic_ns();
   int asked = 0;
   find_active_channels(*listens, std::chrono::milliseconds(75), [&asked] { return ++asked > 9; });

@@ -99,7 +99,7 @@ TEST_F(Observer, ReportsContactsVehiclesLossesAndAttacks) {
   EXPECT_TRUE(observer_.scene().jammed.empty());
 }
 
-// Without signatures, messages of invented robots are possible.
+// Without signatures, anyone on the network can send messages of robots that do not exist.
 TEST_F(Observer, IgnoresRobotsOutsideTheScenario) {
   const std::size_t robots = scenario_.robots.size();
   for (int i = 0; i < 50; ++i) {
@@ -120,7 +120,7 @@ TEST_F(Observer, IgnoresRobotsOutsideTheScenario) {
   EXPECT_EQ(observer_.metrics().rounds(), 0);
 }
 
-// A body with a number that is not a target of the scenario is drawn, but has no estimate.
+// A body whose number is not a target of the scenario is drawn without an estimate.
 TEST_F(Observer, IgnoresBodiesThatAreNoTargets) {
   const int targets = static_cast<int>(scenario_.targets.size());
   for (const int id : {0, targets - 1, targets, targets + 100}) {
@@ -132,7 +132,7 @@ TEST_F(Observer, IgnoresBodiesThatAreNoTargets) {
   }
 }
 
-// For any target number: the first, which is 0, and the last.
+// Tests every target number, including the first, 0, and the last.
 TEST_F(Observer, HasTheTeamsEstimateOfEveryTarget) {
   const auto mean_of = [](int id) { return Eigen::Vector2d(0.5 * id - 1.0, 0.25 * id); };
   models::RobotBelief belief;

@@ -38,7 +38,7 @@ class ReplayLog : public ::testing::Test {
 
   static std::string trial() { return folder_->file("trial.lcmlog"); }
 
-  /// Runs a trial of one of config's scenarios with 300 nodes per slot.
+  /// Runs a trial of a scenario of config/ with 300 nodes per slot.
   static logs::TrialSummary fly(const std::string& config, scenario::Overrides overrides,
                                 const std::string& log_path) {
     overrides.node_budget = 300;
@@ -71,7 +71,7 @@ class ReplayLog : public ::testing::Test {
     return replay_log(log, scenario, parse_replay_target(node, scenario));
   }
 
-  /// The same decisions to the bit, at least `least` of them, and each of them tried.
+  /// Expects `least` decisions or more, all replayed and equal to the logged ones to the bit.
   static void expect_made_again(const std::string& path, const std::string& node, int least) {
     const ReplayReport report = replay(path, node);
     EXPECT_TRUE(report.outputs.is_exact()) << node;
@@ -84,7 +84,7 @@ class ReplayLog : public ::testing::Test {
     std::string log_path;
     logs::TrialSummary summary;
   };
-  /// A trial of config/`name`.yaml and its log.
+  /// Runs a trial of config/`name`.yaml; returns its scenario, log and summary.
   static Flown fly(const std::string& name, double duration_s, std::int64_t nodes,
                    std::optional<std::uint64_t> seed = {}) {
     scenario::Overrides overrides;
@@ -159,8 +159,8 @@ TEST_F(ReplayLog, ReproducesTracksWithoutIdsAndTheirPlans) {
   }
 }
 
-// A log without mixtures is valid and counts as no difference. A plan that names a mixture can only
-// be repeated with it.
+// A log without mixtures is valid and has no differences. A plan that names a mixture as input can
+// only be reproduced with that mixture.
 TEST_F(ReplayLog, ReproducesMixturesAndTheirPlans) {
   const auto [scenario, path, summary] = fly("field", 180.0, 300);
   EXPECT_EQ(summary.plans_missing, 0);
@@ -320,8 +320,8 @@ TEST_F(ReplayLog, ReportsOutputsThatCannotBeReproduced) {
   EXPECT_EQ(beliefs.not_replayed(), 1) << "the step after the lost one goes on from the log";
 }
 
-// Plans after one with a lost input wait for it at most two seconds: tested three times, and with
-// the log ending earlier.
+// A plan with a lost input delays later plans by at most two seconds. Tested with one lost input,
+// with one near the end of the log, and with three.
 TEST_F(ReplayLog, ReproducesPlansAfterALostInput) {
   int plans = 0;
   edited([&](std::string_view channel, Bytes&) {

@@ -34,15 +34,15 @@ vantage_lcm::plan_t plan_of(std::int64_t round) {
   return plan;
 }
 
-// Changes each byte: fingerprint, time stamp, identity of the sender (16 bytes, skipped), and the
-// rest.
+// Changes one byte at a time: of the fingerprint, the time stamp, the publisher's identity (16
+// bytes, which are ignored), and the rest.
 TEST(OutputComparison, ComparesAllBytesExceptThePublishers) {
   vantage_lcm::mixture_t mixture{};
   mixture.utime = 7;
   mixture.robot = "Q1";
   mixture.step = 3;
   const Bytes logged = encoded(mixture);
-  // After the length of the name, its two letters at 36 and 37.
+  // Byte 31 is followed by the length of the name; the two letters of the name are bytes 36 and 37.
   for (std::size_t at = 8; at < 38; at += at == 31 ? 5 : 1) {
     Bytes replayed = logged;
     replayed[at] ^= 1U;
@@ -83,8 +83,8 @@ TEST(OutputComparison, SeparatesKindsOfEqualNumber) {
   EXPECT_FALSE(comparison.has_logged(Bytes{1, 2, 3}));
 }
 
-// A local search makes several proposals per round; each is compared with that of the same
-// solution.
+// A local search makes several proposals per round; each is compared with the logged proposal of
+// the same solution.
 TEST(OutputComparison, ComparesProposalsOfTheSameSolution) {
   const auto proposal = [](std::int64_t before, std::int64_t last, double value_nat) {
     vantage_lcm::team_proposal_t out{};

@@ -16,7 +16,7 @@
 #include "trial/replay/log_replay.hpp"
 #include "trial/trial.hpp"
 
-// Replay of a short trial's log, plain and with signed messages.
+// Replays the log of a short trial, with and without signed messages.
 
 namespace vantage::trial {
 namespace {
@@ -49,8 +49,8 @@ class SignedReplay : public ::testing::Test {
   static std::string plain() { return folder_->file("plain.lcmlog"); }
   static std::string with_signatures() { return folder_->file("signed.lcmlog"); }
 
-  /// Signs each event. Before each plan of Q1 writes a forged plan without a signature. Before each
-  /// belief of Q2 writes a forged one that is signed for a live trial.
+  /// Signs each event. Inserts a forged, unsigned plan before each plan of Q1, and before each
+  /// belief of Q2 a forged belief that is signed for a live trial.
   static void sign() {
     const logs::IndexedLog log(plain());
     logs::LogWriter writer(with_signatures());

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// In a folder of its own, which the process is in.
+// A fixture that runs in its own temporary folder.
 class ConfigFolder : public testing::Test {
  protected:
   ConfigFolder() { fs::current_path(folder_.path()); }

@@ -24,8 +24,8 @@ struct Row {
   int full_bytes;
 };
 
-// Values computed by another program from the message definitions; they equal those of the
-// generated C headers.
+// Checksums and lengths that another program computed from the message definitions; they equal
+// those of the generated C headers.
 constexpr Row kTable[] = {
     {"HEARTBEAT", 0, 50, 9, 9},
     {"SYS_STATUS", 1, 124, 31, 43},
@@ -183,8 +183,8 @@ TEST(Pack, KeepsOneByteOfAMessageOfZeros) {
   EXPECT_EQ(pack(MessageInterval{}, {1, 1, 0}).payload_size, 1);
 }
 
-// The numbers of common.xml and minimal.xml. A round trip between our own ends would not detect a
-// wrong number.
+// Compares the numbers with common.xml and minimal.xml. A round trip between our own encoder and
+// decoder would not detect a wrong number.
 TEST(Vocabulary, HasTheNumbersOfTheMavlinkDefinitions) {
   EXPECT_EQ(command::kLand, 21);
   EXPECT_EQ(command::kTakeOff, 22);
@@ -212,7 +212,8 @@ TEST(Vocabulary, HasTheNumbersOfTheMavlinkDefinitions) {
   EXPECT_EQ(frame::kLocalFrd, 20);
 }
 
-// Bits 0 to 11 of a target's type_mask: place, velocity, acceleration, force, yaw, yaw rate.
+// Bits 0 to 11 of a target's type_mask mean: position, velocity, acceleration, force, yaw, yaw
+// rate.
 TEST(Vocabulary, HasTheIgnoreBitsOfTheMavlinkDefinitions) {
   EXPECT_EQ(mask::kIgnorePosition, 0b111);
   EXPECT_EQ(mask::kIgnoreVelocity, 0b111 << 3);
@@ -251,7 +252,7 @@ TEST(Unpack, InvertsPackForAnyContent) {
       const Frame frame = pack(sent, {3, 4, static_cast<std::uint8_t>(i)});
       const std::optional<Message> back = unpack<Message>(frame);
       ASSERT_TRUE(back.has_value());
-      // The same values have the same bytes, also those that are not numbers.
+      // Equal values have equal bytes, including NaN.
       const Frame again = pack(*back, frame.origin);
       ASSERT_EQ(again.payload, frame.payload) << Message::kMessage.name;
       ASSERT_EQ(again.crc, frame.crc);

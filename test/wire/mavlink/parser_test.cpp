@@ -152,8 +152,8 @@ TEST(Parser, RecognisesVersionOne) {
   EXPECT_EQ(heartbeat->base_mode, 128);
 }
 
-// At the position of the flags of version 2, version 1 has its sequence number. Version 1 is never
-// signed.
+// Version 1 has its sequence number at the position at which version 2 has its flags. Version 1 is
+// never signed.
 TEST(Parser, ReadsEverySequenceNumberOfVersionOne) {
   Parser parser;
   for (int sequence = 0; sequence < 256; ++sequence) {

@@ -16,8 +16,7 @@
 namespace vantage::wire::rover {
 namespace {
 
-// The example of docs/guide/rovers.md; its checksums were computed with the CRC-32 of another
-// program.
+// The example of docs/guide/rovers.md; its checksums were computed with another program's CRC-32.
 constexpr std::array<std::uint8_t, kCommandBytes> kWorkedCommand = {
     0x56, 0x52, 0x01, 0x01, 0x07, 0x00, 0x00, 0x00, 0x04, 0x03, 0x02, 0x01, 0x05, 0x00,
     0x00, 0x00, 0x00, 0x40, 0x1e, 0x18, 0x24, 0x0a, 0x06, 0x00, 0x00, 0x00, 0x00, 0x3f,
@@ -218,7 +217,7 @@ TEST(RoverWire, CountsEachRandomDatagramOnce) {
     const Verdict verdict = decode(datagram, command);
     ++counts[static_cast<std::size_t>(verdict)];
     if (verdict == Verdict::kAccepted) {
-      // A byte was replaced by the same value; no other datagram may be accepted.
+      // Accepted only if each changed byte was replaced by its own value.
       ASSERT_EQ(encode(command), kWorkedCommand);
     }
     Telemetry telemetry;

@@ -7,7 +7,7 @@
 
 namespace vantage::test {
 
-/// Converts hexadecimal digits to bytes; ignores spaces and bars, which improve readability.
+/// Converts hexadecimal digits to bytes; ignores the spaces and bars between them.
 inline std::vector<std::uint8_t> from_hex(std::string_view text) {
   const auto value = [](char c) { return c <= '9' ? c - '0' : (c | 0x20) - 'a' + 10; };
   std::string digits;

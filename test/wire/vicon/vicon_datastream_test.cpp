@@ -189,7 +189,7 @@ TEST(IsStatic, ClassifiesTypesLikeTheSdk) {
   }
 }
 
-// The SDK's classes: types that describe the scene, types of a frame, and others.
+// The SDK divides types into classes: types that describe the scene, types of a frame, and others.
 TEST(IsStatic, ClassifiesEveryTypeLikeTheSdk) {
   const std::set<std::uint32_t> scene{1,  2,  3,  4,  14, 19, 20,   27,   28,
                                       29, 33, 34, 37, 38, 40, 1401, 28001};

@@ -1,13 +1,10 @@
 // An independent reader and writer of MAVLink frames (node-mavlink), for the codec's tests.
-//
 //   node peer.mjs DIR
-//
-// For each NAME.values in DIR, NAME.frames holds the same messages as frames, back to back. Writes
-// NAME.decoded: what node-mavlink reads from the frames, in the form of NAME.values; and
-// NAME.encoded: the frames that node-mavlink makes of the values.
-//
-// NAME.values: a line "id name", a line "type name count …" (count 0: no array), then one line per
-// message with every number of it in wire order: integers in decimal, floats as their 32 bits,
+// For each NAME.values in DIR, NAME.frames holds the same messages as consecutive frames. Writes
+// NAME.decoded, the values that node-mavlink reads from the frames, in the format of NAME.values;
+// and NAME.encoded, the frames that node-mavlink makes of the values.
+// NAME.values has a line "id name", a line "type name count …" (count 0: no array), then one line
+// per message with all its numbers in wire order: integers in decimal, floats as their 32 bits,
 // characters as bytes. Frame k has the sequence number k mod 256, system 1, component 191.
 import {createRequire} from 'node:module';
 import {readFileSync, readdirSync, writeFileSync} from 'node:fs';
@@ -24,7 +21,7 @@ const scratch = new DataView(new ArrayBuffer(4));
 const bits_of = (value) => (scratch.setFloat32(0, value), scratch.getUint32(0));
 const float_of = (bits) => (scratch.setUint32(0, bits), scratch.getFloat32(0));
 
-/** The fields of `clazz` in the order of the header, or an error that names the difference. */
+/** Returns the fields of `clazz` in the order of the header; throws an error that names a difference. */
 function match_fields(clazz, header) {
   const words = header.split(' ');
   const fields = [];
