@@ -14,7 +14,7 @@ namespace {
 
 using Odds = std::vector<std::vector<double>>;
 
-// Reference that enumerates all associations.
+// The reference, which enumerates all associations.
 struct Enumeration {
   explicit Enumeration(const Odds& of)
       : odds(of), chosen(of.size(), -1), marginal(of.size(), std::vector<double>(of[0].size())) {

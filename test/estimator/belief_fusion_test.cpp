@@ -136,7 +136,7 @@ TEST(BeliefFusion, FirstBeliefIsWeightedMeanOfTeammates) {
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-// The weight κ is compared with the best one of a search over all κ.
+// The weight κ is compared with the best κ of a search over all values.
 TEST(BeliefFusion, WeightsATeammateToMaximiseTheDeterminant) {
   vantage::test::Random random(6);
   int between = 0;
@@ -235,8 +235,8 @@ TEST(BeliefFusion, CountsGridMismatchOnlyWhenGridIsPresent) {
   EXPECT_EQ(filter.counters().grid_mismatches, 1);
 }
 
-// A two-step-old belief is predicted with reflection at walls in both steps. When the filter
-// receives its own old belief, mean and covariance therefore do not change.
+// A belief that is two steps old is predicted with reflection at walls in both steps. When the
+// filter receives its own old belief, its mean and covariance therefore do not change.
 TEST(BeliefFusion, ReflectsOldBeliefsAtWalls) {
   for (const bool stay_inside : {false, true}) {
     for (const double x_m : {0.0, 19.7}) {

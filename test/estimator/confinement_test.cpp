@@ -27,7 +27,7 @@ TEST(Confinement, ChangesNothingFarFromWallsAndObstacles) {
 
 TEST(Confinement, EqualsTheTruncatedNormalAtAWall) {
   // Only the wall at x = 4 is near. N(4 + aσ, σ²) is truncated to u < −a: mean −λ with λ =
-  // φ(a)/Φ(−a), variance 1 + aλ − λ². The wall is midway between two columns of the rule.
+  // φ(a)/Φ(−a), variance 1 + aλ − λ². The wall is midway between two columns of the product rule.
   const double sigma_m = 0.2;
   const double a = 0.217;
   const Gaussian belief{Eigen::Vector2d(4.0 + a * sigma_m, 0.0),
@@ -79,8 +79,8 @@ TEST(Confinement, TendsToTheCentreWithTheWorldsVariance) {
   // The uniform distribution is the widest limit of a confined diffusion.
   EXPECT_LT(belief.covariance(0, 0), 64.0 / 12.0);
   EXPECT_LT(belief.covariance(1, 1), 16.0 / 12.0);
-  // A diffusion that has never left the room tends to the density cos(πx/L), of variance L² (1/12 −
-  // 1/(2π²)). Gaussian beliefs and steps of 0.5 s only approximate it.
+  // A diffusion that never leaves the room tends to the density cos(πx/L), of variance L² (1/12 −
+  // 1/(2π²)). Gaussian beliefs and steps of 0.5 s only approximate this diffusion.
   const double ground_mode = 1.0 / 12.0 - 1.0 / (2.0 * kPi * kPi);
   EXPECT_NEAR(belief.covariance(0, 0), 64.0 * ground_mode, 0.25 * 64.0 * ground_mode);
 }
@@ -279,8 +279,8 @@ TEST(Reflection, EqualsSampledMomentsInACorner) {
   }
   const Eigen::Vector4d expected = sum / kSamples;
   const Eigen::Matrix4d covariance = squares / kSamples - expected * expected.transpose();
-  // The tolerance covers the rule's columns, which are 0.6 m apart; the velocity's sign changes
-  // between two of them.
+  // The tolerance covers the columns of the product rule, which are 0.6 m apart; the velocity's
+  // sign changes between two columns.
   EXPECT_TRUE(is_near(after.mean, expected, 0.1));
   EXPECT_TRUE(is_near(after.covariance, covariance, 0.1));
 }
@@ -292,7 +292,7 @@ TEST(Inset, IsTheSpaceForTheCentreOfADisc) {
   EXPECT_EQ(room.bounds.max_m, Eigen::Vector2d(3.8, 1.8));
   EXPECT_EQ(room.obstacles.front().footprint.min_m, Eigen::Vector2d(0.8, -0.2));
   EXPECT_EQ(room.obstacles.front().footprint.max_m, Eigen::Vector2d(2.2, 1.2));
-  EXPECT_EQ(inset(world, 2.0).bounds.max_m, world.bounds.max_m);  // no space would remain
+  EXPECT_EQ(inset(world, 2.0).bounds.max_m, world.bounds.max_m);  // unchanged without space
 }
 
 // A target is reflected when its edge touches the wall, with its centre one radius before the wall.
@@ -363,7 +363,7 @@ TEST(Reflection, KeepsTheFilterConsistentAtTheWall) {
   EXPECT_GT(honest, 0.5);
   EXPECT_LT(honest, 3.0);  // 2 if the truth were Gaussian
   EXPECT_LT(worst, 30.0);
-  EXPECT_GT(mean_nees(false, &worst), 5.0);  // otherwise the test is void
+  EXPECT_GT(mean_nees(false, &worst), 5.0);  // otherwise the test proves nothing
 }
 
 // A corridor of width 0 has no interior, so beliefs are not reflected.

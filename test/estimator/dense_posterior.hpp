@@ -12,8 +12,8 @@
 #include "models/belief/gaussian.hpp"
 #include "models/sensor/sensor.hpp"
 
-// Brute-force reference for measurement updates. Its only common code with the estimator is the
-// softness of limits, which has a separate test.
+// Brute-force reference for measurement updates. The only code that it shares with the estimator is
+// the softness of limits, which has a separate test.
 
 namespace vantage::estimator::test {
 
@@ -23,10 +23,10 @@ struct DenseMoments {
   double share_in_view = 0.0;
 };
 
-/// Moments of prior × N(z; h(y), V) × view_probability(y) on a Cartesian grid: a coarse grid over
-/// prior and range finds the region with probability mass, and a fine grid of `points` × `points`
-/// integrates over it. Without prior (Ω = 0) the grid covers the range. `is_limited` false: no
-/// limits.
+/// Returns the moments of prior × N(z; h(y), V) × view_probability(y) on a Cartesian grid. A coarse
+/// grid over prior and range finds the region with probability mass, and a fine grid of `points` ×
+/// `points` integrates over this region. Without prior (Ω = 0) the grid covers the range. If
+/// `is_limited` is false, no limits apply.
 inline std::optional<DenseMoments> dense_posterior(const Eigen::VectorXd& prior_mean,
                                                    const Eigen::MatrixXd& prior_information,
                                                    const models::SensorModel& sensor,
@@ -141,7 +141,7 @@ inline std::optional<DenseMoments> dense_posterior(const Eigen::VectorXd& prior_
   return out;
 }
 
-/// Error of a mean in σ of the reference, and error of a covariance relative to the reference.
+/// The error of a mean in σ of the reference, and the relative error of a covariance.
 struct Difference {
   double mean_sigma = 0.0;
   double covariance_share = 0.0;

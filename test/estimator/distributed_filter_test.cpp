@@ -25,8 +25,8 @@ models::Viewpoint wander(int step) {
   return at(3.0 * std::cos(0.05 * step), 3.0 * std::sin(0.07 * step), wrap_to_pi(0.1 * step));
 }
 
-/// Textbook filter: one dense joint state in covariance form, with one stacked update per scan. It
-/// shares no code with the filter under test except h and ∂h.
+/// A textbook filter: one dense joint state in covariance form, with one stacked update per scan.
+/// It shares only h and ∂h with the filter under test.
 struct JointKalmanFilter {
   Eigen::VectorXd mean;
   Eigen::MatrixXd P;
@@ -66,8 +66,8 @@ struct JointKalmanFilter {
 };
 
 void expect_textbook(SensorKind kind) {
-  // Slow, accurately known targets, for which h is linear over a belief. Otherwise the filter would
-  // differ from an extended Kalman filter.
+  // Targets are slow and accurately known, so that h is linear over a belief. Otherwise the filter
+  // would differ from an extended Kalman filter.
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 1e-5};
   const models::SensorModel sensor = test::far_sighted(kind);
   std::mt19937_64 rng(11);
@@ -228,7 +228,7 @@ TEST_F(LateMeasurements, GiveTheSameBeliefAsTimelyOnes) {
   ASSERT_EQ(a_.targets.size(), b_.targets.size());
   ASSERT_FALSE(a_.targets.empty());
   for (std::size_t m = 0; m < a_.targets.size(); ++m) {
-    // Not bit-identical: rounding of Eigen's AVX kernels depends on the address mod 32.
+    // Not equal to the bit: the rounding of Eigen's AVX kernels depends on the address mod 32.
     const models::Information& a = a_.targets[m].information;
     const models::Information& b = b_.targets[m].information;
     const double size = a.matrix.cwiseAbs().maxCoeff();
@@ -359,7 +359,7 @@ TEST(DistributedFilter, StepsWithoutAllocating) {
   filter.rebase(test::prior(instant(0), start));
   for (int k = 1; k <= 20; ++k) {
     auto look = look_at(sensor, instant(k), wander(k), truth, rng);
-    look.detections.pop_back();  // one target in view is not reported
+    look.detections.pop_back();  // one visible target is not reported
     auto seen = look_at(sensor, instant(k), at(truth[0].x() + 0.3, truth[0].y()), truth, rng);
     seen.robot = "Q2";  // almost above a target
     models::RobotBelief teammate = test::prior(instant(k - 1), start);
@@ -416,7 +416,7 @@ TEST(DistributedFilter, IgnoresMeasurementsBeforeTheLastRebase) {
     }
     EXPECT_EQ(filter.counters().late_measurements, rebase - 1);
     filter.rebase(test::prior(instant(first + 3), {told}));
-    // An observation that is two steps old, and one from the step that ended at the rebase.
+    // Two late observations: one is two steps old, one is from the step that ended at the rebase.
     for (const double ago_s : {1.1, 0.2}) {
       const Time seen = instant(first + 3) - from_seconds(ago_s);
       DistributedFilter other = filter;

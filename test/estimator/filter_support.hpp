@@ -10,7 +10,7 @@
 #include "estimator/distributed_filter.hpp"
 #include "models/exchange/messages.hpp"
 
-// Helpers for the filter's tests: specs, observations, priors, χ² limits.
+// Functions for the filter's tests: specs, observations, priors, χ² limits.
 
 namespace vantage::estimator::test {
 

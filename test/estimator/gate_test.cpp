@@ -8,7 +8,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// Tests of detections outside the gate of their target.
+// Tests detections that are outside the gate of their target.
 
 namespace vantage::estimator {
 namespace {

@@ -106,8 +106,8 @@ class Posterior {
     }
   }
 
-  /// Updates with `candidates`, at most one of which originates from the target. `is_told`: no
-  /// candidate is a false alarm.
+  /// Updates the particles with `candidates`, at most one of which originates from the target.
+  /// `is_told`: no candidate is a false alarm.
   // long: one likelihood, and the resampling of the particles by it.
   void look(const models::SensorModel& sensor, const Eigen::Vector2d& eye_m,
             const std::vector<models::Measurement>& candidates, bool is_told,

@@ -243,7 +243,7 @@ TEST_F(MapPublisherTest, IsReproducedFromItsNamedInputs) {
   }
   EXPECT_TRUE(replayer.counters().empty());
   // A map that names an unknown input, or no belief, is not reproduced. The replay waits two
-  // seconds for the input; later maps do not wait longer.
+  // seconds for the unknown input, and no longer for later maps.
   models::RobotMap strange = heard_.back();
   strange.inputs.push_back({"SCAN_Q1", 77, 0});
   bus_.publish(bus::map_channel("Q1"), strange);

@@ -91,7 +91,7 @@ TEST(MissedDetection, RespectsLineOfSight) {
   models::World walled = kOpen;
   walled.obstacles.push_back({{{-1.0, -15.0}, {-0.8, 15.0}}, 10.0});
   const Gaussian after = missed_detection(standard(), disc(50.0), at(-10, 0), walled, 0.9);
-  // The sensor covers only the few points on its side of the wall.
+  // The sensor covers only the few quadrature points on its side of the wall.
   EXPECT_TRUE(is_near(after.mean, standard().mean, 0.05));
   const Gaussian open = missed_detection(standard(), disc(10.0), at(-8.5, 0), kOpen, 0.9);
   EXPECT_GT(open.mean(0), after.mean(0) + 0.2);

@@ -82,8 +82,8 @@ TEST(Reweighted, EqualsAKalmanUpdateForAGaussianLikelihood) {
   }
 }
 
-// If the likelihood allows only one point of the rule, the result has its mean there and the width
-// of one cell.
+// If the likelihood allows only one point of the rule, the result has its mean at that point and
+// the width of one cell.
 TEST(Reweighted, IsAtLeastOneCellWide) {
   Eigen::Matrix4d root = Eigen::Matrix4d::Zero();
   root << 2.0, 0.0, 0.0, 0.0, 0.5, 1.5, 0.0, 0.0, 0.3, -0.2, 1.0, 0.0, 0.1, 0.4, 0.2, 0.7;

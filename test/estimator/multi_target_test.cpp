@@ -82,7 +82,7 @@ TEST(MultiTargetFilter, LowersTheExistenceOfMissedTargets) {
   EXPECT_NEAR(tracks[1].existence, 0.6, 1e-9);
 }
 
-// Two tracks of existence r and at most one target: each has r (1 − r) / (1 − r²).
+// There are two tracks of existence r and at most one target: each track has r (1 − r) / (1 − r²).
 TEST(MultiTargetFilter, EstimatesTheNumberOfTargets) {
   MultiTargetFilter filter(spec_of(1, {0.8, 0.5}));
   auto tracks = filter.no_tracks();
@@ -187,7 +187,7 @@ TEST(MultiTargetFilter, FindsExactlyTheTargetsAmongFalseAlarms) {
   EXPECT_EQ(confirmed, 3);
 }
 
-// Mean NEES of one target among false alarms: 2 if the covariance is correct. The standard
+// The mean NEES of one target among false alarms is 2 if the covariance is correct. The standard
 // deviation of the mean over 100 runs is below 0.2.
 TEST(MultiTargetFilter, IsConsistentAmongFalseAlarms) {
   const models::SensorModel sensor = lab_sensor();

@@ -60,7 +60,7 @@ double density(const Eigen::Vector2d& off_m, const Eigen::Matrix2d& S_m2) {
          (2.0 * kPi * std::sqrt(S_m2.determinant()));
 }
 
-// One track of two components at the edge of view and one detection between them. The expected
+// One track has two components at the edge of view, and one detection is between them. The expected
 // values are computed by Bayes' rule over all hypotheses.
 TEST(MultiTargetUpdate, AgreesWithBayesRuleForOneTrackAndOneDetection) {
   const models::SensorModel sensor = lab_sensor();
@@ -77,7 +77,7 @@ TEST(MultiTargetUpdate, AgreesWithBayesRuleForOneTrackAndOneDetection) {
   tracks[1].label = 77;
   filter.update(tracks, {sensor, detection, from, instant(4), 500}, {&z, 1});
 
-  // The target's position from the detection only.
+  // Computes the target's position from the detection only.
   scenario::EstimatorSpec vague = spec.estimator;
   const models::Gaussian found =
       models::to_gaussian(*discover(vague, sensor, from, z.measurement)).value();
@@ -322,8 +322,7 @@ TEST(MultiTargetUpdate, AssignsADetectionToOneTrackByDefault) {
         // The track is certainly in view: r (1 - p) / (1 - r p).
         EXPECT_NEAR(tracks[other].existence, 0.9 * 0.2 / (1.0 - 0.9 * 0.8), 1e-6);
       }
-      if (tracker ==
-          Tracker::kNearest) {  // same as with a known id, regardless of its existence probability
+      if (tracker == Tracker::kNearest) {  // as with a known id, whatever its existence probability
         auto known = models::to_information(part(1.0, 1.5, 0.1, 0.2).belief).value();
         ASSERT_EQ(measure(known, lab_sensor(), from, z.measurement, 0.0), Use::kUsed);
         EXPECT_TRUE(

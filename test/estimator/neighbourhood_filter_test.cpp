@@ -5,7 +5,7 @@
 #include "estimator/app/replay_node.hpp"
 #include "test/estimator/filter_support.hpp"
 
-// Tests of a filter that is limited to the neighbourhood of its robot.
+// Tests a filter that is limited to the neighbourhood of its robot.
 
 namespace vantage::estimator {
 namespace {

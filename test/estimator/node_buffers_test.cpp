@@ -15,7 +15,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/estimator/mapping_scenario.hpp"
 
-// Capacities of the message buffers of the estimator nodes.
+// Tests the capacities of the message buffers of the estimator nodes.
 
 namespace vantage::estimator {
 namespace {

@@ -50,7 +50,7 @@ models::MocapFrame frame_at(Time time, const std::map<std::string, Pose2>& poses
   return frame;
 }
 
-/// An in-process bus with a publisher of sensor and mocap messages and a subscriber to all beliefs.
+/// An in-process bus with simulated publishers (sensors, mocap) and a subscriber to all beliefs.
 class NodeTest : public ::testing::Test {
  protected:
   void deliver() {
@@ -191,7 +191,7 @@ TEST_F(NodeTest, CountsUnusableInputs) {
     counts[count.name] = count.count;
   }
   EXPECT_EQ(counts["misaddressed"], 1);
-  EXPECT_EQ(counts["stale_beliefs"], 1);  // not once per step
+  EXPECT_EQ(counts["stale_beliefs"], 1);  // not counted once per step
   EXPECT_EQ(counts["viewpoint_unknown"], 4);
 }
 

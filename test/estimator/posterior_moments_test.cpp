@@ -11,7 +11,7 @@
 #include "test/support/own_sensor.hpp"
 #include "test/support/random.hpp"
 
-// Edge cases of the posterior moments; track_test compares ordinary cases with brute force.
+// Tests edge cases of the posterior moments; track_test compares ordinary cases with brute force.
 
 namespace vantage::estimator {
 namespace {

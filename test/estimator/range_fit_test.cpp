@@ -115,8 +115,8 @@ TEST(FitRanges, CountsCorrelatedErrorsOnce) {
   EXPECT_NEAR(correlation(0.8), 9.0, 2.5);
 }
 
-// Ten laps with the same error at the same position. Errors are correlated over 0.25 m only. Ten
-// laps still count as one.
+// Ten laps have the same error at the same position, and errors are correlated over 0.25 m only.
+// Ten laps still count as one.
 TEST(FitRanges, CountsRepeatedErrorsOfAPositionOnce) {
   std::mt19937_64 rng(2);
   std::normal_distribution<double> noise(0.0, 0.3);

@@ -22,7 +22,8 @@ unsigned scenes() {
   return said == nullptr ? 60U : static_cast<unsigned>(std::stoul(said));
 }
 
-/// Mean squared errors in σ over scenes() scenes from `first_seed` on.
+/// Mean squared errors, in units of the claimed variance, over scenes() scenes from `first_seed`
+/// on.
 struct Claims {
   double beacon_nees = 0.0;
   int beacons = 0;

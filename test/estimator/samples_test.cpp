@@ -256,8 +256,8 @@ Ending never_seen(int steps, bool samples, std::uint64_t seed) {
 }
 
 TEST(SamplesOfAFilter, AreConsistentWithWallsAndMisses) {
-  // 40 s, starting near a corner. A Gaussian that is folded at the walls in each step remains at
-  // the walls.
+  // The trial lasts 40 s and starts near a corner. A Gaussian that is folded at the walls in each
+  // step remains at the walls.
   test::MeanNees by_samples;
   test::MeanNees by_a_gaussian;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
@@ -275,8 +275,8 @@ TEST(SamplesOfAFilter, AreConsistentWithWallsAndMisses) {
 }
 
 TEST(SamplesOfAFilter, BecomeAGaussianWhenTheTargetIsSeen) {
-  // Truths near the mean and far from it. The update uses the samples that fit the measurement, or
-  // the moments if too few samples fit.
+  // Truths are near the mean and far from it. The update uses the samples that fit the measurement,
+  // or the moments if too few samples fit.
   for (const Eigen::Vector2d& truth_m :
        {Eigen::Vector2d(26.0, 28.0), Eigen::Vector2d(14.0, 26.0)}) {
     DistributedFilter filter = knows(kNearACorner);

@@ -12,7 +12,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// Tests that robots which share their observations are as accurate as one filter that receives all
+// Tests that robots that share their observations are as accurate as one filter that receives all
 // observations.
 
 namespace vantage::estimator {
@@ -38,7 +38,7 @@ struct SharedLooks {
   SharedLooks(SensorKind kind, double range_max_m, unsigned seed)
       : beliefs(kRobots), waiting(kRobots), rng(seed) {
     sensor.kind = kind;
-    // Position measurements are linear, so beliefs can be ordered. A bearing needs a minimum range.
+    // Positions are linear, so beliefs can be compared. A bearing needs a minimum range.
     sensor.range_min_m = kind == SensorKind::kPosition ? 0.0 : 0.1;
     FilterSpec spec = open_spec({TargetKind::kRandomWalk, 2, 0.1}, sensor, kTargets);
     sensor.range_max_m = range_max_m;
@@ -157,7 +157,7 @@ TEST(SharedMeasurements, AreConsistentAndRecoverAfterAPartition) {
   RecordProperty("gap_apart_nats", std::to_string(apart_nats));
   RecordProperty("gap_healed_nats", std::to_string(healed_nats));
   EXPECT_GE(least, -1e-9);
-  // Lost observations increase the entropy. After the partition its effect disappears.
+  // Lost observations increase the entropy. The effect of the partition disappears after it.
   EXPECT_LT(healed_nats, before_nats + 0.06);
   EXPECT_GT(apart_nats, before_nats + 0.1);
 }

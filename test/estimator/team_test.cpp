@@ -12,7 +12,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// Tests of several robots: fusion converges and never counts information twice.
+// Tests several robots: fusion converges and never counts information twice.
 
 namespace vantage::estimator {
 namespace {
@@ -152,7 +152,7 @@ TEST(Team, IsNeverMoreCertainThanTheCentralFilter) {
         from.push_back(at(place(rng), place(rng), 0.1 * k));
         looks.push_back(look_at(sensors[i], instant(k), from[i], truth, rng));
         std::erase_if(looks[i].detections, [&](const auto&) { return !sees(rng); });
-        // Information of the observation in addition to robot i's step without this observation.
+        // The observation's information, in addition to robot i's step without an observation.
         DistributedFilter blind = team.filter(i);
         take_step(blind, instant(k), from[i], {}, team.received_by(i));
         for (const models::Detection& d : looks[i].detections) {

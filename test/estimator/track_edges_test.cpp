@@ -12,7 +12,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// Tests of the limits between the methods of a measurement update, and of velocity priors.
+// Tests the limits at which a measurement update changes its method, and velocity priors.
 
 namespace vantage::estimator {
 namespace {
@@ -63,7 +63,8 @@ TEST(Measure, LinearisesOnlyNearlyLinearRanges) {
   }
 }
 
-// Limits are ignored if the posterior is inside by at least 3σ of the belief plus 3σ of the limit.
+// Limits are ignored if the posterior is inside by at least the sum of 3σ of the belief and 3σ of
+// the limit.
 TEST(Measure, IgnoresLimitsBeyondThreeSigma) {
   constexpr double kAway_m = 5.0;
   constexpr double kNoise_m = 0.2;

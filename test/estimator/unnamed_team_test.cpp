@@ -313,8 +313,8 @@ TEST(UnnamedTeam, DropsInvalidAndExcessTracks) {
   EXPECT_EQ(filter.counters().unknown_ids, 1);
 }
 
-// A belief may contain the number of tracks that the team can hold. A belief with 100,000 tracks
-// does not increase the memory use.
+// A belief may contain as many tracks as a team has room for. A belief with 100,000 tracks does not
+// increase the memory use.
 TEST(UnnamedTeam, LimitsReceivedTracks) {
   DistributedFilter filter(spec_of(0));
   models::RobotBelief stranger;

@@ -14,8 +14,8 @@
 #include "test/estimator/csv.hpp"
 #include "test/estimator/filter_support.hpp"
 
-// Real flights (EuRoC V1_01 … V1_03): one observer and two targets. Measurements are simulated from
-// Vicon poses, as in the dissertation's hardware experiment.
+// Uses real flights (EuRoC V1_01 … V1_03): one observer and two targets. Measurements are simulated
+// from Vicon poses, as in the dissertation's hardware experiment.
 
 namespace vantage::estimator {
 namespace {
@@ -169,8 +169,8 @@ TEST_P(ViconFlights, ErrorsMatchTheFiltersCovariance) {
   const double rmse_m = std::sqrt(squared_m2 / samples);
   const double sigma_m = std::sqrt(variance_m2 / samples);
   const double raw_m = std::sqrt(raw_m2 / samples);
-  // The noise is drawn forty times, but each flight exists once. The uncertainty of the mean NEES
-  // is therefore estimated from the differences between flight sections.
+  // The noise is drawn forty times, but each flight exists only once. The uncertainty of the mean
+  // NEES is therefore estimated from the differences between flight sections.
   std::vector<double> over_seeds(stretches.front().size());
   std::vector<double> off;  // by seed, in standard errors
   for (const std::vector<double>& of : stretches) {
@@ -191,8 +191,8 @@ TEST_P(ViconFlights, ErrorsMatchTheFiltersCovariance) {
             << *lowest << " to " << *highest << " standard errors off, " << in_band << " of "
             << kSeeds << " in their 95 % band; inside the 95 % ellipse " << inside / samples
             << "\n";
-  // Chance exceeds 3.7 standard errors once in a thousand. Chance puts six of forty seeds outside
-  // their bands once in seventy.
+  // By chance, the mean differs from 2 by more than 3.7 standard errors once in a thousand tests.
+  // By chance, six of forty seeds are outside their bands once in seventy tests.
   EXPECT_NEAR(whole.mean, 2.0, 3.7 * whole.error);
   EXPECT_LT(whole.error, 0.1);  // otherwise the test is too weak
   EXPECT_GT(*lowest, -3.7);

@@ -117,8 +117,8 @@ TEST(LimitSoftness, IsATenthOfTheMeasurementsSigma) {
   expect(limit_softness(camera, V), 0.0, 0.02 / 50.0);
 }
 
-// Sensor kinds with custom limits have exact limits. Only the angle limit of a kind that measures a
-// bearing is soft.
+// Sensor kinds with custom limits have exact limits. If such a kind measures a bearing, only its
+// angle limit is soft.
 TEST(LimitSoftness, IsZeroForSensorsWithOwnLimits) {
   const models::MeasurementMatrix V1 = 0.04 * Eigen::Matrix<double, 1, 1>::Identity();
   models::SensorLaw law = vantage::test::signal_strength_law();

@@ -205,7 +205,8 @@ TEST(TrackUnderAttack, TracksEveryTargetWithoutAttack) {
   EXPECT_NEAR(nees / (4.0 * 250.0 * kSeeds), 4.0, 0.8);
 }
 
-// Each choice that the paper leaves open changes the result, though not for every seed.
+// The paper leaves several choices open. Each of them changes the result, though not for every
+// seed.
 TEST(TrackUnderAttack, ResultDependsOnEachUnpublishedChoice) {
   const TrackingSetting published{
       .robots = 4, .targets = 4, .attacks = 2, .task_steps = 150, .nodes_per_plan = 2'000};

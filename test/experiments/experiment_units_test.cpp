@@ -5,7 +5,7 @@
 namespace vantage::experiments {
 namespace {
 
-// Runs the units in a different order, in a thread that has already run other units.
+// Runs the units in another order, in a thread that has already run other units.
 TEST(Experiments, UnitsDependOnTheirSeedOnly) {
   for (const Experiment& experiment : all_experiments()) {
     const Sweep sweep = experiment.make({0, true});

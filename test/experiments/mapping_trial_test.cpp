@@ -108,8 +108,8 @@ TEST(AttackedRobots, FollowTheKindOfAttack) {
   }
 }
 
-// The attacked robots are those of the worst case for the previous plans. Before the first plans,
-// no robot is attacked.
+// The attacker chooses the worst case for the previous plans. Before the first plans, no robot is
+// attacked.
 TEST(MappingTrial, AttackerUsesThePreviousPlans) {
   MappingSetup setup = small_setup();
   setup.attack = AttackKind::kPreviousPlans;

@@ -23,8 +23,8 @@ TEST(RestrictedMean, EqualsItsLimitForCensoredWaits) {
   EXPECT_DOUBLE_EQ(restricted_mean({}, 20), 20.0);
 }
 
-// The survival function S is 1, then 3/4 from t = 1 and 1/2 from t = 2. After the censoring at t =
-// 3 one wait remains, which ends at t = 4.
+// The survival function S is 1, then 3/4 from t = 1 and 1/2 from t = 2. One wait is censored at t =
+// 3, and the remaining wait ends at t = 4.
 TEST(RestrictedMean, IncludesCensoredWaitsUntilTheirEnd) {
   const std::vector<Wait> waits = {{2}, {1}, {4}, {3, false}};
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 10), 1.0 + 0.75 + 2 * 0.5);
@@ -33,8 +33,9 @@ TEST(RestrictedMean, IncludesCensoredWaitsUntilTheirEnd) {
   EXPECT_DOUBLE_EQ(restricted_mean({{2}, {2, false}}, 10), 2.0 + 8 * 0.5);
 }
 
-// Waits end with probability p per step and are censored independently with probability c: Σ_{t <
-// τ} (1 − p)^t = (1 − (1 − p)^τ) / p, the mean of a geometric distribution up to τ.
+// Waits end with probability p per step and are censored independently with probability c. The
+// restricted mean is Σ_{t < τ} (1 − p)^t = (1 − (1 − p)^τ) / p, that of a geometric distribution up
+// to τ.
 TEST(RestrictedMean, IsUnbiasedForExponentialWaits) {
   constexpr int kWaits = 200'000;
   std::mt19937_64 rng(3);

@@ -28,8 +28,8 @@ models::SensorModel range_bearing(double range_max_m, double fov_rad) {
   return sensor;
 }
 
-// Returns the poses of sentries on a 16 m grid that turn by 3° per step. Each target is in view at
-// times.
+// Returns the poses of stationary robots on a 16 m grid that turn by 3° per step. Each target is in
+// view at some times.
 std::vector<Pose2> sentries(int step) {
   std::vector<Pose2> poses;
   for (int i = 0; i < 16; ++i) {

@@ -1,5 +1,5 @@
-# Sourced by scripts that are run as SCRIPT VANTAGE …: sets $vantage and $work, a folder that is removed at
-# the end, and defines `fail WORDS`, which shows $work/out if it exists.
+# Sourced by scripts that are run as SCRIPT VANTAGE …. Sets $vantage and $work, a folder that is removed at
+# the end. Defines `fail WORDS`, which also shows $work/out if it exists.
 set -euo pipefail
 vantage=$1
 work=$(mktemp -d)

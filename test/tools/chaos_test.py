@@ -51,7 +51,7 @@ def test_arrivals_are_told_apart():
 def test_reactions_are_those_to_gaps_while_following():
     fresh = [0.0, 0.02, 1.02, 1.04, 2.04]
     statuses = [(0.0, "follow"), (0.13, "hold"), (1.03, "hold"), (1.5, "follow")]
-    # The vehicle is already in HOLD during the second gap.
+    # During the second gap, the vehicle is already in HOLD.
     assert [round(each, 2) for each in CHAOS.reactions(fresh, statuses)] == [0.11]
     assert CHAOS.reactions(fresh, [(0.0, "follow")]) == [None, None]
 

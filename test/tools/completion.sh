@@ -2,7 +2,7 @@
 # completion.sh COMPLETION VANTAGE: the words that bash completion offers.
 set -euo pipefail
 source "$1"
-offered() {  # offered WORD…: prints the completions of the last WORD
+offered() {  # offered WORD…: prints the completions that are offered for WORD…; the last WORD may be incomplete
   COMP_WORDS=("$@")
   COMP_CWORD=$(($# - 1))
   COMPREPLY=()
@@ -21,7 +21,7 @@ expect "$(offered "$2" experiment dls-savings --smo)" --smoke
 expect "$(offered "$2" trial config/lab.yaml --duration)" --duration-s
 expect "$(offered "$2" trial fli)" ""
 
-# Exactly the words that --help lists are offered, on every level.
+# On every level, the offered words must be exactly those that --help lists.
 listed() { "$@" --help | awk '/^$/ {on = 0} on {print $1} /^Subcommands:/ {on = 1}' | sort -u | xargs; }
 every_level() {  # every_level VANTAGE WORD…
   local name names

@@ -18,7 +18,7 @@ for name in "${names[@]}"; do
   for file in report.md manifest.json times.csv; do
     [[ -s "$work/$name/$file" ]] || fail "$name: no $file"
   done
-  # Each picture of the report exists if gnuplot is installed.
+  # Each picture of the report must exist if gnuplot is installed.
   if command -v gnuplot > /dev/null; then
     for png in $(sed -n 's/^!\[.*\](\(.*\))$/\1/p' "$work/$name/report.md"); do
       [[ -s "$work/$name/$png" && -s "$work/$name/${png%.png}.svg" ]] || fail "$name: no $png"
@@ -27,7 +27,7 @@ for name in "${names[@]}"; do
   fi
 done
 
-# Shards, on one machine or many, give the same bytes, and collecting them runs nothing.
+# Shards, on one machine or on many, must give the same bytes. Collecting them must run nothing.
 for i in 1 2 3; do
   "$vantage" experiment dls-objective --smoke --shard "$i/3" --out "$work/shards" > "$work/out"
   grep -q "^shard $i/3: 2 units done" "$work/out" || fail "shard $i: $(cat "$work/out")"
@@ -36,7 +36,7 @@ done
 [[ $(find "$work/shards/rows" -type f | wc -l) == 3 ]] || fail "collecting ran units"
 same "$work/dls-objective" "$work/shards"
 
-# Killed as soon as one row exists: the same command continues, to the same bytes.
+# Kills the run as soon as one row exists. The same command must continue it, to the same bytes.
 "$vantage" experiment dls-objective --smoke --out "$work/killed" > "$work/out" &
 pid=$!
 until [[ $(cat "$work"/killed/rows/*.jsonl 2> /dev/null | wc -l) -ge 2 ]]; do
@@ -48,11 +48,11 @@ lines=$(cat "$work"/killed/rows/*.jsonl | wc -l)
 printf '{"setting":"3","trial":1,"rows":{"tri' >> "$(echo "$work"/killed/rows/*.jsonl)"
 "$vantage" experiment dls-objective --smoke --out "$work/killed" > "$work/out"
 again=$(cat "$(ls -t "$work"/killed/rows/*.jsonl | head -1)" | wc -l)
-# Both files begin with a line about the process; six units in all.
+# Each file begins with one line about the process; the two files contain six units in total.
 ((lines == 7 || lines - 1 + again - 1 == 6)) || fail "$lines lines before and $again after"
 same "$work/dls-objective" "$work/killed"
 
-# Ctrl-C ends it, keeps the rows and prints how to continue.
+# Ctrl-C ends the run, keeps the rows and prints how to continue.
 "$vantage" experiment dls-objective --seed 9 --out "$work/stopped" > "$work/out" 2> "$work/err" &
 pid=$!
 until [[ -n "$(ls "$work"/stopped/rows 2> /dev/null)" ]]; do
@@ -65,7 +65,7 @@ wait "$pid" || code=$?
 grep -q 'rows are kept. To continue: vantage experiment dls-objective --seed 9 --trials 50 --out' \
   "$work/err" || fail "output after Ctrl-C: $(cat "$work/err")"
 
-# A directory of another run is refused, and the message names the rule.
+# A directory of another run is refused; the message states the rule.
 code=0
 "$vantage" experiment dls-objective --smoke --seed 2 --out "$work/shards" 2> "$work/err" || code=$?
 [[ $code == 2 ]] || fail "a directory with a different seed gave exit code $code"
@@ -79,7 +79,7 @@ for shard in 0/3 4/3 3 1/0 1/3x; do
 done
 [[ ! -e "$work/none" ]] || fail "a rejected command created its directory"
 
-# Slurm is requested where it does not exist: an error message, and nothing is run.
+# If Slurm is requested but not installed, an error is reported and nothing is run.
 code=0
 PATH=/nonexistent "$vantage" experiment dls-objective --smoke --slurm --out "$work/slurm" \
   2> "$work/err" || code=$?

@@ -28,8 +28,8 @@ def test_what_keeps_its_limits_is_not_told():
 
 def test_who_goes_farther_than_budgeted_is():
     assert len(FIRMWARE.broken(said("hold", further_m=0.53))) == 1
-    assert FIRMWARE.broken(said("hold", further_m=0.52)) == []  # within the motion between two TRUTH frames
-    assert FIRMWARE.broken(said("cut", further_m=0.90, down_s=5.0)) == []  # only the bounds are judged
+    assert FIRMWARE.broken(said("hold", further_m=0.52)) == []  # within the tolerance, the motion between two TRUTH frames
+    assert FIRMWARE.broken(said("cut", further_m=0.90, down_s=5.0)) == []  # after a cut, this distance has no limit
 
 
 def test_who_leaves_the_bounds_by_more_is():
@@ -45,7 +45,7 @@ def test_who_stays_up_is():
     assert len(FIRMWARE.broken(said("kill:quadrotor", down_s=10.1, states="; land 1.9"))) == 1
     assert FIRMWARE.broken(said("stop:up", down_s=10.9, states="; hold 1.0; land 3.0")) == []
     assert len(FIRMWARE.broken(said("stop:up", down_s=11.1, states="; hold 1.0; land 3.0"))) == 1
-    # A hold long after the event is not in time.
+    # A hold that begins long after the event does not count as a reaction in time.
     assert len(FIRMWARE.broken(said("kill:quadrotor", down_s=20.0, states="; hold 8.5"))) == 1
 
 

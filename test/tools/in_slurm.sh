@@ -1,19 +1,20 @@
 #!/usr/bin/env bash
-# in_slurm.sh [--nodes N] COMMAND [ARGS…]: runs COMMAND on the head of its own Slurm cluster: N nodes
-# (default 1) of two cores, node1, node2, …, each with its own hostname, network card, processes and spool
-# folder, and a common file system. Nothing reaches or survives outside. Exit code 77: not possible here.
-#   kill -9 "$(cat "$IN_SLURM/node2.pid")"   power failure of a node: all its processes are gone
-#   ip link set node2 down                   its cable is unplugged: its processes go on
+# in_slurm.sh [--nodes N] COMMAND [ARGS…]: runs COMMAND on the head of its own Slurm cluster. The cluster
+# has N nodes (default 1) of two cores, node1, node2, …, each with its own hostname, network card, processes
+# and spool folder, and a common file system. The cluster's network is separate, and its processes end with
+# the script. Exit code 77: this system does not permit this.
+#   kill -9 "$(cat "$IN_SLURM/node2.pid")"   power failure of a node: all its processes end
+#   ip link set node2 down                   its cable is unplugged: its processes continue
 set -euo pipefail
 
-# For a node or the head; $own is its private folder.
+# Starts munged for a node or for the head; $own is its private folder.
 start_munge() {
   own=$IN_SLURM/own
   mount -t tmpfs none "$own"
   chmod 755 "$own"
   mkdir "$own/spool"
   cp -p "$IN_SLURM/munge.key" "$own"
-  # Each has its own munged. A shared one would refuse a message to several nodes as a replay.
+  # Each node needs its own munged: a shared one would refuse a message to several nodes as a replay.
   munged --force --socket="$own/munge.socket" --key-file="$own/munge.key" \
     --pid-file="$own/munge.pid" --log-file="$own/munge.log" --seed-file="$own/munge.seed"
 }
@@ -29,7 +30,7 @@ be_node() {
   exec slurmd -D
 }
 
-# has_entered PID: true if the process is in a separate network by now.
+# has_entered PID: true if the process is already in a separate network.
 has_entered() {
   [[ "$(readlink "/proc/$1/ns/net")" != "$(readlink /proc/self/ns/net)" ]]
 }
@@ -49,7 +50,7 @@ case "${1:-}" in
         exit 77
       }
     done
-    # Not -r: slurmd must be able to drop groups.
+    # Without -r, because slurmd must be able to drop groups.
     if ! unshare -nmupf --mount-proc true 2> /dev/null; then
       echo "skipped: this user may not 'unshare -nmupf --mount-proc' (root may)"
       exit 77
@@ -65,9 +66,9 @@ if [[ "$1" == --nodes ]]; then
 fi
 IN_SLURM=$(mktemp -d)
 export IN_SLURM SLURM_CONF=$IN_SLURM/slurm.conf
-# Nodes first, since they write into the folder.
+# Ends the nodes first, since they write into the folder.
 leave() {
-  exec 2> /dev/null  # the shell's message for each killed process
+  exec 2> /dev/null  # hides the shell's message for each killed process
   jobs -p | xargs -r kill -9 || true
   wait
   umount --lazy "$IN_SLURM/own" || true
@@ -79,8 +80,8 @@ mkdir "$IN_SLURM/own" "$IN_SLURM/state"
 dd if=/dev/urandom of="$IN_SLURM/munge.key" bs=1024 count=1 status=none
 chmod 400 "$IN_SLURM/munge.key"
 
-# A node is down after SlurmdTimeout without contact. cred_expire: a requeued job cannot start earlier.
-# JobRequeue=0: only jobs that ask for it are requeued.
+# A node counts as down after SlurmdTimeout without contact. cred_expire: a requeued job cannot start
+# earlier. JobRequeue=0: only jobs that request it are requeued.
 {
   cat << END
 ClusterName=alone

@@ -18,7 +18,7 @@ exits_with() { local want=$1; shift; set +e; "$@" > out.txt 2> err.txt; local go
 all=$(events flight.lcmlog)
 exits_with 0 "$vantage" log check flight.lcmlog
 
-# A truncated and overwritten copy is detected, repaired, and then whole.
+# A truncated and overwritten copy is found damaged; its repaired version is not.
 size=$(stat -c %s flight.lcmlog)
 head -c $((size - 100)) flight.lcmlog > torn.lcmlog
 dd if=/dev/urandom of=torn.lcmlog bs=1 seek=$((size / 2)) count=300 conv=notrunc status=none
@@ -83,7 +83,7 @@ END
 json 'abs(d["range_scale"] - 1.07) < 4 * d["range_scale_sigma"] < 0.05' < fit.json | grep -q True || fail "fit-ranges: scale"
 json 'max(b["error_m"] for b in d["beacons"]) < 0.5' < fit.json | grep -q True || fail "fit-ranges: beacons"
 json '(d["ranges"]["not_finite"], d["ranges"]["used"])' < fit.json | grep -q "(1, 1000)" || fail "fit-ranges: counts"
-# For this log the robots' sensors measure 10 % too long and targets are stationary.
+# In this log, the robots' sensors measure distances 10 % too long, and targets are stationary.
 sed -e 's/range_scale: 1 *$/range_scale: 1.1/' -e 's/motion: random_waypoint/motion: still/' "$scenario" > long.yaml
 "$vantage" trial long.yaml --duration-s 240 --nodes 200 --log still.lcmlog > still.txt
 "$vantage" log fit-ranges still.lcmlog --json > still.json

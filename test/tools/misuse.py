@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-TIMEOUT_S = 240  # under a sanitizer, next to other tests, a huge file takes longer than 60
+TIMEOUT_S = 240  # under a sanitizer, next to other tests, a huge file takes longer than 60 s
 HUGE_BYTES = 3 << 30  # sparse: takes no disk space
 FULL_DISK_BYTES = 20_000  # a limit on the size of files emulates the full disk
 
@@ -27,7 +27,8 @@ PROBLEM = ["plan {} --nodes 100"]
 TABLE = [
     "log fit-ranges {} --poses way.csv", "log fit-ranges ranges.csv --poses {}",
     "log fit-ranges ranges.csv --poses way.csv --beacons {}"]
-# Commands that read a log: exit codes for an empty, a truncated and a foreign file (a picture; other channels).
+# Commands that read a log. Exit codes for an empty log, a truncated log, a foreign file (a picture), and a
+# log with other channels.
 LOG = {
     "log info {}": (0, 0, 0, 0),
     "log check {}": (0, 1, 1, 0),
@@ -39,14 +40,15 @@ LOG = {
     "log merge {} {} --out new.lcmlog": (0, 0, 0, 0),
     "log metrics {}": (2, 0, 2, 2),
     "log plot {} --out new.png": (2, 0, 2, 2),
-    "log fit-ranges {}": (2, 2, 2, 2),  # the truncated one has too few ranges
+    "log fit-ranges {}": (2, 2, 2, 2),  # the truncated log has too few ranges
     "log replay {} --node planner:Q1": (2, 0, 2, 2),
     "log export {} --to csv --out new-csv": (0, 0, 0, 1),
     "log export {} --to mcap --out new.mcap": (0, 0, 0, 1),
     "log play {} --url memq:// --speed 64 --to-s 1": (0, 0, 0, 0),
     "view {} --port 0": (2, None, 2, 2),  # a truncated log is shown until Ctrl-C
 }
-# The output of each command, and its valid input if it needs one: {i} log, {s} scenario, {p} problem.
+# The output option of each command, and its valid input if it needs one: {i} log, {s} scenario, {p}
+# problem.
 WRITERS = {
     "log repair {i} {o}": "x.lcmlog", "log slice {i} {o} --to-s 20": "x.lcmlog",
     "log filter {i} {o} --channels TRUTH": "x.lcmlog", "log rename {i} {o} --rule A=B": "x.lcmlog",
@@ -58,7 +60,7 @@ WRITERS = {
     "trial {s} --duration-s 2 --nodes 20 --svg {o}": "x.svg",
     "demo --scenario {s} --duration-s 1 --out {o}": "demo",
     "experiment dls-savings --smoke --out {o}": "results"}
-WORDS = {  # mistyped word: what the error line must name
+WORDS = {  # mistyped word: text that the error line must contain
     "trail x": "did you mean 'trial'", "log inof x": "did you mean 'info'", "nonsense": "available: ",
     "trial x --sead 3": "did you mean '--seed'", "trial x --seed -1": "whole number from 0",
     "trial x --seed 18446744073709551616": "whole number from 0", "trial x --seed 1.5": "whole number",
@@ -131,7 +133,7 @@ def foreign_log():
 
 def fill(folder, sample, problem):
     flight = subprocess.run(["xz", "-dkc", sample], capture_output=True, check=True).stdout
-    (folder / "flight.lcmlog").write_bytes(flight[:len(flight) // 6])  # truncated, and quick to read
+    (folder / "flight.lcmlog").write_bytes(flight[:len(flight) // 6])  # truncated, so that commands read it quickly
     (folder / "foreign.lcmlog").write_bytes(foreign_log())
     (folder / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 20)
     (folder / "empty").touch()
@@ -184,7 +186,7 @@ def try_outputs(place):
         if not makes_folders:
             place.expect(line.format(o=f"not/there/{name}", **inputs), {1, 2}, f"not/there/{name}")
         place.expect(line.format(o=f"empty/{name}", **inputs), {1, 2}, f"empty/{name}")
-        stem = name.split(".")[0]  # the script next to a plot may be the file that is refused
+        stem = name.split(".")[0]  # the refused file may be the script next to a plot
         place.expect(line.format(o=f"/proc/{name}", **inputs), {1, 2}, f"/proc/{stem}")
         if "--svg" in line or "config" in line:
             continue  # too small to fill the disk
@@ -198,7 +200,7 @@ def try_outputs(place):
         if list(place.folder.rglob("*.part")):
             failures.append(f"'{line}' leaves half a file")
         subprocess.run(["rm", "-rf", full], check=True)
-    # No existing file is lost.
+    # Files that exist must not be lost.
     precious = place.folder / "precious"
     for line in ("log repair flight.lcmlog {}", "log export flight.lcmlog --to mcap --out {}",
                  "config copy lab {}"):

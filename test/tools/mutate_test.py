@@ -202,7 +202,7 @@ class Commands(unittest.TestCase):
 
     def test_end_that_wait_and_not_those_that_only_need_longer_than_the_clock_allows(self):
         busy = "import time\nwhile time.process_time() < 1.0: pass\nprint('done')"
-        # Run as a child process, since the command of a test may start the real test.
+        # Runs as a child process of a shell, since the command of a test may do the same.
         words = ["sh", "-c", f'{sys.executable} -c "$0"; exit $?', busy]
         self.assertEqual(0, self.code_of(words, limit_s=0.2))
         self.assertIsNone(self.code_of(["sleep", "600"], limit_s=1.0))
@@ -216,7 +216,7 @@ class Ledgers(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             book = ledger.Ledger(pathlib.Path(folder) / "ledger.jsonl")
             book.add([site(n, "abs") for n in range(4)], "core", 1)
-            self.assertEqual(0, book.add([site(2, "abs")], "core", 2))  # added only once
+            self.assertEqual(0, book.add([site(2, "abs")], "core", 2))  # a second addition has no effect
             for row, outcome in zip(book.rows, (ledger.KILLED, ledger.SURVIVED, ledger.SURVIVED, ledger.NOT_BUILT)):
                 book.settle(row, outcome, "abc")
             book.settle(book.rows[1], ledger.KILLED, "def", by="core.Suite.Case")
@@ -330,7 +330,7 @@ int tripled(int value) { return value + 2 * value; }
 """,
     "test/vantage.cpp": "#include \"far/far.hpp\"\nint main() { return doubled(2); }\n",
     "test/guard.sh": "$1/vantage\n[ $? = 4 ]\n",
-    # Detects the mutation only when started as ctest does it, and takes longer than known beforehand.
+    # Detects the mutation only if started by ctest; needs more time than known in advance.
     "test/far_test.cpp": """#include <cstdlib>
 #include <ctime>
 
@@ -341,7 +341,7 @@ int main() {
   return std::getenv("ELSEWHERE") != nullptr && halved(8) == 4 ? 0 : 1;
 }
 """,
-    # Checks only a clipped value, never an unclipped one; a mutation at the edge cannot be detected.
+    # This test checks a clipped value but no unclipped one; a mutation at the limit cannot be detected.
     "test/toy_test.cpp": """#include "toy/toy.hpp"
 int main() { return clipped(5, 3) == 3 && ends(4) ? 0 : 1; }
 """,
@@ -423,7 +423,7 @@ class Project(unittest.TestCase):
         endless = self.id_of("reset", "")
         said = self.mutate("--run", noticed, unnoticed, endless)
         self.assertEqual(("killed", "toy.runs"), self.outcome(noticed))
-        # Only a test labelled `long` would check that, and the other program does not link it.
+        # Only a test labelled `long` could detect it, and the other program does not link the file.
         self.assertIn(self.outcome(unnoticed), [("survived", "toy_test"), ("same code", "")], said)
         self.assertRegex(" ".join(self.outcome(endless)), r"killed toy.runs \(.+\)", "out of CPU time")
         self.assertNotIn("other", said)
@@ -460,7 +460,7 @@ class Project(unittest.TestCase):
         self.mutate("--sweep", "toy", "--jobs", "2")
         together = {r["id"]: r["outcome"]
                     for r in map(json.loads, (self.root / "build/mutate/sweep.jsonl").read_text().splitlines())}
-        # Identical object code is detected only for mutations that are compiled alone.
+        # Identical object code is detected only for mutations that are compiled separately.
         self.assertEqual({i: "survived" if o == "same code" else o for i, o in alone.items()}, together)
         self.assert_untouched()
 
@@ -506,7 +506,7 @@ class Project(unittest.TestCase):
         """Runs a mutation that never ends, and stops the run by a signal while the mutation is in place."""
         endless = self.id_of("reset", "")
         program = self.root / "build/mutate/work" / endless / "toy_test"
-        # A parent that started this test in the background lets it ignore Ctrl-C, so restore the default.
+        # A test that runs in the background ignores Ctrl-C, so the default action is restored.
         run = subprocess.Popen([sys.executable, str(MUTATE), "--run", endless], cwd=self.root,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))

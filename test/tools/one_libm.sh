@@ -7,8 +7,8 @@ one='sin|cos|tan|sincos|asin|acos|atan|atan2|sinh|cosh|tanh|asinh|acosh|atanh|ex
 one+='|log|log2|log10|log1p|pow|cbrt|hypot|erf|erfc|tgamma|lgamma|lgamma_r|j0|j1|jn|y0|y1|yn'
 status=0
 for program in "$@"; do
-  # For double and float. Of the long double functions only logl is called, by libstdc++'s
-  # generate_canonical, to get the number of bits of a generator; the last digit does not matter there.
+  # Checks functions of double and float. Of those of long double only logl is called, by libstdc++'s
+  # generate_canonical for the number of bits of a generator, where its last digit has no effect.
   if nm --dynamic --undefined-only "$program" | grep --extended-regexp " ($one)f?(@|\$)"; then
     echo "$program asks the C library for these" >&2
     status=1

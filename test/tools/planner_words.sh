@@ -10,7 +10,7 @@ words=$(sed -n 's/.*algorithm: must be one of \(.*\); is .*/\1/p' "$work/refused
 [[ "$words" == *" astar"* ]] || fail "the algorithms of the scenario reader are '$words'"
 for word in ${words//,/}; do
   if [[ $word == external ]]; then
-    # The word is accepted, but an external planner exists only in real time.
+    # The value `external` is accepted, but an external planner needs real time.
     said=$("$vantage" trial "$scenario" --planner external --duration-s 1 2>&1) && fail "external"
     [[ "$said" == *"requires a planner process on the bus"* ]] || fail "external: $said"
   else

@@ -19,7 +19,8 @@ printf '#!/bin/sh\nexit 1\n' > "$dir/bin/apt-get"
 printf '#!/bin/sh\necho "$*" >> "%s"\nexit 1\n' "$dir/asked" > "$dir/bin/npm"
 chmod +x "$dir"/bin/*
 
-# asks COUNT ARGUMENT…: setup with these arguments asks npm COUNT times, and reports what is missing.
+# asks COUNT ARGUMENT…: expects that setup with these arguments calls npm COUNT times and reports what is
+# missing.
 asks() {
   local count=$1 said
   shift
@@ -34,10 +35,10 @@ asks 4 --once
 asks 0 --once
 asks 4
 asks 0 --once
-touch -d '1 minute' "$dir/test/view/peer/package-lock.json" # changed since then
+touch -d '1 minute' "$dir/test/view/peer/package-lock.json" # changed since the last call
 asks 1 --once
 touch -d '-1 minute' "$dir/test/view/peer/package-lock.json"
-for folder in "${folders[@]}"; do # npm has fetched everything
+for folder in "${folders[@]}"; do # npm has fetched all packages
   touch "$dir/$folder/node_modules/.package-lock.json"
 done
 [[ -z $(PATH="$dir/bin:$PATH" "$dir/tools/setup" --once) ]]

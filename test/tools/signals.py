@@ -17,7 +17,7 @@ import tempfile
 import time
 
 PATIENCE_S = 60
-CPU_S = 1.5  # s after the signal; two threads may run
+CPU_S = 1.5  # s; CPU time after the signal; two threads may run
 
 
 def cpu_s(pid):
@@ -78,7 +78,7 @@ def descendants(pid):
         try:
             parent = int(path.read_text().rsplit(")", 1)[1].split()[1])
         except (OSError, IndexError):
-            continue  # it has ended meanwhile
+            continue  # the process has ended in the meantime
         children.setdefault(parent, []).append(int(path.parent.name))
     found = []
     waiting = [pid]
@@ -147,7 +147,7 @@ def check_record(vantage, folder):
                 if b"--type=renderer" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes():
                     used_s += cpu_s(pid)
             except (OSError, IndexError):
-                pass  # it has ended meanwhile
+                pass  # the process has ended in the meantime
         return used_s > 1.0
 
     for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -169,7 +169,7 @@ def main():
         flight = subprocess.run(["xz", "-dkc", sample], capture_output=True, check=True).stdout
         (folder / "flight.lcmlog").write_bytes(flight)
 
-        # A search of a day prints its best plan. (Its memory is prepared within 4 s of CPU.)
+        # A search of a day prints its best plan. (It prepares its memory within 4 s of CPU time.)
         for which in (signal.SIGINT, signal.SIGTERM):
             code, said, _ = interrupted(
                 [vantage, "plan", problem, "--budget-s", "86400", "--algorithm", "beam", "--json"],
@@ -179,7 +179,7 @@ def main():
             assert code == 1 and plan["stop_reason"] == "interrupted", (code, said)
             assert plan["found"] and plan["controls"], said
 
-        # A trial ends in the same way when its terminal is closed; its log is whole.
+        # A trial also ends when its terminal is closed; its log is complete.
         log = folder / "trial.lcmlog"
         for which in (signal.SIGHUP, signal.SIGTERM):
             code, said, warned = interrupted(
@@ -197,7 +197,7 @@ def main():
         assert code == 0 and json.loads(said)["duration_s"] > 0, (code, said)
         check_log(vantage, demo)
 
-        # An interrupted export is whole up to that point.
+        # The file of an interrupted export is valid up to the interruption.
         part = folder / "flight.mcap.part"
         many = folder / "many.lcmlog"
         subprocess.run([vantage, "log", "merge", *[folder / "flight.lcmlog"] * 12, "--out", many],
@@ -216,7 +216,7 @@ def main():
 
         check_record(vantage, folder)
 
-        # A command without output so far ends at once.
+        # A command that has printed nothing yet ends immediately.
         way = [(0.01 * k, 20 * math.cos(1e-3 * k), 15 * math.sin(1e-3 * k)) for k in range(400_000)]
         (folder / "way.csv").write_text(
             "time_s,x_m,y_m\n" + "".join("%f,%f,%f\n" % row for row in way))
@@ -228,7 +228,7 @@ def main():
                 has_worked(0.3), which)
             assert code == -which and not said, (code, said)
 
-        # The doctor reports what it received; a server accepts the connection and sends nothing.
+        # The doctor reports what it has received. Here a server accepts the connection and sends nothing.
         with socket.create_server(("127.0.0.1", 0)) as silent:
             code, said, warned = interrupted(
                 [vantage, "doctor", "vicon", "127.0.0.1", "--port", str(silent.getsockname()[1]),
@@ -236,7 +236,7 @@ def main():
                 lambda process: silent.accept() is not None, signal.SIGINT)
         assert code == 1 and "127.0.0.1" in said and "interrupted" in warned, (said, warned)
 
-        # An experiment keeps the finished units and prints how to continue; the same command continues.
+        # An experiment keeps finished units and prints how to continue; the same command continues it.
         results = folder / "my results"
         rows = results / "rows"
         words = [vantage, "experiment", "tracking-noise", "--trials", "50", "--out", results]

@@ -6,25 +6,26 @@ extent=(--smoke)
 
 run 0 whole
 
-# Waited for: each shard runs once, and the bytes are the same.
+# With waiting: each shard runs once, and the bytes are the same.
 run 0 waited --slurm --shards 3
 says "^submitted: job [0-9]* for shards 1-3 of 3, "
 [[ $(row_files waited) == 3 ]] || fail "$(row_files waited) processes wrote rows"
 same waited
 
-# All is done: a repetition submits nothing.
+# All units are finished: a repeated command submits nothing.
 run 0 waited --slurm --shards 3
 [[ -z "$(array)" && -z "$(squeue --noheader)" ]] || fail "finished units were submitted"
 same waited
 
-# Detached: the cluster collects the results.
+# Without waiting: the cluster collects the results.
 run 0 alone --slurm --shards 2 --no-wait
 says "still in the queue; results will be in "
 until_queue_is_empty
 [[ $(row_files alone) == 2 ]] || fail "$(row_files alone) processes wrote rows"
 same alone
 
-# In the queue: not submitted a second time; Ctrl-C ends only the waiting and names the jobs.
+# While jobs are in the queue, the command submits none a second time. Ctrl-C ends only the waiting; the
+# jobs are named.
 run 0 held --slurm --shards 3 --no-wait --sbatch=--hold
 array=$(array) collector=$(collector)
 run 0 held --slurm --no-wait
@@ -36,7 +37,8 @@ ended 1
 says "To cancel: scancel $array $collector"
 [[ $(squeue --noheader --array | wc -l) == 4 ]] || fail "Ctrl-C cancelled jobs: $(squeue --array)"
 
-# A task is cancelled, the others run: it is named, and only its shard is submitted again.
+# One task is cancelled, and the others run. The missing task is reported, and only its shard is submitted
+# again.
 scancel "${array}_2"
 scontrol release "$array" "$collector"
 run 1 held --slurm
@@ -49,7 +51,8 @@ says "^submitted: job [0-9]* for shards 2 of 3, "
 [[ $(row_files held) == 3 ]] || fail "$(row_files held) processes wrote rows"
 same held
 
-# A shard that fails is reported with its last output: it finds a directory of another run.
+# A shard fails because its directory belongs to another run. The failure is reported with the shard's last
+# output.
 run 0 broken --slurm --shards 2 --no-wait --sbatch=--hold
 array=$(array) collector=$(collector)
 cp "$work/broken/manifest.json" "$work/kept"
@@ -63,14 +66,15 @@ mv "$work/kept" "$work/broken/manifest.json"
 run 0 broken --slurm --shards 2
 same broken
 
-# A request that Slurm refuses is reported with Slurm's own message; nothing is left in the queue.
+# A request that Slurm refuses is reported with Slurm's own message; no job remains in the queue.
 run 2 refused --slurm --shards 2 --sbatch=--partition=none
 says "Slurm rejected the job: .*invalid partition specified: none"
 run 2 refused --slurm --shards 6  # in_slurm.sh allows numbers up to 4
 says "Slurm rejected the job: .*[Ii]nvalid job array"
 [[ -z "$(squeue --noheader)" ]] || fail "a job was submitted"
 
-# The same if Slurm accepts only the array. Nothing is submitted while the queue cannot be queried.
+# The same holds if Slurm accepts the array but not the collecting job. Nothing is submitted if the queue
+# cannot be queried.
 mkdir "$work/bin"
 PATH="$work/bin:$PATH"
 # make_fail PROGRAM CASE WORDS: makes PROGRAM fail if CASE is among its arguments.

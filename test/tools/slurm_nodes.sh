@@ -2,42 +2,44 @@
 # slurm_nodes.sh VANTAGE, within in_slurm.sh --nodes 3: a sweep with shards on three nodes, while a node is
 # cut off, the controller is killed, or a node dies.
 source "$(dirname "$0")/slurm_support.sh"
-extent=(--trials 20 --jobs 2)  # two cores each: a shard fills a node
+extent=(--trials 20 --jobs 2)  # two cores each, so a shard occupies a node
 
-# unit_files DIRECTORY [PREFIX]: the files that nodes wrote there; their names are SHARD_OF-NODE-….
+# unit_files DIRECTORY [PREFIX]: prints the files that nodes wrote; their names are SHARD_OF-NODE-….
 unit_files() { find "$work/$1/rows" -name "${2:-}*.jsonl" 2> /dev/null; }
 # units DIRECTORY [PREFIX]: prints a sorted line for each unit that was run.
 units() { unit_files "$@" | xargs -r sed -n 's/^\({"setting":.*\),"rows":.*/\1/p' | sort; }
-have_begun() {  # have_begun DIRECTORY NODE…: true if each node has some units
+have_begun() {  # have_begun DIRECTORY NODE…: true if each node has finished some units
   local node
   for node in "${@:2}"; do
     (($(units "$1" "*-$node-" | wc -l) > 1)) || return 1
   done
 }
-# Prints the shard that NODE runs, such as "2_3".
+# shard_on DIRECTORY NODE: prints the shard that NODE runs, such as "2_3".
 shard_on() { basename "$(unit_files "$1" "*-$2-")" | sed 's/-.*//'; }
 # is_gone_on_with DIRECTORY SHARD: true if another process continues the shard.
 is_gone_on_with() { (($(unit_files "$1" "$2-" | wc -l) == 2)); }
-# True if each of the two has run some of the shard.
+# shared DIRECTORY SHARD: expects that each process of the shard has finished some of its units.
 shared() {
   local file
   for file in $(unit_files "$1" "$2-"); do
     grep -q '^{"setting":.*}$' "$file" || fail "$1: $file has no unit: not in the middle"
   done
 }
-# All units exist, none was run twice, and none by the job that collects.
+# each_once DIRECTORY: expects that all units exist, that none was run twice, and that the collecting job
+# has run none.
 each_once() {
   [[ "$(units "$1")" == "$(units whole)" ]] || fail "$1: a unit is missing or was run twice"
   [[ -z "$(unit_files "$1" 1_1-)" ]] || fail "$1: the collecting job has run units"
 }
-on_node() {  # on_node NODE SIGNAL: sends SIGNAL to the program that runs there
+on_node() {  # on_node NODE SIGNAL: sends SIGNAL to the experiment on NODE
   local process network
   network=$(readlink "/proc/$(cat "$IN_SLURM/$1.pid")/ns/net")
   for process in $(pgrep -f -- "experiment heterogeneous .* --shard"); do
     [[ "$(readlink "/proc/$process/ns/net")" != "$network" ]] || kill "-$2" "$process"
   done
 }
-# dies DIRECTORY NODE: the node loses power in the middle of a line; $shard is the shard that it ran.
+# dies DIRECTORY NODE: emulates a power failure of NODE in the middle of a line; sets $shard to the shard
+# that NODE ran.
 dies() {
   kill -9 "$(cat "$IN_SLURM/$2.pid")"
   shard=$(shard_on "$1" "$2")
@@ -47,7 +49,7 @@ all_idle() { (($(sinfo --noheader --Node --format=%T | grep -c '^idle$') == $1))
 
 run 0 whole
 
-# A node is cut off: another gets its shard, and both run it at the same time. It is counted once.
+# A node is cut off: another node gets its shard, and both run it at the same time. The shard counts once.
 begin cut --slurm --shards 3
 until_true 60 have_begun cut node1 node2 node3
 on_node node2 STOP
@@ -66,7 +68,7 @@ run 0 cut --slurm --shards 3
 same cut
 echo "cut off: good"
 
-# The controller is killed and restarted; the cluster collects.
+# The controller is killed and restarted; the cluster still collects the results.
 run 0 controller --slurm --shards 3 --no-wait
 until_true 60 have_begun controller node1 node2 node3
 for node in node1 node2 node3; do on_node $node STOP; done
@@ -84,7 +86,7 @@ each_once controller
 same controller
 echo "controller killed: good"
 
-# A node dies: another node continues its shard, and it is collected at the end.
+# A node dies: another node continues its shard, which is collected at the end.
 run 0 dies --slurm --shards 3 --no-wait
 until_true 60 have_begun dies node1 node2 node3
 dies dies node2
@@ -95,7 +97,7 @@ shared dies "$shard"
 same dies
 echo "node dies: good"
 
-# The user forbids requeueing: the loss is reported, and only the missing part is run.
+# If the user forbids requeueing, the loss is reported, and the next command runs only the missing part.
 run 0 lost --slurm --shards 2 --no-wait --sbatch=--no-requeue
 until_true 60 have_begun lost node1 node3
 dies lost node3

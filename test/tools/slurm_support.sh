@@ -1,5 +1,5 @@
-# Sourced instead of begin.sh by scripts that run within in_slurm.sh. $extent: how much of the experiment is
-# run.
+# Sourced instead of begin.sh by scripts that run within in_slurm.sh. $extent: the options that set the size
+# of the experiment.
 source "$(dirname "$0")/begin.sh"
 
 # run CODE DIRECTORY OPTION…: expects exit code CODE; the output is in $work/out.
@@ -9,14 +9,14 @@ run() {
   begin "$directory" "$@"
   ended "$expected"
 }
-# begin DIRECTORY OPTION…: the same in the background; its process is $pid.
+# begin DIRECTORY OPTION…: starts the same run in the background; its process is $pid.
 begin() {
   what="$*"
   : > "$work/out"  # the previous run may have printed the same
   "$vantage" experiment heterogeneous "${extent[@]}" --out "$work/$1" "${@:2}" > "$work/out" 2>&1 &
   pid=$!
 }
-# ended CODE: waits for the run that was begun last.
+# ended CODE: waits for the run started by begin; expects exit code CODE.
 ended() {
   local code=0
   wait "$pid" || code=$?
@@ -24,7 +24,7 @@ ended() {
 }
 
 says() { grep -q -- "$1" "$work/out" || fail "the output does not contain '$1'"; }
-# The numbers of the submitted jobs.
+# Prints the numbers of the submitted jobs.
 array() { sed -n 's/^submitted: job \([0-9]*\) .*/\1/p' "$work/out"; }
 collector() { sed -n 's/^submitted: .* job \([0-9]*\) collects their results.*/\1/p' "$work/out"; }
 # until_true SECONDS COMMAND…: fails if the command does not succeed within SECONDS.

@@ -63,7 +63,7 @@ def test_loss():
     for share in 0.01, 0.1, 0.3:
         link, out = pass_through("--loss", str(share))
         assert close(link.counts["lost"], share) and len(out) == FRAMES - link.counts["lost"]
-        # Losses are independent of each other.
+        # Tests that losses are independent of each other.
         lost = [True] * FRAMES
         for _, _, number, _ in out:
             lost[number] = False
@@ -104,7 +104,7 @@ def test_bursts():
     holes = [b - a - 1 for a, b in zip(passed, passed[1:]) if b - a > 1]
     assert all(499 <= hole <= 501 or hole > 990 for hole in holes), holes
     assert sum(holes) + FRAMES - 1 - passed[-1] + passed[0] == link.counts["burst"]
-    # The intervals are exponential: about 10 of them in 40 s.
+    # The intervals between gaps are exponential: about 10 of them in 40 s.
     assert 3 <= len(holes) <= 20
     long_link, _ = pass_through("--burst", "4:0.5", frames=20 * FRAMES)
     assert abs(long_link.counts["burst"] / (20 * FRAMES) - 0.125) < 0.03
@@ -133,7 +133,7 @@ def test_harm_keeps_to_its_span_and_cuts_do_not():
     link, out = pass_through(*words)
     calm = [(came - sent, number) for sent, came, number, _ in out if not 10 <= sent < 20]
     assert len(calm) == 30_000 - 1_000 and link.counts["cut"] == 1_000
-    # Frames that wait because of the rate when the span ends are part of the span.
+    # Frames that still wait for the limited rate at the end of the span belong to the span.
     assert all(delay == 0 for delay, _ in calm)
     assert link.counts["lost"] and link.counts["flipped"] and link.counts["doubled"] and link.counts["burst"]
 

@@ -4,13 +4,13 @@ set -euo pipefail
 command -v systemd-analyze > /dev/null || { echo "skipped: no systemd-analyze"; exit 77; }
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
-# Its program and user need not be installed here.
+# The unit's program and user need not be installed on this machine.
 sed -e "s,/usr/local/bin/vantage,$2," -e 's/^User=.*/User=root/' "$1" > "$dir/vantage.service"
 words=$(systemd-analyze verify --recursive-errors=no "$dir/vantage.service" 2>&1) || {
   echo "$words"
   exit 1
 }
-# systemd-analyze only warns of keys that it does not know.
+# Fails on unknown keys, of which systemd-analyze only warns.
 if grep -F vantage.service <<< "$words"; then
   exit 1
 fi

@@ -91,7 +91,7 @@ TEST(StatesOf, ReportWhichJobsMayStillWrite) {
   EXPECT_FALSE(is_failure(""));
 }
 
-// The node of a completing job has not answered yet: the job may have ended, or Slurm may run it
+// The node of a completing job has not answered yet. The job may have ended, or Slurm may run it
 // again.
 TEST(SlurmState, CompletingJobIsNotReportedAsEnded) {
   EXPECT_TRUE(is_live("COMPLETING"));
@@ -101,7 +101,7 @@ TEST(SlurmState, CompletingJobIsNotReportedAsEnded) {
   EXPECT_FALSE(is_running_or_pending("COMPLETED"));
 }
 
-/// Fake squeue and scancel that record their arguments; first in PATH during its lifetime.
+/// Replaces squeue and scancel during its lifetime by programs that record their arguments.
 class FakeSlurm {
  public:
   FakeSlurm() {

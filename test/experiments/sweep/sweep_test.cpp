@@ -60,7 +60,7 @@ Sweep counting_sweep(std::atomic<int>& runs) {
 }
 constexpr int kUnits = 9;
 
-// A temporary directory per test.
+// A fixture with a temporary directory per test.
 class Sweeps : public ::testing::Test {
  protected:
   Sweeps() {

@@ -124,7 +124,8 @@ TEST(LineOfKey, IsThatOfTheInnermostGivenKey) {
   EXPECT_EQ(scenario::line_of_key(text, "robots"), 0);
 }
 
-// Three quadrotors behind drivers, 1 m/s, 2 m/s², radius 0.25 m; 0.6 m apart, 0.1 m from walls.
+// Returns three quadrotors with drivers: 1 m/s, 2 m/s², radius 0.25 m, separation 0.6 m, margin 0.1
+// m.
 scenario::Scenario lab_hil() {
   return scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab-hil.yaml");
 }

@@ -11,7 +11,7 @@
 namespace vantage::tools {
 namespace {
 
-/// A legal scenario that cannot do what it is for: config/lab.yaml with `edits`. A note must
+/// A valid scenario that cannot fulfil its purpose: config/lab.yaml with `edits`. A note must
 /// contain `words`.
 struct Row {
   const char* name;

@@ -1,4 +1,4 @@
-// Checks a vehicle's parameters from the ground, against both emulated autopilots.
+// Tests the check of a vehicle's parameters on the ground, with both emulated autopilots.
 
 #include "tools/check/vehicle_check.hpp"
 
@@ -30,7 +30,7 @@ struct Bench {
         scenario::AutopilotSpec{dialect, "udp://:1", 1, "", scenario::ParameterPolicy::kIgnore};
     return out;
   }
-  /// Runs until the check is done, at most `seconds`.
+  /// Runs until the check has ended, for at most `seconds`.
   bool run(double seconds) {
     const Time end = now + from_seconds(seconds);
     for (; now < end && !check.is_done(now); now += Duration{5'000}) {
@@ -121,7 +121,7 @@ TEST_P(CheckVehicles, WritesNothingToAnArmedVehicle) {
     bench.step();
   }
   ASSERT_TRUE(bench.vehicle.controller().is_armed());
-  const Time soon = bench.now + from_seconds(1.5);  // its heartbeat reports it as armed
+  const Time soon = bench.now + from_seconds(1.5);  // until a heartbeat reports it as armed
   for (; bench.now < soon; bench.now += Duration{5'000}) {
     bench.step();
   }

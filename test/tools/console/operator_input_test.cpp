@@ -139,7 +139,7 @@ TEST(RequestFromLine, IgnoresLetterCase) {
   EXPECT_EQ(request.value().robot, "Q9");
 }
 
-/// Splits `typed` into keys; a key that is not complete yet ends in "…".
+/// Splits `typed` into keys; an incomplete key ends in "…".
 std::vector<std::string> keys_of(std::string typed) {
   std::vector<std::string> out;
   while (!typed.empty()) {
@@ -155,7 +155,7 @@ std::vector<std::string> keys_of(std::string typed) {
 }
 using Keys = std::vector<std::string>;
 
-// Each sequence ends in a letter or digit that alone arms, follows, quits or selects.
+// Each sequence ends in a letter or digit that would, as a single key, arm, follow, quit or select.
 TEST(Keys, TreatEscapeSequenceAsOneKeyWithoutOrder) {
   for (const char* key :
        {"\x1b[A",   "\x1b[B",    "\x1b[F",    "\x1b[H",  "\x1bOA",    "\x1bOF",  "\x1bOH",

@@ -80,7 +80,7 @@ TEST(OrderSender, AllowsTheSecondStationOnlyAnEmergencyStop) {
   EXPECT_EQ(count(11, OperatorAction::kEmergencyStop), 1);
 }
 
-// The orders of a console with a wrong clock are accepted, since they carry the vehicles' time.
+// The orders of a console with a wrong clock are accepted, since they contain the vehicles' time.
 TEST(OrderSender, StampsOrdersByVehicleClock) {
   for (const Duration off : {Duration(-std::chrono::hours(24)), Duration(std::chrono::hours(1)),
                              Duration(std::chrono::milliseconds(300))}) {
@@ -131,8 +131,8 @@ TEST(OrderSender, ShowsALogError) {
   EXPECT_FALSE(tell(kStart + std::chrono::seconds(8), 2000));
 }
 
-// In a one-way partition each end detects the fault by itself: vehicles by the missing heartbeat
-// (fault 17), the operator by the vehicles' silence.
+// In a one-way partition, each side detects the fault independently: the vehicles by missing
+// heartbeats (fault 17), the operator by the silence of the vehicles.
 TEST(OrderSender, ShowsSilentVehicleInOneWayPartition) {
   test::BusPair net(11, 13);
   bus::Bus& station_bus = net.own;
@@ -150,7 +150,7 @@ TEST(OrderSender, ShowsSilentVehicleInOneWayPartition) {
   EXPECT_FALSE(mentions(later, "follow"));
 }
 
-/// A station in charge; its datagrams are lost while `is_lossy` returns true.
+/// A station in charge whose datagrams are lost while `is_lossy` returns true.
 struct LossyDesk {
   test::BusPair net{11, 13};
   bus::Bus& vehicle = net.other;
@@ -243,7 +243,7 @@ TEST(OrderSender, DoesNotRepeatRevokedOrder) {
   EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop), 1);
 }
 
-/// A monitor of the lab's processes, and a bus of one of them.
+/// A monitor of the lab's processes, and the bus of one of these processes.
 struct WatchedLab {
   test::BusPair net{1, 2};
   scenario::Scenario scenario = lab();
@@ -342,7 +342,7 @@ struct SecuredConsole {
     bus.secure(std::move(authenticator), clock);
     sender.emplace(bus, options, now);
   }
-  /// Advances the clock by `time` in steps and calls `each` in every step.
+  /// Advances the clock by `time` in steps, and calls `each` in every step.
   void pass(Duration time, const std::function<void()>& each) {
     for (const Time end = clock.now() + time; clock.now() < end;) {
       clock.set(clock.now() + std::chrono::milliseconds(100));
@@ -362,7 +362,7 @@ struct SecuredConsole {
   std::optional<OrderSender> sender;
 };
 
-// A signed trial was recorded and has ended; its log is replayed ten seconds later.
+// The log of a signed trial that has ended is replayed ten seconds later.
 TEST(OrderSender, IgnoresRobotsOfAPlayedLog) {
   SecuredConsole console(kStart + std::chrono::seconds(10));
   bus::VirtualClock then(kStart);

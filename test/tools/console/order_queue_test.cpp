@@ -43,7 +43,7 @@ class OrderQueueTest : public ::testing::Test {
     status.stamp.time = stamp;
     vehicles_.publish(bus::vehicle_channel(robot), status);
   }
-  /// Lets `seconds` pass, in which `robots` publish their status.
+  /// Advances the time by `seconds`, during which `robots` publish their status.
   void pass(double seconds, const Words& robots = {"Q1", "Q2"}) {
     const Time end = now + from_seconds(seconds);
     while (now < end) {
@@ -108,7 +108,7 @@ TEST_F(OrderQueueTest, SendsSafeOrdersAtOnceAndOthersWhenInCharge) {
   EXPECT_EQ(heard.back(), "arm");
 }
 
-// After `hold` no vehicle begins to follow because of an order from before.
+// After `hold`, no vehicle begins to follow because of an earlier order.
 TEST_F(OrderQueueTest, SaferOrderCancelsPendingOrders) {
   for (const OperatorAction safer :
        {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
@@ -136,8 +136,8 @@ TEST_F(OrderQueueTest, PendingBroadcastDoesNotUndoSaferOrderOfOneVehicle) {
   EXPECT_EQ(heard, (Words{"land Q1", "follow Q2"})) << "said last of all to Q1";
 }
 
-// A vehicle takes only the most urgent order of a turn: of `arm` and `take-off` it would take
-// `take-off`.
+// A vehicle executes only the most urgent order of a tick: if `arm` and `take-off` arrived
+// together, it would execute `take-off` only.
 TEST_F(OrderQueueTest, SendsOneOrderPerTenthOfASecond) {
   pass(1.0);
   for (int round = 0; round < 2; ++round) {
@@ -167,7 +167,7 @@ TEST_F(OrderQueueTest, SendsOrderToRobotNotYetReceived) {
   EXPECT_FALSE(orders.was_refused());
 }
 
-// Orders with typing errors: an emergency stop must still work.
+// Orders with typing errors are refused, except that an emergency stop must still work.
 TEST_F(OrderQueueTest, RefusesUnknownRobotButStopsAllOnEmergencyStop) {
   add(OperatorAction::kEmergencyStop, "Q9");
   add(OperatorAction::kHold, "Q8");
@@ -209,7 +209,8 @@ TEST_F(OrderQueueTest, RefusesOrderWhileAnotherStationIsInCharge) {
   EXPECT_EQ(heard, Words{"estop"});
 }
 
-// Vehicles accept only orders that are current by their clock, which the console does not know yet.
+// Vehicles accept only orders with a current stamp by their own clock, which the console does not
+// know at first.
 TEST_F(OrderQueueTest, RestampsOrderOnceVehicleClockIsKnown) {
   ahead = std::chrono::hours(2);
   add(OperatorAction::kLand);

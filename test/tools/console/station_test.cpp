@@ -18,7 +18,8 @@ models::OperatorCommand beat(std::int64_t run_id, Time stamp) {
   return out;
 }
 
-/// Lets time pass in steps of 0.1 s while the station `other` sends heartbeats (0: none).
+/// Advances the time in steps of 0.1 s while the station `other` sends heartbeats (0: no other
+/// station).
 void pass(Station& station, double from_s, double to_s, std::int64_t other) {
   for (double t_s = from_s; t_s < to_s; t_s += 0.1) {
     if (other != 0) {
@@ -52,7 +53,7 @@ TEST(Station, IsRefusedPermanentlyNextToAnother) {
   }
 }
 
-// A replayed log, or one old packet, does not make the station give up its role.
+// A replayed log, or one old packet, does not make the station give up control.
 TEST(Station, IgnoresOutdatedHeartbeat) {
   Station station(5, false, kStart);
   for (double t_s = 0.0; t_s < 3.0; t_s += 0.1) {

@@ -80,7 +80,7 @@ TEST(DescribeVicon, ReportsATrackersOwnRate) {
   EXPECT_TRUE(says(describe("h", ports), "QUAD: 50.0 Hz, seen in 50 % of the frames"));
 }
 
-// No message was ever received, and no connection exists.
+// No message was received, and no connection exists.
 TEST(ExamineVicon, ReportsSilence) {
   const auto ports = examine_vicon("127.0.0.1", {}, std::stoi(test::port_of_this_test(0)),
                                    std::chrono::milliseconds(2'500));

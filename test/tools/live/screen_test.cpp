@@ -33,7 +33,7 @@ TEST(CutTo, IgnoresColourCodesAndResetsThem) {
   EXPECT_EQ(cut_to(line, 5), "ab\x1b[1;31mcd\x1b[0me\x1b[0m");
 }
 
-/// A pipe that is never read, with room for at most `bytes`.
+/// A pipe that is never read and holds at most `bytes`.
 class FullPipe {
  public:
   FullPipe() {

@@ -21,7 +21,7 @@ std::string row_of(const std::vector<std::string>& lines, const std::string& nam
   return found == lines.end() ? "" : *found;
 }
 
-// Returns a belief of Q1 about targets `ids`, with the information of a position known to 0.1 m.
+// Returns a belief of Q1 about targets `ids`, each position with σ = 0.1 m.
 models::RobotBelief belief(std::int64_t step, std::vector<int> ids) {
   models::RobotBelief out;
   out.robot = "Q1";

@@ -96,7 +96,7 @@ TEST(ReadTable, NamesAnUnreadableFile) {
   EXPECT_THROW(read_table("/", kColumns), StartupError);
 }
 
-// RFC 4180, as pandas writes: quotes around separators, quotes and ends of lines.
+// Cells that contain separators, quotes or line ends are quoted (RFC 4180), as pandas writes them.
 TEST(ParseTable, ReadsQuotedCells) {
   const std::string_view tables[] = {
       "time,anchor_m,beacon,range\n1,\"(21, 10)\",4,2.5\n2,\"(3, 4)\",4,3\n",

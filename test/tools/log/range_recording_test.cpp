@@ -17,7 +17,8 @@ namespace {
 
 using Rows = std::vector<TableRow>;
 
-/// Returns the poses of a robot at x = t for ten seconds, one per second except between 4 and 7.
+/// Returns the poses of a robot at x = t for ten seconds: one per second, but none between 4 s and
+/// 7 s.
 Rows way() {
   Rows out;
   for (const double t : {0.0, 1.0, 2.0, 3.0, 4.0, 7.0, 8.0, 9.0, 10.0}) {
@@ -124,7 +125,7 @@ TEST(ReadSurvey, RefusesABeaconTwice) {
   EXPECT_THROW(read_survey(folder.file("s.csv")), StartupError);
 }
 
-// Real radios (Djugash, Hamner, Roth 2009), which measure 6.9 % long.
+// The ranges of real radios (Djugash, Hamner, Roth 2009) are 6.9 % too long.
 TEST(FitRangesOfPlaza, FindsScaleAndBeacons) {
   const std::string folder = VANTAGE_DATA_DIR "/plaza1/";
   std::error_code error;

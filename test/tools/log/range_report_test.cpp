@@ -14,8 +14,8 @@
 namespace vantage::tools {
 namespace {
 
-/// Returns the report of a simulated recording with a surveyed first beacon, plus a beacon without
-/// ranges.
+/// Returns the report of a simulated recording. The position of the first beacon is surveyed; one
+/// more beacon has no ranges.
 RangeReport drawn_report() {
   const auto scene = estimator::test::draw_range_scene(21, {});
   RangeRecording recording;

@@ -38,7 +38,7 @@ std::vector<Value> items_of(const std::string& text) { return parse_json(text, "
 
 std::uint64_t bits(double value) { return std::bit_cast<std::uint64_t>(value); }
 
-/// Expects the same content in `value` as in nlohmann's own tree; numbers are equal to the bit.
+/// Expects `value` to have the same content as nlohmann's own tree; numbers are equal to the bit.
 void expect_same(const Value& value, const json& oracle) {
   if (oracle.is_object()) {
     ASSERT_EQ(value.node->kind, Node::Kind::kMapping);
@@ -101,7 +101,7 @@ TEST(ParseJson, ReadsAllEscapes) {
 }
 
 TEST(ParseJson, RecordsTheLineOfEveryValue) {
-  // White space and special characters between values, in strings and at the ends of lines.
+  // White space and special characters are between values, in strings and at line ends.
   const std::string text =
       "\xEF\xBB\xBF\n[1,\r\n\t\"a\\\"]\\\\\" , \"\\u000a,\",\n {\"k:{\" :\n\n -1.5e3}\n, [\n], "
       "true\n,"
@@ -186,7 +186,7 @@ TEST(ParseJson, RefusesMalformedJsonWithLineAndColumn) {
   }
 }
 
-// Text that YAML would accept.
+// These texts are valid YAML but not JSON.
 TEST(ParseJson, RefusesYaml) {
   for (const char* text : {"[1,,2]", "[1,]", "{\"a\": 1,}", "{a: 1}", "{\"a\": .5}", "[01]", "[+1]",
                            "['a']", "[a]", "[1] # one", "a: 1", "- 1", "[0x1F]", "[.inf]", "[~]"}) {

@@ -170,7 +170,7 @@ TEST(PlanReport, DrawsThePlan) {
   EXPECT_EQ(count("class=\"view\""), planning.problem.horizon_steps);
 }
 
-// The public problems are in the folder next to the data, if they exist.
+// Uses the public problems in the folder next to the data; skipped if they are missing.
 TEST(PlanReport, ScoresThePublicProblems) {
   const std::filesystem::path folder =
       std::filesystem::path(VANTAGE_DATA_DIR).parent_path() / "problems";

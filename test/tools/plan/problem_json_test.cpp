@@ -82,7 +82,7 @@ TEST(ParseProblem, ReadsTheFieldOfViewAsFullAngle) {
   EXPECT_FALSE(models::in_view(sensor, at, towards(-47.1)));
 }
 
-// The only target lies 70° off the heading: outside a field of view of 94°, inside one of 188°.
+// The only target is 70° off the heading: outside a field of view of 94°, inside one of 188°.
 TEST(ParseProblem, CostUsesTheFullAngle) {
   json document = file("tracking.json");
   document["map"].erase("obstacles");
@@ -141,7 +141,7 @@ TEST(ParseProblem, AcceptsAMovingTargetWithoutNoise) {
   EXPECT_DOUBLE_EQ(parse(document).problem.targets[0].model.q, 0.0);
 }
 
-/// One change of tracking.json that must be refused. The '@' in `becomes` marks the line that the
+/// A change of tracking.json that must be refused. The '@' in `becomes` marks the line that the
 /// message must name; it is removed before reading.
 struct BadEdit {
   const char* was;

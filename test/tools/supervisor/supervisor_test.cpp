@@ -23,7 +23,7 @@ namespace {
 
 using std::chrono::milliseconds;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-const milliseconds kLong(30'000);  // never reached: each wait below ends for certain
+const milliseconds kLong(30'000);  // time limit that no wait below reaches
 
 TEST(Child, ReportsHowItEnded) {
   Result<Child> good = Child::start({"true"});
@@ -41,7 +41,7 @@ TEST(Ask, ReturnsOutputAndExitStatus) {
   ASSERT_TRUE(answer.ok());
   EXPECT_EQ(answer.value().text, "one\ntwo\n");
   EXPECT_EQ(answer.value().exit.code, 3);
-  EXPECT_EQ(run_command({"seq", "100000"}).value().text.size(), 588895U);  // more than a pipe holds
+  EXPECT_EQ(run_command({"seq", "100000"}).value().text.size(), 588895U);  // overfills a pipe
   EXPECT_FALSE(run_command({"/nonexistent/program"}).ok());
 }
 
@@ -133,7 +133,7 @@ TEST(Supervisor, RestartsAProcessAfterItsBackOff) {
   EXPECT_GT(status.pid, 0);
 }
 
-// PX4, for instance, repeats "exit 255" and gives the reason only in its output file.
+// PX4, for example, prints "exit 255" repeatedly and writes the reason only to its output file.
 TEST(Supervisor, ReportsLastLineOfOutputFile) {
   const test::TemporaryFolder folder;
   Supervisor supervisor;
@@ -194,7 +194,7 @@ TEST(Supervisor, RestartsNothingAfterStop) {
 
 /// Starts a process that ignores SIGTERM.
 void start_stubborn(Supervisor& supervisor) {
-  // It creates the file once it ignores the signal; a signal before that would end it.
+  // The process creates the file when it ignores the signal; an earlier signal would end it.
   const std::string ready = ::testing::TempDir() + "vantage_stubborn_" + std::to_string(::getpid());
   ::remove(ready.c_str());
   supervisor.start(
@@ -209,7 +209,7 @@ TEST(Supervisor, KillsStubbornProcessesWhenHurried) {
   supervisor.start({"polite", {"sleep", "1000"}}, 0);
   start_stubborn(supervisor);
   const pid_t stubborn = supervisor.find("stubborn")->pid();
-  // True once the polite one has ended, long before the patience of an hour is over.
+  // Returns true when the process "polite" has ended, long before the time limit of an hour.
   const auto hurry = [&] { return supervisor.find("polite")->wait(milliseconds(0)).has_value(); };
   EXPECT_EQ(supervisor.stop_all(std::chrono::hours(1), hurry),
             std::vector<std::string>{"stubborn"});
@@ -229,8 +229,8 @@ TEST(Supervisor, StopsAllAndKillsUnresponsiveProcesses) {
   EXPECT_EQ(::kill(stubborn, 0), -1);
 }
 
-/// Returns a program that behaves like one of ours: it reports on its life line, unblocks stop
-/// signals and runs `script` (Python). sign(b) writes the byte b, which describes its vehicle.
+/// Returns a program that behaves like vantage's own: it reports on its pipe, unblocks stop signals
+/// and runs `script` (Python). sign(b) writes the byte b, which states whether its vehicle flies.
 ProcessSpec ours(const std::string& name, const std::string& script) {
   ProcessSpec spec{name,
                    {"python3", "-c",
@@ -246,7 +246,8 @@ ProcessSpec ours(const std::string& name, const std::string& script) {
   return spec;
 }
 
-/// Polls until `holds`, advancing the time by 50 ms every 5 ms; keeps the events.
+/// A supervisor that is polled until `holds` returns true; each poll advances its time and stores
+/// the events.
 struct Watched {
   explicit Watched(RestartPolicy policy = {}) : supervisor(policy) {}
 
@@ -279,7 +280,7 @@ ProcessSpec driver(const std::string& script) {
   return spec;
 }
 
-// The pipe alone decides, whatever is received over the network.
+// Only heartbeats on the pipe count, whatever is received over the network.
 TEST(Supervisor, KillsAProcessWithoutHeartbeats) {
   Watched watched;
   watched.supervisor.start(ours("planner Q1", "sign(b'?')\ntime.sleep(1000)"), watched.now_ns);
@@ -337,7 +338,8 @@ TEST(Supervisor, WaitsForALandingDriverWithoutRestart) {
   EXPECT_EQ(watched.count(Kind::kStarted), 0);
 }
 
-// The restarted driver, which reports on its own pipe, is asked to end at once, however early.
+// The restarted driver, which reports on its own pipe, is requested to end immediately after its
+// start.
 TEST(Supervisor, RestartsDriverThatFailsInFlightDuringShutdown) {
   const test::TemporaryFolder folder;
   const std::string mark = folder.path() + "/failed";

@@ -10,7 +10,7 @@ namespace {
 constexpr Time at(double s) { return from_utime(static_cast<std::int64_t>(s * 1e6)); }
 using Names = std::vector<std::string>;
 
-/// Returns the processes found overdue by checks every 0.1 s from `begin_s` to `end_s`.
+/// Returns the processes that checks every 0.1 s from `begin_s` to `end_s` find overdue.
 Names overdue_between(Watchdog& dog, double begin_s, double end_s) {
   Names out;
   for (double now_s = begin_s; now_s < end_s + 0.05; now_s += 0.1) {
@@ -37,11 +37,11 @@ TEST(Watchdog, WaitsForTheFirstHeartbeatWithoutLimit) {
   Watchdog dog;
   dog.watch("a", 1.0);
   EXPECT_EQ(overdue_between(dog, 0.0, 100.0), Names{});
-  dog.on_start("a", at(100.0));  // it may be a process that never reports
+  dog.on_start("a", at(100.0));  // it may be a process without heartbeats
   EXPECT_EQ(overdue_between(dog, 100.0, 200.0), Names{});
 }
 
-// A planner that hangs again before its first sign must be found, too.
+// A restarted planner that hangs before its first heartbeat must also be detected.
 TEST(Watchdog, GivesRestartedProcessTimeForFirstSign) {
   Watchdog dog;
   dog.watch("a", 1.0);
@@ -82,8 +82,8 @@ TEST(Watchdog, IgnoresSignsOfUnknownProcesses) {
   EXPECT_EQ(overdue_between(dog, 0.0, 10.0), Names{});
 }
 
-// While the supervisor itself does not run (Ctrl-Z, suspend, no processor) it receives nothing.
-// This time does not count as silence of the others.
+// A supervisor that does not run (Ctrl-Z, suspend, no processor) receives no heartbeats. This time
+// does not count as silence of the processes.
 TEST(Watchdog, DoesNotCountPausesOfTheSupervisorAsSilence) {
   Watchdog dog;
   dog.watch("a", 1.0);
@@ -96,8 +96,8 @@ TEST(Watchdog, DoesNotCountPausesOfTheSupervisorAsSilence) {
     EXPECT_EQ(overdue_between(dog, now_s, now_s + 0.5), Names{});
     now_s += 0.5 + away_s;
     EXPECT_EQ(dog.overdue(at(now_s)), Names{}) << "after " << away_s << " s";
-    // Signs that arrived during the pause are handled after it; `b` is silent before and after the
-    // pause.
+    // Heartbeats that arrived during the pause are handled after it; `b` sends none before or after
+    // the pause.
     dog.on_sign("a", at(now_s));
     const double left_s = 1.0 - 0.5 - Watchdog::kPollS;
     EXPECT_EQ(overdue_between(dog, now_s, now_s + left_s - 0.01), Names{});
@@ -107,7 +107,7 @@ TEST(Watchdog, DoesNotCountPausesOfTheSupervisorAsSilence) {
   }
 }
 
-// The sign is handled at the end of the pause, before the check that notices the pause.
+// The heartbeat is handled at the end of the pause, before the check that detects the pause.
 TEST(Watchdog, ClampsHeartbeatsToNow) {
   Watchdog dog;
   dog.watch("a", 1.0);

@@ -15,7 +15,8 @@ using models::OperatorAction;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// A vehicle as flight safety operates it: arms on request, in the air once its motors run.
+/// A vehicle that obeys like one with flight safety: it arms on request and flies once its motors
+/// run.
 struct Vehicle {
   std::string name = "Q1";
   FlightState state = FlightState::kIdle;
@@ -93,7 +94,7 @@ struct Trial {
 
 TEST(FlightProgram, TakesOffAndLandsEveryVehicle) {
   Trial trial({"Q1", "Q2"});
-  trial.vehicles[1].arming = std::chrono::seconds(25);  // as long as ArduPilot needs
+  trial.vehicles[1].arming = std::chrono::seconds(25);  // s; arming time of ArduPilot
   trial.run(20.0);
   EXPECT_EQ(trial.vehicles[0].state, FlightState::kFollow);
   EXPECT_EQ(trial.vehicles[1].state, FlightState::kIdle);

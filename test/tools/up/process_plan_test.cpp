@@ -27,7 +27,8 @@ TEST(ProcessPlan, HasASimulatorAndThreeProcessesPerRobot) {
                                       "udpm://x", "--robot", "Q2"}));
 }
 
-// Only drivers and the mocap driver: long computations at this priority would block them.
+// Only drivers and the mocap driver get this priority; long computations at this priority would
+// block them.
 TEST(ProcessPlan, GivesDriversTheGrantedPriority) {
   scenario::Scenario scenario = two_robots();
   scenario.mocap.device = scenario::DeviceSource::kWire;
@@ -104,7 +105,8 @@ scenario::Scenario on_the_wire() {
   return scenario;
 }
 
-// Poses are needed within half a second, and a restarted simulator begins a new world.
+// Poses must arrive within half a second, so drivers and mocap get shorter time limits. The
+// simulator does not, because a restarted one begins a new world.
 TEST(ProcessPlan, WatchesDriversAndMocapMoreClosely) {
   for (const ProcessSpec& process : process_plan(on_the_wire(), {".", "s.yaml", "", ""})) {
     const bool is_driver = process.name.starts_with("quadrotor ");
