@@ -78,8 +78,7 @@ double silence_s(const std::string& what) { return std::stod(what.substr(what.fi
 bool is_outage(const std::string& what) { return what.starts_with("outage:"); }
 bool is_stall(const std::string& what) { return what.starts_with("stall:"); }
 
-/// True if the affected vehicle lands because of the event. A vehicle lands after 0.5 s without
-/// poses; a silence of more than 0.4 s may cause this.
+/// True if the event makes the affected vehicle land, as 0.5 s without poses do.
 bool causes_landing(const std::string& what) {
   return what == "cut" || what == "battery" || what == "motor" || what.ends_with("quadrotor") ||
          what.ends_with("vicon") || ((is_outage(what) || is_stall(what)) && silence_s(what) > 0.4);

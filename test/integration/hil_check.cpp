@@ -2,18 +2,21 @@
 // hil_check --held-up LOG
 // hil_check --collisions LOG
 // hil_check --flown ROUNDS LOG
+//
 // Reads the log of a trial with devices on the wire. Checks that every vehicle took off, followed
-// plans of the team and landed, that no collision was judged, and that VICON has no gap after the
+// plans of the team and landed, that no collision was found, and that VICON has no gap after the
 // first plan is followed. The named robots (ground robots, `direct` ones) may stay at their
 // heights, but must follow plans and move. A ground robot has no minimum share of time in FOLLOW:
 // it is held while a target that its planner does not know is in its path. Prints its observations,
 // and the latency of poses and set-points at the autopilots.
+//
 // Exit code 0 if all checks pass; with --strict only if all flight invariants hold, too (each
 // violation is printed as BROKEN). --speed-share is the maximum of the speed invariant. Timing is
 // not judged where an overloaded host delayed the flight (HELD UP): test/support/flight_invariants.
 // FILE is the output of flight_drill: one line per event and vehicle and a table are then printed.
+//
 // --held-up, --collisions and --flown each check one thing only: whether the host delayed the
-// flight, whether no collision was judged, or whether every robot of the scenario has followed
+// flight, whether no collision was found, or whether every robot of the scenario has followed
 // plans of ROUNDS rounds (also in a log that is still being written). Exit code 0 if so.
 
 #include <algorithm>

@@ -119,6 +119,7 @@ void expect_counted(const Fault& fault, const Outcome& outcome, const Fault& oth
 
 // Expects that each state is reached as early as when the first fault occurs alone. The tolerance
 // is one telemetry tick, one guard tick, one tick for rounding and the delay of the other fault.
+//
 // Skips stages that wait for the floor. Also skips stages that depend on positions or plans if the
 // other fault may have changed them; expect_as_alone() checks such stages by the table's limits.
 void expect_as_soon(const Fault& fault, const Outcome& alone, const Outcome& outcome,

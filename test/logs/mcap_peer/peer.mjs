@@ -1,5 +1,7 @@
 // An independent reader of MCAP files (@mcap/core), for the tests of our writer.
+//
 //   node peer.mjs FILE
+//
 // Prints the content of FILE. First one line per topic of the summary, in the order of the ids:
 // "summary TOPIC SCHEMA MESSAGES". Then one line per message, found by the index: "message TOPIC
 // TIME_NS JSON". Then reads FILE again from front to back, including checksums. Fails unless both

@@ -1,6 +1,8 @@
 // An independent reader of MCAP files of ROS 2 messages (@mcap/core, @foxglove/rosmsg,
 // @foxglove/rosmsg2-serialization), for the tests of the profile "ros2".
+//
 //   node ros2.mjs FILE
+//
 // Prints "TOPIC TYPE STAMP_NS JSON" for each message. Each message is decoded by the schema in the
 // file, and encoding it again must give the same bytes.
 import {open} from 'node:fs/promises';

@@ -370,9 +370,8 @@ TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
   }
 }
 
-// Two robots that drive towards each other may have exactly the required separation at the end of
-// the step. The same holds for a robot that follows a returning teammate. No distant teammate may
-// be skipped.
+// Two robots that meet, or one that follows a returning teammate, may have exactly the required
+// separation at the end of the step. No distant teammate may be skipped.
 TEST(IsFree, ChecksTheEndOfAStep) {
   for (const double side : {1.0, -1.0}) {
     for (const int depth : {0, 1, 3}) {

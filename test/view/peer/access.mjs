@@ -15,8 +15,7 @@ async function check(page, state) {
   assert.deepEqual(said, [], state);
 }
 
-/** Checks that the Tab key alone reaches each control, and that the focused control has a name and shows its focus.
-    */
+/** Checks that the Tab key reaches each control, and that the focused control has a name and shows its focus. */
 async function check_tabs(page) {
   const seen = new Set();
   for (let i = 0; i < 90; ++i) {

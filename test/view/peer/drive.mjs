@@ -15,8 +15,7 @@ const complaints = [];
 
 const shows_a_world = () => window.vantage?.stats().entities > 10;
 
-/** @param prepare is called with the page before it is loaded @param is_ready is evaluated in the page until it
-    returns true */
+/** @param prepare called with the page before it is loaded @param is_ready repeated in the page until it is true */
 export async function open(width, height, scheme, draw, prepare, is_ready = shows_a_world) {
   const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme });
   page.setDefaultTimeout(kPatience_ms);

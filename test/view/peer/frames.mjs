@@ -2,6 +2,7 @@
 // each Chromium process. Measured while a log plays, while playback is paused and both views are redrawn repeatedly,
 // and while the 3-D view is rotated. FLAGS are passed to Chromium. The machine must be idle otherwise. Prints a line
 // of JSON for each; SHOT=FILE writes a screenshot.
+//
 // A frame is a callback of requestAnimationFrame in which the page painted at least one view. The script also
 // requests callbacks all the time, so that a slow compositor reduces both rates. Chromium is driven through its
 // debugging port and not by playwright, because playwright receives a copy of all WebSocket messages, which costs a

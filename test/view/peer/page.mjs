@@ -115,8 +115,7 @@ async function seek(page, since) {
 const proposals_shown = (page, count) =>
   until(page, (count) => (count === 0 ? proposals() === 0 : proposals() >= count), count);
 
-/** Returns each robot's colour; checks that it is the same in the world and in every chart, and that nothing else has
-    it. */
+/** Returns each robot's colour; checks that the robot has it in the world and in every chart, and nothing else. */
 async function colours_of(page) {
   await until(page, () => vantage.state.has_history);
   await until(page, () => // each chart is drawn; this planner proves no bound, so the gap has no chart

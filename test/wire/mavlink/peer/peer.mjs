@@ -1,8 +1,11 @@
 // An independent reader and writer of MAVLink frames (node-mavlink), for the codec's tests.
+//
 //   node peer.mjs DIR
+//
 // For each NAME.values in DIR, NAME.frames holds the same messages as consecutive frames. Writes
 // NAME.decoded, the values that node-mavlink reads from the frames, in the format of NAME.values;
 // and NAME.encoded, the frames that node-mavlink makes of the values.
+//
 // NAME.values has a line "id name", a line "type name count …" (count 0: no array), then one line
 // per message with all its numbers in wire order: integers in decimal, floats as their 32 bits,
 // characters as bytes. Frame k has the sequence number k mod 256, system 1, component 191.
