@@ -26,6 +26,27 @@ bool is_cleared(const Condition& row, const LadderState& ladder, std::size_t i,
   return false;
 }
 
+/// True if a condition in `set` has the property `is(row)`.
+template <class Is>
+bool has_any(std::span<const Condition> rows, const Reasons& set, const Is& is) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (set[i] && is(rows[i])) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Returns the conditions with the property `blocks` that hold now.
+Reasons blocking(std::span<const Condition> rows, bool Condition::*blocks,
+                 const SafetyInputs& inputs, const SafetyLimits& limits) {
+  Reasons out;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    out[i] = rows[i].*blocks && rows[i].holds(inputs, limits);
+  }
+  return out;
+}
+
 }  // namespace
 
 void watch(LadderState& next, std::span<const Condition> rows, const SafetyInputs& inputs,
@@ -54,61 +75,48 @@ void latch(LadderState& next, std::span<const Condition> rows, const SafetyInput
 }
 
 bool acts(std::span<const Condition> rows, const Reasons& latched, Severity severity) {
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (latched[i] && rows[i].severity == severity) {
-      return true;
-    }
-  }
-  return false;
+  return has_any(rows, latched, [&](const Condition& row) { return row.severity == severity; });
 }
 
 bool holds_any(std::span<const Condition> rows, const LadderState& ladder, Clearing clearing) {
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (ladder.held[i] && rows[i].clearing == clearing) {
-      return true;
-    }
-  }
-  return false;
+  return has_any(rows, ladder.held, [&](const Condition& row) { return row.clearing == clearing; });
 }
 
 bool waits_for_more_than_a_plan(std::span<const Condition> rows, const Reasons& latched) {
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    // A condition that ends when a plan begins must not block plans.
-    const bool ends_with_plan = rows[i].clearing == Clearing::kAtOnce;
-    if (latched[i] && rows[i].severity != Severity::kNote && !ends_with_plan) {
-      return true;
-    }
-  }
-  return false;
+  // A condition that ends when a plan begins must not block plans.
+  return has_any(rows, latched, [](const Condition& row) {
+    return row.severity != Severity::kNote && row.clearing != Clearing::kAtOnce;
+  });
+}
+
+bool distrusts_pose(std::span<const Condition> rows, const Reasons& latched) {
+  return has_any(rows, latched, [](const Condition& row) { return row.distrusts_pose; });
+}
+
+bool needs_operator(std::span<const Condition> rows, const Reasons& reasons) {
+  return has_any(rows, reasons, [](const Condition& row) {
+    return row.clearing == Clearing::kOperator || row.clearing == Clearing::kRearm;
+  });
 }
 
 Reasons arming_blocks(std::span<const Condition> rows, const SafetyInputs& inputs,
                       const SafetyLimits& limits) {
-  Reasons out;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    out[i] = rows[i].blocks_arming && rows[i].holds(inputs, limits);
-  }
-  return out;
+  return blocking(rows, &Condition::blocks_arming, inputs, limits);
 }
 
 Reasons take_off_blocks(std::span<const Condition> rows, const SafetyInputs& inputs,
                         const SafetyLimits& limits) {
-  Reasons out;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    out[i] = rows[i].blocks_take_off && rows[i].holds(inputs, limits);
-  }
-  return out;
+  return blocking(rows, &Condition::blocks_take_off, inputs, limits);
 }
 
-bool needs_operator(std::span<const Condition> rows, const Reasons& reasons) {
+std::vector<std::string> names_of(std::span<const Condition> rows, const Reasons& reasons) {
+  std::vector<std::string> out;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const bool is_operators =
-        rows[i].clearing == Clearing::kOperator || rows[i].clearing == Clearing::kRearm;
-    if (reasons[i] && is_operators) {
-      return true;
+    if (reasons[i]) {
+      out.emplace_back(rows[i].name);
     }
   }
-  return false;
+  return out;
 }
 
 }  // namespace vantage::drivers

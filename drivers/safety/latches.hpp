@@ -1,6 +1,8 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <vector>
 
 #include "drivers/safety/conditions.hpp"
 #include "drivers/safety/ladder.hpp"
@@ -45,6 +47,8 @@ bool acts(std::span<const Condition> rows, const Reasons& latched, Severity seve
 bool holds_any(std::span<const Condition> rows, const LadderState& ladder, Clearing clearing);
 /// True if a latched condition would persist when a plan begins.
 bool waits_for_more_than_a_plan(std::span<const Condition> rows, const Reasons& latched);
+/// True if a latched condition stops the use of poses.
+bool distrusts_pose(std::span<const Condition> rows, const Reasons& latched);
 /// Returns the conditions that forbid arming now.
 Reasons arming_blocks(std::span<const Condition> rows, const SafetyInputs& inputs,
                       const SafetyLimits& limits);
@@ -53,5 +57,7 @@ Reasons take_off_blocks(std::span<const Condition> rows, const SafetyInputs& inp
                         const SafetyLimits& limits);
 /// True if only the operator can clear at least one of `reasons`.
 bool needs_operator(std::span<const Condition> rows, const Reasons& reasons);
+/// Returns the names of `reasons` in the order of `rows`. Allocates.
+std::vector<std::string> names_of(std::span<const Condition> rows, const Reasons& reasons);
 
 }  // namespace vantage::drivers
