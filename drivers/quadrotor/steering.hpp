@@ -3,8 +3,8 @@
 #include <optional>
 
 #include "drivers/quadrotor/autopilot_link.hpp"
-#include "drivers/safety/guard.hpp"
-#include "scenario/scenario.hpp"
+#include "drivers/safety/setpoint.hpp"
+#include "models/motion/vehicle_limits.hpp"
 
 namespace vantage::drivers {
 

@@ -6,8 +6,6 @@
 #include "core/angle.hpp"
 #include "core/check.hpp"
 #include "drivers/rover/steering.hpp"
-#include "drivers/safety/latches.hpp"
-#include "drivers/safety/surroundings.hpp"
 
 namespace vantage::drivers {
 
@@ -16,9 +14,6 @@ using models::OperatorAction;
 
 namespace {
 
-// m/s; maximum velocity error in normal motion; above it an external push is assumed
-constexpr double kVelocityErrorMaxMps = 0.6;
-constexpr double kMovingMps = 0.1;
 constexpr double kStandingMps = 0.02;
 constexpr double kStandingRadps = 0.05;
 constexpr double kReleaseS = 0.5;  // s; time for the release; then `arm` must be sent again
@@ -35,7 +30,8 @@ const scenario::RoverSpec& rover_of(const scenario::Scenario& scenario, const st
 
 RoverDriver::RoverDriver(const scenario::Scenario& scenario, const std::string& robot,
                          const SafetyLimits& limits, std::uint32_t session)
-    : core_(scenario, robot, limits, Course(half_window_s(limits.vehicle))),
+    : core_(scenario, robot, limits, {rover_conditions(), false},
+            Course(half_window_s(limits.vehicle))),
       link_(static_cast<std::uint32_t>(rover_of(scenario, robot).number), session),
       run_id_(session) {
   check_limits(limits);
@@ -43,12 +39,12 @@ RoverDriver::RoverDriver(const scenario::Scenario& scenario, const std::string& 
 
 void RoverDriver::on_mocap(const models::MocapFrame& frame, Time now) {
   const bool is_moving = std::abs(control_.speed_mps) > kMovingMps;
-  const BodyContext context{is_driving(core_.ladder.state), is_moving, !is_moving};
+  const BodyContext context{is_driving(core_.state()), is_moving, !is_moving};
   (void)core_.on_mocap(frame, context, false, now);  // the core counts refusals
 }
 
 PlanVerdict RoverDriver::on_plan(const models::RobotPlan& plan, Time now) {
-  if (plan.robot != core_.name) {
+  if (plan.robot != core_.name()) {
     core_.on_teammate_plan(plan, now);
     return PlanVerdict::kWrongVehicle;
   }
@@ -57,16 +53,17 @@ PlanVerdict RoverDriver::on_plan(const models::RobotPlan& plan, Time now) {
 
 PlanVerdict RoverDriver::take(const models::RobotPlan& plan, Time now) {
   // Rovers have no height control: a plan must have the scenario's height.
-  return core_.on_plan(plan, may_take_plans(), core_.limits.take_off_height_m, now);
+  return core_.on_plan(plan, core_.may_take_plans(), core_.limits().take_off_height_m, now);
 }
 
 PlanVerdict RoverDriver::drive_through(std::span<const Waypoint> waypoints, Time now) {
   models::RobotPlan plan;
   const Time start = now + from_seconds(kSetOffS);
   plan.stamp = {start, run_id_, plans_made_++};
-  plan.robot = core_.name;
-  plan.trajectory = waypoint_trajectory(
-      waypoints, world_from_body(now), core_.limits.take_off_height_m, start, core_.limits.vehicle);
+  plan.robot = core_.name();
+  plan.trajectory =
+      waypoint_trajectory(waypoints, world_from_body(now), core_.limits().take_off_height_m, start,
+                          core_.limits().vehicle);
   return take(plan, now);
 }
 
@@ -77,12 +74,12 @@ CommandVerdict RoverDriver::on_command(const models::OperatorCommand& command, T
   if (const auto verdict = core_.execute_if_stateless(command)) {
     return *verdict;
   }
-  const FlightState state = core_.ladder.state;
+  const FlightState state = core_.state();
   switch (command.action) {
     case OperatorAction::kTakeOff:  // sent to all vehicles; only flying vehicles obey
       return CommandVerdict::kOtherRobot;
     case OperatorAction::kArm:
-      if (is_driving(state) || (state == FlightState::kIdle && core_.reasons.any())) {
+      if (is_driving(state) || (state == FlightState::kIdle && core_.reasons().any())) {
         return core_.refuse();
       }
       break;
@@ -105,52 +102,25 @@ bool RoverDriver::receive(std::span<const std::uint8_t> datagram, Time now) {
 }
 
 bool RoverDriver::has_recent_pose(Time now) const {
-  return core_.pose.age_s(now) <= core_.limits.pose_age_hold_s;
+  return core_.pose().age_s(now) <= core_.limits().pose_age_hold_s;
 }
 
 Pose2 RoverDriver::world_from_body(Time now) const {
-  Pose2 here = flatten(core_.pose.world_from_body());
-  const Eigen::Vector3d position_m = core_.pose.predict_m(now, kPredictS);
+  Pose2 here = flatten(core_.pose().world_from_body());
+  const Eigen::Vector3d position_m = core_.position_m(now);
   here.x_m = position_m.x();
   here.y_m = position_m.y();
-  if (core_.pose.has_pose()) {
-    const double ahead_s = std::min(core_.pose.age_s(now), kPredictS);
+  if (core_.pose().has_pose()) {
+    const double ahead_s = std::min(core_.pose().age_s(now), kPredictS);
     here.yaw_rad = wrap_to_pi(here.yaw_rad + control_.yaw_rate_radps * ahead_s);
   }
   return here;
 }
 
-bool RoverDriver::may_take_plans() const {
-  if (core_.ladder.state == FlightState::kFollow) {
-    return true;
-  }
-  return core_.ladder.state == FlightState::kHold && core_.ladder.wants_follow &&
-         !waits_for_more_than_a_plan(rover_conditions(), core_.ladder.latched);
-}
-
-// Returns the braking path: along the plan while the rover follows it, otherwise straight at its
-// measured velocity.
-BrakingPath RoverDriver::braking_path(Time now) const {
-  const Eigen::Vector3d here_m = core_.pose.predict_m(now, kPredictS);
-  const Setpoint commanded = core_.course.at(now);
-  const bool keeps_to_course =
-      core_.course.is_on_plan() && has_recent_pose(now) &&
-      (core_.pose.velocity_world_mps() - commanded.velocity_world_mps).norm() <=
-          kVelocityErrorMaxMps &&
-      (here_m - commanded.position_world_m).head<2>().norm() <= core_.limits.tracking_hold_m;
-  if (keeps_to_course) {
-    return BrakingPath::along(core_.course.plan(), std::max(0.0, core_.course.elapsed_s(now)),
-                              core_.limits.vehicle.brake_mps2, core_.limits.reaction_s,
-                              here_m - core_.course.planned_at(now).position_world_m);
-  }
-  return BrakingPath::straight(here_m, core_.pose.velocity_world_mps(), 0.0,
-                               core_.limits.vehicle.brake_mps2, core_.limits.reaction_s);
-}
-
 RoverFacts RoverDriver::facts(Time now) const {
   const wire::rover::Telemetry& telemetry = link_.telemetry();
   RoverFacts out;
-  out.is_stationary = link_.receive_age_s(now) <= core_.limits.telemetry_age_hold_s &&
+  out.is_stationary = link_.receive_age_s(now) <= core_.limits().telemetry_age_hold_s &&
                       std::abs(telemetry.speed_mps) < static_cast<float>(kStandingMps) &&
                       std::abs(telemetry.yaw_rate_radps) < static_cast<float>(kStandingRadps);
   out.stop_latched = link_.has_flag(wire::rover::kStopLatched);
@@ -159,7 +129,7 @@ RoverFacts RoverDriver::facts(Time now) const {
 
 EndFacts RoverDriver::end_facts(Time now) const {
   EndFacts out;
-  if (is_driving(core_.ladder.state)) {
+  if (is_driving(core_.state())) {
     out.in_flight = facts(now).is_stationary ? InFlight::kNo : InFlight::kYes;
   } else if (link_.has_telemetry()) {
     out.in_flight = InFlight::kNo;
@@ -169,17 +139,14 @@ EndFacts RoverDriver::end_facts(Time now) const {
 
 void RoverDriver::update_inputs(Time now) {
   core_.update_common_inputs(now);
-  SafetyInputs& in = core_.in;
-  const Eigen::Vector3d here_m = core_.pose.predict_m(now, kPredictS);
+  SafetyInputs& in = core_.inputs();
+  const Eigen::Vector3d here_m = core_.position_m(now);
   in.height_m = here_m.z();
   in.tracking_error_m = 0.0;
-  if (core_.ladder.state == FlightState::kFollow && has_recent_pose(now)) {
-    in.tracking_error_m = (here_m - core_.course.at(now).position_world_m).head<2>().norm();
+  if (core_.state() == FlightState::kFollow && has_recent_pose(now)) {
+    in.tracking_error_m = (here_m - core_.course().at(now).position_world_m).head<2>().norm();
   }
-  if (core_.pose.has_pose()) {
-    static_cast<Surroundings&>(in) = compute_surroundings(
-        here_m, braking_path(now), core_.fleet.bodies(now, core_.limits), core_.limits);
-  }
+  core_.update_surroundings(core_.bodies(now), now);
   in.heartbeat_age_s = link_.receive_age_s(now);
   in.telemetry_age_s = link_.taken_command_age_s(now);
   in.autopilot_obeys = link_.is_ours();
@@ -189,92 +156,65 @@ void RoverDriver::update_inputs(Time now) {
   // In the killed state, `arm` releases the rover's latched stop, so the latched stop is not a new
   // reason.
   const bool is_new_stop =
-      core_.ladder.state != FlightState::kKilled && link_.has_flag(wire::rover::kStopLatched);
+      core_.state() != FlightState::kKilled && link_.has_flag(wire::rover::kStopLatched);
   in.emergency_stop = in.emergency_stop || is_new_stop;
 }
 
 // Sets the course to the rover's position, unless it follows a plan or a plan is about to begin.
 void RoverDriver::keep_course(FlightState before, Time now) {
-  const bool stops = before == FlightState::kFollow && core_.ladder.state != FlightState::kFollow;
+  const bool stops = before == FlightState::kFollow && core_.state() != FlightState::kFollow;
   const bool waits =
-      core_.ladder.state == FlightState::kHold && may_take_plans() && core_.course.has_next();
-  const bool begins =
-      core_.ladder.state == FlightState::kHold && core_.course.is_on_plan() && !stops;
-  if (core_.ladder.state != FlightState::kFollow && !waits && !(begins && may_take_plans())) {
+      core_.state() == FlightState::kHold && core_.may_take_plans() && core_.course().has_next();
+  const bool begins = core_.state() == FlightState::kHold && core_.course().is_on_plan() && !stops;
+  if (core_.state() != FlightState::kFollow && !waits && !(begins && core_.may_take_plans())) {
     const Pose2 here = world_from_body(now);
-    core_.course.hover({here.x_m, here.y_m, core_.limits.take_off_height_m}, here.yaw_rad, now);
+    core_.course().hover({here.x_m, here.y_m, core_.limits().take_off_height_m}, here.yaw_rad, now);
   }
 }
 
 void RoverDriver::drive(Time now, double dt_s) {
-  if (core_.ladder.state == FlightState::kFollow && has_recent_pose(now)) {
-    control_ = steer(world_from_body(now), core_.course.at(now), core_.limits.vehicle);
-  } else if (is_driving(core_.ladder.state)) {
-    control_ = brake_on_circle(control_, core_.limits.vehicle.brake_mps2, dt_s);
+  if (core_.state() == FlightState::kFollow && has_recent_pose(now)) {
+    control_ = steer(world_from_body(now), core_.course().at(now), core_.limits().vehicle);
+  } else if (is_driving(core_.state())) {
+    control_ = brake_on_circle(control_, core_.limits().vehicle.brake_mps2, dt_s);
   } else {
     control_ = {};
   }
 }
 
 std::uint32_t RoverDriver::flags() const {
-  if (core_.ladder.state == FlightState::kKilled) {
-    return core_.ladder.wants_armed ? wire::rover::kReleaseStop : wire::rover::kEmergencyStop;
+  if (core_.state() == FlightState::kKilled) {
+    return core_.ladder().wants_armed ? wire::rover::kReleaseStop : wire::rover::kEmergencyStop;
   }
-  return is_driving(core_.ladder.state) ? wire::rover::kDrive : 0U;
+  return is_driving(core_.state()) ? wire::rover::kDrive : 0U;
 }
 
 RoverMessage RoverDriver::tick(Time now) {
   const double dt_s = core_.dt_s(now);
-  core_.course.advance(now, dt_s, 1.0);
+  core_.course().advance(now, dt_s, 1.0);
   update_inputs(now);
-  const LadderState before = core_.ladder;
-  core_.ladder = step_rover_ladder(core_.ladder, core_.in, facts(now), core_.limits);
-  if (core_.ladder.wants_armed && !before.wants_armed) {
+  const FlightState before = core_.state();
+  LadderState next = step_rover_ladder(core_.ladder(), core_.inputs(), facts(now), core_.limits());
+  if (next.wants_armed && !core_.ladder().wants_armed) {
     release_since_ = now;
   }
-  core_.ladder.wants_armed =
-      core_.ladder.wants_armed && to_seconds(now - release_since_) <= kReleaseS;
-  keep_course(before.state, now);
+  next.wants_armed = next.wants_armed && to_seconds(now - release_since_) <= kReleaseS;
+  core_.set_ladder(next);
+  keep_course(before, now);
   drive(now, dt_s);
 
-  const Reasons reasons = core_.ladder.state == FlightState::kIdle
-                              ? arming_blocks(rover_conditions(), core_.in, core_.limits)
-                              : core_.ladder.latched;
-  has_changed_ = has_changed_ || core_.ladder.state != before.state || reasons != core_.reasons;
-  core_.reasons = reasons;
-  core_.end_tick(now);
+  const bool has_other_reasons = core_.end_tick(core_.acting_conditions(), now);
+  has_changed_ = has_changed_ || core_.state() != before || has_other_reasons;
   return link_.command(control_, flags(), now);
 }
 
-bool RoverDriver::take_changed() {
-  const bool had = has_changed_;
-  has_changed_ = false;
-  return had;
-}
-
 models::VehicleStatus RoverDriver::status(Time now) const {
-  models::VehicleStatus out;
-  out.stamp.time = now;
-  out.robot = core_.name;
-  out.state = core_.ladder.state;
-  out.battery_share = core_.in.battery_share;
-  const Setpoint commanded = core_.course.at(now);
-  out.setpoint = {commanded.position_world_m.x(), commanded.position_world_m.y(),
-                  commanded.yaw_rad};
-  out.setpoint_height_m = std::max(0.0, core_.in.height_m);
-  out.plan_round = core_.ladder.state == FlightState::kFollow ? core_.plans.round() : -1;
-  const auto rows = rover_conditions();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (core_.reasons[i]) {
-      out.reasons.emplace_back(rows[i].name);
-    }
+  std::vector<std::string> details;
+  if (core_.state() == FlightState::kHold && !core_.ladder().wants_follow) {
+    details.emplace_back("operator");
   }
-  if (core_.ladder.state == FlightState::kHold && !core_.ladder.wants_follow) {
-    out.reasons.emplace_back("operator");
-  }
-  if (const char* const refusal_message = core_.source.refusal_message(now)) {
-    out.reasons.emplace_back(refusal_message);
-  }
+  models::VehicleStatus out = core_.status(now, details);
+  out.setpoint_height_m = std::max(0.0, core_.inputs().height_m);
   return out;
 }
 

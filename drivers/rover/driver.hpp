@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/time.hpp"
@@ -37,13 +38,13 @@ class RoverDriver {
   /// Processes a plan of any robot: checks this rover's plan, stores a teammate's plan.
   PlanVerdict on_plan(const models::RobotPlan& plan, Time now);
   CommandVerdict on_command(const models::OperatorCommand& command, Time now);
-  void on_map(bool is_same) { core_.map_differs = !is_same; }
+  void on_map(bool is_same) { core_.on_map(is_same); }
   /// Ends the driver: stops the rover and prevents arming.
-  void end(bool /*is_hurried*/) { core_.is_ending = true; }
+  void end(bool /*is_hurried*/) { core_.on_end_request(); }
   [[nodiscard]] EndFacts end_facts(Time now) const;
-  void on_other_version(Time now) { core_.other_version_at = now; }
+  void on_other_version(Time now) { core_.on_other_version(now); }
   /// Reports the time that the driver's thread waited for a processor within the last second, s.
-  void on_processor_wait(double wait_s) { core_.processor_wait_s = wait_s; }
+  void on_processor_wait(double wait_s) { core_.on_processor_wait(wait_s); }
   /// Drives through way points instead of along a planner's plan. The motion begins at the rover's
   /// present position half a second from now. It is checked like a plan, and refused while a
   /// planner holds the lease.
@@ -54,24 +55,22 @@ class RoverDriver {
   /// Returns the command to send.
   RoverMessage tick(Time now);
   /// Returns true once after the state or the reasons have changed.
-  bool take_changed();
+  [[nodiscard]] bool take_changed() { return std::exchange(has_changed_, false); }
 
-  [[nodiscard]] models::FlightState state() const { return core_.ladder.state; }
+  [[nodiscard]] models::FlightState state() const { return core_.state(); }
   /// Returns the conditions that act or forbid arming, by index into rover_conditions().
-  [[nodiscard]] const Reasons& reasons() const { return core_.reasons; }
+  [[nodiscard]] const Reasons& reasons() const { return core_.reasons(); }
   /// Returns the inputs of the last tick.
-  [[nodiscard]] const SafetyInputs& inputs() const { return core_.in; }
-  [[nodiscard]] const Course& course() const { return core_.course; }
+  [[nodiscard]] const SafetyInputs& inputs() const { return core_.inputs(); }
+  [[nodiscard]] const Course& course() const { return core_.course(); }
   [[nodiscard]] const models::UnicycleControl& control() const { return control_; }
   /// Returns the status for VEHICLE_R.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
 
  private:
-  [[nodiscard]] bool may_take_plans() const;
   [[nodiscard]] bool has_recent_pose(Time now) const;
   [[nodiscard]] Pose2 world_from_body(Time now) const;
-  [[nodiscard]] BrakingPath braking_path(Time now) const;
   [[nodiscard]] RoverFacts facts(Time now) const;
   PlanVerdict take(const models::RobotPlan& plan, Time now);
   void update_inputs(Time now);

@@ -5,7 +5,8 @@
 #include <tuple>
 
 #include "core/check.hpp"
-#include "drivers/safety/guard_parts.hpp"
+#include "drivers/safety/latches.hpp"
+#include "drivers/safety/surroundings.hpp"
 
 namespace vantage::drivers {
 
@@ -13,53 +14,38 @@ using models::FlightState;
 
 namespace {
 
-constexpr double kMovingMps = 0.1;
+constexpr double kClearanceMps = 0.2;      // m/s; speed of a shift away from fence or obstacle
+constexpr double kEstimatorGapMaxS = 0.2;  // s; longer than the gap of one lost estimator report
 // reason in a status message that announces the first lift
 constexpr const char* kFirstLift = "first lift";
 
-bool is_sound(const AutopilotReport& report) {
-  return std::isfinite(report.tilt_rad) &&
-         (!report.has_position ||
-          (report.position_world_m.allFinite() && report.velocity_world_mps.allFinite())) &&
-         (!report.has_attitude ||
-          (report.world_from_body.coeffs().allFinite() && std::isfinite(report.yaw_rate_radps)));
+/// Returns the share of the normal rate at which a plan is flown: 1 with a pose younger than
+/// pose_age_warn_s, 0 from pose_age_hold_s on.
+double plan_rate(const SafetyLimits& limits, double pose_age_s) {
+  return std::clamp(
+      (limits.pose_age_hold_s - pose_age_s) / (limits.pose_age_hold_s - limits.pose_age_warn_s),
+      0.0, 1.0);
 }
 
-std::vector<std::string> names_of(const Reasons& reasons) {
-  std::vector<std::string> out;
-  const auto rows = conditions();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (reasons[i]) {
-      out.emplace_back(rows[i].name);
-    }
-  }
-  return out;
-}
-
-bool distrusts_pose(const Reasons& latched) {
-  const auto rows = conditions();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (latched[i] && rows[i].distrusts_pose) {
-      return true;
-    }
-  }
-  return false;
+/// Returns the fields that describe the status of commands on the ground.
+auto order_status(const LadderState& ladder) {
+  return std::tuple(ladder.refusal, ladder.arm.is_given, ladder.take_off.is_given,
+                    ladder.wants_armed);
 }
 
 // Appends the status of the commands `arm` and `take-off` on the ground.
-void append_order_status(const LadderState& ladder, const SafetyInputs& in,
+void append_order_status(const LadderState& ladder, bool is_armed,
                          std::vector<std::string>& reasons) {
   if (ladder.arm.is_given && !ladder.wants_armed) {
     reasons.emplace_back("arm pending");
   }
   if (ladder.take_off.is_given) {
-    reasons.emplace_back(in.autopilot_armed ? "take-off pending"
-                                            : "take-off pending: starting the motors");
+    reasons.emplace_back(is_armed ? "take-off pending" : "take-off pending: starting the motors");
   }
   if (ladder.refusal.order != Refusal::Order::kNone) {
     const bool is_arm = ladder.refusal.order == Refusal::Order::kArm;
     std::string why = is_arm ? "arm refused: " : "take-off refused: ";
-    const std::vector<std::string> names = names_of(ladder.refusal.reasons);
+    const std::vector<std::string> names = names_of(conditions(), ladder.refusal.reasons);
     for (std::size_t i = 0; i < names.size(); ++i) {
       why += (i == 0 ? "" : ", ") + names[i];
     }
@@ -70,220 +56,355 @@ void append_order_status(const LadderState& ladder, const SafetyInputs& in,
 }  // namespace
 
 FlightGuard::FlightGuard(const scenario::Scenario& scenario, const std::string& robot,
-                         const SafetyLimits& limits) {
+                         const SafetyLimits& limits)
+    // The window of the course limits changes of speed to the vehicle's braking deceleration.
+    : core_(scenario, robot, limits, {conditions()},
+            Course(half_window_s(limits.vehicle), limits.round_s)),
+      take_off_(scenario, robot) {
   require(scenario.find_robot(robot) != nullptr,
           "flight safety: robot " + robot + " is not in the scenario");
   check_limits(limits);
-  parts_ = std::make_unique<Parts>(scenario, robot, limits);
 }
-
-FlightGuard::~FlightGuard() = default;
 
 bool FlightGuard::on_mocap(const models::MocapFrame& frame, Time now) {
-  Parts& p = *parts_;
-  const bool airborne = is_airborne(p.ladder.state);
-  const bool comes_down = p.ladder.state == FlightState::kLand && p.is_sinking;
-  const BodyContext context{airborne, p.course.at(now).velocity_world_mps.norm() > kMovingMps,
-                            !airborne || p.in.height_m < p.limits.safe_height_m,
-                            comes_down ? p.limits.descent_mps * p.pose_age_s(now) : 0.0,
-                            p.distrusts_pose};
-  return p.on_mocap(frame, context, p.autopilot.armed, now);
-}
-
-Time FlightGuard::captured() const { return parts_->clock.captured(); }
-
-PoseVerdict FlightGuard::pose_verdict() const { return parts_->pose_verdict; }
-
-PlanVerdict FlightGuard::on_plan(const models::RobotPlan& plan, Time now) {
-  Parts& p = *parts_;
-  return p.on_plan(plan, p.may_take_plans(), p.height_ref_m, now);
-}
-
-void FlightGuard::on_teammate_plan(const models::RobotPlan& plan, Time now) {
-  parts_->on_teammate_plan(plan, now);
+  const bool airborne = is_airborne(core_.state());
+  const SafetyLimits& limits = core_.limits();
+  const BodyContext context{airborne, core_.course().at(now).velocity_world_mps.norm() > kMovingMps,
+                            !airborne || core_.inputs().height_m < limits.safe_height_m,
+                            is_descending() ? limits.descent_mps * core_.pose().age_s(now) : 0.0,
+                            distrusts_pose_};
+  return core_.on_mocap(frame, context, autopilot_.report().armed, now);
 }
 
 void FlightGuard::on_teammate_status(const models::VehicleStatus& status, Time now) {
-  parts_->fleet.on_status(status.robot, now);
+  core_.on_teammate_status(status.robot, now);
   const bool is_lifting =
       std::find(status.reasons.begin(), status.reasons.end(), kFirstLift) != status.reasons.end();
   if (is_lifting && is_airborne(status.state)) {
-    parts_->lift_queue.on_lifting(status.robot, now);
+    take_off_.queue().on_lifting(status.robot, now);
   }
 }
 
 CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, Time now) {
   using models::OperatorAction;
-  Parts& p = *parts_;
-  if (!p.admits(command, now)) {
-    return p.is_ours(command) ? CommandVerdict::kNotInCharge : CommandVerdict::kOtherRobot;
+  if (!core_.admits(command, now)) {
+    return core_.is_ours(command) ? CommandVerdict::kNotInCharge : CommandVerdict::kOtherRobot;
   }
   if (command.action == OperatorAction::kTakeOff) {
-    p.lift_queue.on_take_off(command.robot);  // commands to every robot count, since robots lift
-                                              // one by one
+    take_off_.queue().on_take_off(command.robot);  // commands to every robot count, since robots
+                                                   // lift one by one
   }
-  if (const auto verdict = p.execute_if_stateless(command)) {
+  if (const auto verdict = core_.execute_if_stateless(command)) {
     return *verdict;
   }
-  const bool airborne = is_airborne(p.ladder.state);
+  const bool airborne = is_airborne(core_.state());
   const bool on_ground_only =
       command.action == OperatorAction::kArm || command.action == OperatorAction::kTakeOff;
   const bool is_harmless = !on_ground_only && command.action != OperatorAction::kFollow;
   if (on_ground_only == airborne && !is_harmless) {
-    return p.refuse();
+    return core_.refuse();
   }
-  return p.request_action(command.action);
+  return core_.request_action(command.action);
 }
 
-void FlightGuard::on_heartbeat(Time now) {
-  Parts& p = *parts_;
-  p.has_heartbeat = true;
-  p.heartbeat_at = now;
-  p.disarmed_beats = p.autopilot.armed ? 0 : std::min(p.disarmed_beats + 1, 1000);
+bool FlightGuard::may_take_plans() const {
+  const bool climbs = core_.state() == FlightState::kHold && take_off_.is_climbing();
+  return core_.may_take_plans() && !climbs;
 }
 
-void FlightGuard::on_autopilot(const AutopilotReport& report, Time now) {
-  Parts& p = *parts_;
-  if (!is_sound(report)) {
-    ++p.reports_refused;
-    return;
-  }
-  p.autopilot = report;
-  p.has_telemetry = true;
-  p.telemetry_at = now;
+bool FlightGuard::is_descending() const {
+  return core_.state() == FlightState::kLand && landing_.is_sinking();
 }
 
-void FlightGuard::on_battery(double share, Time now) {
-  Parts& p = *parts_;
-  if (!(share >= 0.0 && share <= 1.0)) {
-    ++p.reports_refused;
-    return;
-  }
-  if (!p.has_battery || share != p.battery_share) {
-    p.battery_changed_at = now;
-  }
-  p.has_battery = true;
-  p.battery_share = share;
-  p.battery_at = now;
+// True if a landing has no position that it can use.
+bool FlightGuard::is_blind() const {
+  const SafetyInputs& in = core_.inputs();
+  return distrusts_pose_ || in.pose_age_s > core_.limits().pose_age_kill_s ||
+         autopilot_.estimator_gap_s(in.now) > kEstimatorGapMaxS;
 }
 
-void FlightGuard::on_map(bool is_same) { parts_->map_differs = !is_same; }
+// Returns the height error against the set-point, m. The error is 0 during a descent, and during a
+// take-off at any height between start and goal.
+double FlightGuard::height_error_m() const {
+  const double at_m = core_.inputs().height_m;
+  if (is_descending()) {
+    return 0.0;
+  }
+  return take_off_.is_climbing() ? take_off_.height_error_m(at_m, height_.goal_m)
+                                 : std::abs(at_m - height_.command_m);
+}
 
-void FlightGuard::on_processor_wait(double wait_s) { parts_->processor_wait_s = wait_s; }
+// Fills the inputs with the state at `now`. Later inputs use earlier inputs.
+void FlightGuard::update_inputs(Time now) {
+  started_at_ = started_at_.value_or(now);
+  SafetyInputs& in = core_.inputs();
+  in.autopilot_armed = autopilot_.is_assumed_armed(core_, now);
+  core_.update_common_inputs(now);
+  in.telemetry_age_s = autopilot_.telemetry_age_s(now);
+  in.is_pose_distrusted = distrusts_pose_;
+  update_height(now);
+  detect_flight(now);
+  update_ages(now);
+  update_tracking_error(now);
+  const auto bodies = core_.bodies(now);
+  core_.update_surroundings(bodies, now);
+  take_off_.update_inputs(core_, autopilot_.report(), bodies, now);
+  autopilot_.update_inputs(core_, {take_off_.is_climbing(), is_descending()}, height_, now);
+}
 
-void FlightGuard::on_end_request() { parts_->is_ending = true; }
+void FlightGuard::update_height(Time now) {
+  SafetyInputs& in = core_.inputs();
+  if (in.pose_age_s <= core_.limits().pose_age_hold_s) {
+    in.height_m = height_.unmeasured_m = core_.position_m(now).z();
+  } else {
+    in.height_m = autopilot_.has_estimate(core_) ? autopilot_.report().position_world_m.z()
+                                                 : height_.unmeasured_m;
+  }
+}
 
-void FlightGuard::on_other_version(Time now) { parts_->other_version_at = now; }
+// Detects a vehicle in the air without a take-off by this driver: by mocap or, after a long time
+// without a pose, by the autopilot's estimate.
+void FlightGuard::detect_flight(Time now) {
+  SafetyInputs& in = core_.inputs();
+  const SafetyLimits& limits = core_.limits();
+  const AutopilotReport& report = autopilot_.report();
+  const bool is_idle = core_.state() == FlightState::kIdle;
+  const bool has_recent_pose = in.pose_age_s <= limits.pose_age_hold_s;
+  const bool is_unseen =
+      std::min(in.pose_age_s, time_since_s(started_at_, now)) > limits.pose_age_land_s;
+  const bool is_found = is_idle && !core_.ladder().wants_armed && in.autopilot_armed &&
+                        in.telemetry_age_s <= limits.telemetry_age_hold_s &&
+                        in.height_m - height_.ground_m.value_or(0.0) > limits.safe_height_m &&
+                        (has_recent_pose || (is_unseen && autopilot_.has_estimate(core_)));
+  if (is_idle && autopilot_.has_heartbeat() && !report.armed && has_recent_pose) {
+    height_.ground_m = in.height_m;
+  }
+  in.is_found_flying = is_found && report.is_in_our_mode;
+  in.is_found_landing = is_found && report.is_landing_itself;
+  if (is_found) {
+    take_off_.on_found_flying();
+  }
+}
 
-// long: the steps of one tick in their order; each step is a function
-GuardOutput FlightGuard::tick(Time now) {
-  Parts& p = *parts_;
-  const double dt_s = p.dt_s(now);
-  const double warn_s = p.limits.pose_age_warn_s;
-  const double rate = std::clamp(
-      (p.limits.pose_age_hold_s - p.pose_age_s(now)) / (p.limits.pose_age_hold_s - warn_s), 0.0,
-      1.0);
-  p.course.advance(now, dt_s, rate);
-  p.update_inputs(now);
-  p.stalls += p.in.since_last_tick_s > p.limits.stall_hold_s ? 1 : 0;
-
-  const FlightState before = p.ladder.state;
-  const LadderState& ladder = p.ladder;
-  const auto orders = [&ladder] {
-    return std::tuple(ladder.refusal.order, ladder.refusal.reasons, ladder.arm.is_given,
-                      ladder.take_off.is_given, ladder.wants_armed);
+// Fills the ages of messages. In the air, the age of a message that was never received counts from
+// the start of this process, which may have begun just now.
+void FlightGuard::update_ages(Time now) {
+  SafetyInputs& in = core_.inputs();
+  const bool airborne = is_airborne(core_.state());
+  const bool is_flying = airborne || in.is_found_flying || in.is_found_landing;
+  const auto age_s = [&](double since_s) {
+    return since_s == kNever && is_flying ? time_since_s(started_at_, now) : since_s;
   };
-  const auto orders_before = orders();
-  p.ladder = step_ladder(p.ladder, p.in, p.limits);
-  p.distrusts_pose = is_airborne(p.ladder.state) && distrusts_pose(p.ladder.latched);
-  if (p.ladder.state != before) {
-    p.on_state_change(before, now);
+  in.pose_age_s = age_s(in.pose_age_s);
+  in.telemetry_age_s = age_s(in.telemetry_age_s);
+  in.operator_age_s = age_s(in.operator_age_s);
+  in.heartbeat_age_s = age_s(autopilot_.heartbeat_age_s(now));
+  in.battery_age_s = age_s(autopilot_.battery_age_s(now));
+  in.flight_s = airborne ? to_seconds(now - airborne_at_) : 0.0;
+}
+
+void FlightGuard::update_tracking_error(Time now) {
+  SafetyInputs& in = core_.inputs();
+  const bool has_recent_pose = core_.pose().age_s(now) <= core_.limits().pose_age_hold_s;
+  in.speed_mps = has_recent_pose ? core_.pose().velocity_world_mps().head<2>().norm() : 0.0;
+  in.tracking_error_m = 0.0;
+  if (is_airborne(core_.state()) && has_recent_pose) {
+    const Eigen::Vector3d commanded_m = core_.course().at(now).position_world_m;
+    const Eigen::Vector3d on_time_m = core_.course().on_time(now).position_world_m;
+    const double level_m = std::max((core_.position_m(now) - commanded_m).head<2>().norm(),
+                                    (on_time_m - commanded_m).head<2>().norm());
+    in.tracking_error_m = std::hypot(level_m, height_error_m());
   }
-  if (p.ladder.state == FlightState::kHold && !p.may_take_plans()) {
-    // A plan accepted before a condition forbade plans must not start now.
-    p.course.forget_next();
-    if (p.course.is_on_plan()) {
-      p.course.stop(p.braking_path(now, 0.0), now);
+}
+
+// Performs the actions that a change of state requires.
+void FlightGuard::on_state_change(FlightState before, Time now) {
+  const FlightState state = core_.state();
+  const SafetyInputs& in = core_.inputs();
+  if (!is_airborne(before) && is_airborne(state)) {
+    airborne_at_ = now;
+    const Pose3& here = core_.pose().world_from_body();
+    core_.course().hover(here.translation_m, flatten(here).yaw_rad, now);
+    height_.command_m = height_.goal_m = in.height_m;
+    if (!in.is_found_flying && !in.is_found_landing) {
+      take_off_.begin(core_, height_, now);
     }
   }
-  if (p.ladder.state == FlightState::kHold) {
-    p.restore_clearance(now);
+  const bool lands = state == FlightState::kLand && before != FlightState::kLand;
+  const bool leaves_plan = before == FlightState::kFollow || (lands && core_.course().is_on_plan());
+  if (leaves_plan && is_airborne(state)) {
+    leave_plan(now);
   }
-  const double height_before_m = p.height_ref_m;
-  if (p.ladder.state == FlightState::kLand) {
-    p.land(now, dt_s);
-  } else if (is_airborne(p.ladder.state)) {
-    p.move_height(dt_s);
+  if (lands || !is_airborne(state)) {
+    take_off_.end();
   }
-  const double rate_mps = dt_s > 0.0 ? (p.height_ref_m - height_before_m) / dt_s : 0.0;
-  p.height_rate_mps = std::clamp(rate_mps, -p.limits.descent_mps, p.limits.climb_mps);
+  if (lands) {
+    landing_.begin(core_, height_, now);
+  }
+}
 
-  if (!p.ladder.take_off.is_given && !p.lift.is_under_way()) {
-    p.lift_queue.forget_own();
+void FlightGuard::leave_plan(Time now) {
+  Course& course = core_.course();
+  if (core_.inputs().plan_ended && course.is_on_plan() && !course.has_next()) {
+    // Hovers at the plan's final hover position, which was checked with the plan.
+    const Setpoint end = course.at(now);
+    course.hover(end.position_world_m, end.yaw_rad, now);
+  } else {
+    course.stop(core_.braking_path(now, 0.0), now);
+  }
+}
+
+// Keeps the hover: stops a plan that may not be flown, and moves away from a fence or obstacle that
+// a gust could make the vehicle touch.
+void FlightGuard::hold(Time now) {
+  Course& course = core_.course();
+  const SafetyInputs& in = core_.inputs();
+  if (!may_take_plans()) {
+    // A plan accepted before a condition forbade plans must not start now.
+    course.forget_next();
+    if (course.is_on_plan()) {
+      course.stop(core_.braking_path(now, 0.0), now);
+    }
+  }
+  if (take_off_.is_lifting() || !course.is_hovering(now) ||
+      in.pose_age_s > core_.limits().pose_age_warn_s || !in.estimator_good) {
+    return;
+  }
+  // During a climb the course has the start height; the vehicle is higher.
+  const Eigen::Vector3d hover_m = course.at(now).position_world_m;
+  const Eigen::Vector3d here_m(hover_m.x(), hover_m.y(), in.height_m);
+  if (const auto clear_m = clear_spot(here_m, core_.bodies(now), core_.limits())) {
+    course.shift({clear_m->x(), clear_m->y(), hover_m.z()}, kClearanceMps, now);
+  }
+}
+
+// Moves the vehicle as its state requires: hover, landing or commanded height.
+void FlightGuard::move(double dt_s, Time now) {
+  const SafetyLimits& limits = core_.limits();
+  const FlightState state = core_.state();
+  const double before_m = height_.command_m;
+  if (state == FlightState::kHold) {
+    hold(now);
+  }
+  if (state == FlightState::kLand) {
+    landing_.step(core_, height_, is_blind(), dt_s, now);
+  } else if (is_airborne(state)) {
+    move_height(dt_s, now);
+  }
+  const double rate_mps = dt_s > 0.0 ? (height_.command_m - before_m) / dt_s : 0.0;
+  height_.rate_mps = std::clamp(rate_mps, -limits.descent_mps, limits.climb_mps);
+}
+
+// Moves the commanded height to its goal.
+void FlightGuard::move_height(double dt_s, Time now) {
+  const SafetyLimits& limits = core_.limits();
+  take_off_.step(core_, height_, now);
+  if (core_.state() == FlightState::kFollow && core_.course().is_on_plan()) {
+    height_.goal_m = core_.course().plan().height_m;
+  }
+  if (take_off_.is_waiting(core_, height_, now)) {
+    return;
+  }
+  // The descent is limited to the velocity of the set-point.
+  const double up_m = limits.climb_mps * dt_s;
+  const double down_m = std::min(limits.climb_mps, limits.descent_mps) * dt_s;
+  height_.command_m += std::clamp(height_.goal_m - height_.command_m, -down_m, up_m);
+}
+
+FlightSetpoint FlightGuard::setpoint(Time now) const {
+  FlightSetpoint out;
+  switch (core_.state()) {
+    case FlightState::kIdle:
+      return out;
+    case FlightState::kKilled:
+      out.kind = FlightSetpoint::Kind::kMotorsOff;
+      return out;
+    case FlightState::kLand:
+      if (is_blind()) {
+        out.kind = FlightSetpoint::Kind::kBlindLand;
+        return out;
+      }
+      break;
+    case FlightState::kFollow:
+    case FlightState::kHold:
+      break;
+  }
+  // Position and velocity refer to the same instant, so they are consistent. The acceleration has a
+  // separate lead: the vehicle must tilt first, and a late acceleration causes a velocity error.
+  const SafetyLimits& limits = core_.limits();
+  const Setpoint soon = core_.course().at(now + from_seconds(limits.setpoint_lead_s));
+  const Setpoint then = core_.course().at(now + from_seconds(limits.acceleration_lead_s));
+  out.kind = FlightSetpoint::Kind::kTrack;
+  static_cast<Setpoint&>(out) = soon;
+  out.position_world_m.z() = height_.command_m + limits.setpoint_lead_s * height_.rate_mps;
+  out.velocity_world_mps.z() = height_.rate_mps;
+  out.acceleration_world_mps2 = then.acceleration_world_mps2;
+  return out;
+}
+
+GuardOutput FlightGuard::tick(Time now) {
+  const SafetyLimits& limits = core_.limits();
+  const SafetyInputs& in = core_.inputs();
+  const double dt_s = core_.dt_s(now);
+  core_.course().advance(now, dt_s, plan_rate(limits, core_.pose().age_s(now)));
+  update_inputs(now);
+  stalls_ += in.since_last_tick_s > limits.stall_hold_s ? 1 : 0;
+
+  const FlightState before = core_.state();
+  const auto orders_before = order_status(core_.ladder());
+  core_.set_ladder(step_ladder(core_.ladder(), in, limits));
+  const LadderState& ladder = core_.ladder();
+  distrusts_pose_ = is_airborne(ladder.state) && distrusts_pose(conditions(), ladder.latched);
+  if (ladder.state != before) {
+    on_state_change(before, now);
+  }
+  move(dt_s, now);
+  if (!ladder.take_off.is_given && !take_off_.is_lifting()) {
+    take_off_.queue().forget_own();
   }
 
   GuardOutput out;
-  out.state = p.ladder.state;
-  out.setpoint = p.setpoint(now);
-  out.wants_armed = p.ladder.wants_armed;
-  out.is_sinking = p.ladder.state == FlightState::kLand && p.is_sinking;
-  out.climb_to_m = p.height_goal_m;
-  out.reasons = p.ladder.latched;
-  if (p.ladder.state == FlightState::kIdle) {
-    out.reasons = arming_blocks(p.in, p.limits);
-    if (p.ladder.take_off.is_given) {
-      out.reasons |= take_off_blocks(p.in, p.limits);
-    }
+  out.state = ladder.state;
+  out.setpoint = setpoint(now);
+  out.wants_armed = ladder.wants_armed;
+  out.is_sinking = is_descending();
+  out.climb_to_m = height_.goal_m;
+  out.reasons = core_.acting_conditions();
+  if (ladder.state == FlightState::kIdle && ladder.take_off.is_given) {
+    out.reasons |= take_off_blocks(in, limits);
   }
-  out.changed = out.state != before || out.reasons != p.reasons || orders() != orders_before;
-  p.reasons = out.reasons;
-  p.end_tick(now);
+  const bool has_other_reasons = core_.end_tick(out.reasons, now);
+  out.changed = out.state != before || has_other_reasons || order_status(ladder) != orders_before;
   return out;
 }
 
 models::VehicleStatus FlightGuard::status(Time now) const {
-  const Parts& p = *parts_;
-  models::VehicleStatus out;
-  out.stamp.time = now;
-  out.robot = p.name;
-  out.state = p.ladder.state;
-  out.battery_share = p.battery_share;
-  if (p.setpoint(now).kind == FlightSetpoint::Kind::kTrack) {
-    const Setpoint commanded = p.course.at(now);  // the current set-point, without setpoint_lead_s
-    out.setpoint = {commanded.position_world_m.x(), commanded.position_world_m.y(),
-                    commanded.yaw_rad};
-    out.setpoint_height_m = std::max(0.0, p.height_ref_m);
+  const bool is_lifting = take_off_.is_lifting();
+  std::vector<std::string> details;
+  if (is_lifting) {
+    details.emplace_back(kFirstLift);
+  } else if (core_.state() == FlightState::kHold && core_.reasons().none()) {
+    details.emplace_back("operator");
+  }
+  if (core_.state() == FlightState::kIdle) {
+    append_order_status(core_.ladder(), core_.inputs().autopilot_armed, details);
+  }
+  models::VehicleStatus out = core_.status(now, details);
+  out.battery_share = autopilot_.battery_share();
+  if (setpoint(now).kind == FlightSetpoint::Kind::kTrack) {
+    out.setpoint_height_m = std::max(0.0, height_.command_m);
   } else {
-    out.setpoint = flatten(p.pose.world_from_body());
-  }
-  out.plan_round = p.ladder.state == FlightState::kFollow ? p.plans.round() : -1;
-  out.reasons = names_of(p.reasons);
-  if (p.lift.is_under_way()) {
-    out.reasons.emplace_back(kFirstLift);
-  }
-  if (p.ladder.state == FlightState::kHold && out.reasons.empty()) {
-    out.reasons.emplace_back("operator");
-  }
-  if (p.ladder.state == FlightState::kIdle) {
-    append_order_status(p.ladder, p.in, out.reasons);
-  }
-  if (const char* const refusal_message = p.source.refusal_message(now)) {
-    out.reasons.emplace_back(refusal_message);
+    out.setpoint = flatten(core_.pose().world_from_body());
   }
   return out;
 }
 
 std::vector<models::NamedCount> FlightGuard::counters() const {
-  const Parts& p = *parts_;
   std::vector<models::NamedCount> out;
-  p.count(out);
-  out.push_back({"autopilot.refused", p.reports_refused});
-  out.push_back({"tick.stalls", p.stalls});
+  core_.count(out);
+  out.push_back({"autopilot.refused", autopilot_.refused()});
+  out.push_back({"tick.stalls", stalls_});
   return out;
 }
-
-const SafetyInputs& FlightGuard::inputs() const { return parts_->in; }
-
-Pose3 FlightGuard::world_from_body() const { return parts_->pose.world_from_body(); }
 
 }  // namespace vantage::drivers

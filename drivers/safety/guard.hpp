@@ -1,42 +1,23 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
-
-#include "core/linear.hpp"
 #include "core/time.hpp"
+#include "drivers/safety/autopilot_watch.hpp"
 #include "drivers/safety/guard_core.hpp"
+#include "drivers/safety/height_state.hpp"
 #include "drivers/safety/ladder.hpp"
+#include "drivers/safety/landing.hpp"
 #include "drivers/safety/plan_check.hpp"
 #include "drivers/safety/setpoint.hpp"
+#include "drivers/safety/take_off.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
-
-/// Newest state reported by the autopilot; passed to the guard whenever a field changes.
-struct AutopilotReport {
-  bool armed = false;
-  bool obeys = true;  ///< in the mode that accepts set-points, or this mode was not requested yet
-  bool estimator_good = false;
-  bool motor_failed = false;
-  double tilt_rad = 0.0;
-  bool has_position = false;
-  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();  ///< m; estimate of the autopilot
-  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
-  bool has_attitude = false;
-  Quaternion world_from_body = Quaternion::Identity();  ///< estimate of the autopilot
-  double yaw_rate_radps = 0.0;                          ///< rad/s; by its gyroscopes
-  bool is_flown_by_hand = false;                        ///< a pilot controls the vehicle
-  bool is_in_our_mode = false;                          ///< the autopilot is in the mode that
-                                                        ///< accepts set-points
-  bool is_landing_itself = false;                       ///< the autopilot is in its landing mode
-};
 
 /// Set-point of the vehicle for this tick.
 struct FlightSetpoint : Setpoint {
@@ -64,6 +45,8 @@ struct GuardOutput {
 
 /// Flight safety of one flying vehicle. It receives all messages, checks them, and computes at each
 /// tick what the vehicle must do. It is independent of the bus and of the autopilot's protocol.
+/// GuardCore contains the state that all vehicle types share; AutopilotWatch, TakeOff and Landing
+/// contain the rules of a flying vehicle.
 ///
 /// `now` is the receiver's monotonic time, converted to the clock of plan stamps. It must not
 /// decrease between calls. Call tick() at 50 Hz or more in all circumstances. Only the constructor
@@ -73,40 +56,39 @@ class FlightGuard {
   /// @throws UsageError for an unknown robot or invalid limits.
   FlightGuard(const scenario::Scenario& scenario, const std::string& robot,
               const SafetyLimits& limits);
-  ~FlightGuard();
-  FlightGuard(const FlightGuard&) = delete;
-  FlightGuard& operator=(const FlightGuard&) = delete;
-  FlightGuard(FlightGuard&&) = delete;
-  FlightGuard& operator=(FlightGuard&&) = delete;
 
   /// Processes a mocap frame. Returns false for a publisher that is not accepted (MocapSource).
   /// Subscribe to VICON as a shared channel: this function chooses the publisher.
   [[nodiscard]] bool on_mocap(const models::MocapFrame& frame, Time now);
   /// Returns the capture time of the last frame of the accepted publisher, by the local clock
   /// (MocapClock).
-  [[nodiscard]] Time captured() const;
+  [[nodiscard]] Time captured() const { return core_.captured(); }
   /// Returns the verdict about this vehicle's body in the last accepted frame.
-  [[nodiscard]] PoseVerdict pose_verdict() const;
+  [[nodiscard]] PoseVerdict pose_verdict() const { return core_.pose_verdict(); }
   /// Checks a plan for this vehicle. Subscribe to PLAN_R as a shared channel: the lease chooses the
   /// publisher.
-  PlanVerdict on_plan(const models::RobotPlan& plan, Time now);
+  PlanVerdict on_plan(const models::RobotPlan& plan, Time now) {
+    return core_.on_plan(plan, may_take_plans(), height_.command_m, now);
+  }
   /// Processes a teammate's plan; plans of robots outside the scenario are ignored.
-  void on_teammate_plan(const models::RobotPlan& plan, Time now);
+  void on_teammate_plan(const models::RobotPlan& plan, Time now) {
+    core_.on_teammate_plan(plan, now);
+  }
   /// Processes a teammate's status: records that its driver is alive, and whether it is in its
   /// first lift.
   void on_teammate_status(const models::VehicleStatus& status, Time now);
   CommandVerdict on_command(const models::OperatorCommand& command, Time now);
-  void on_heartbeat(Time now);
-  void on_autopilot(const AutopilotReport& report, Time now);
-  void on_battery(double share, Time now);
+  void on_heartbeat(Time now) { autopilot_.on_heartbeat(now); }
+  void on_autopilot(const AutopilotReport& report, Time now) { autopilot_.on_report(report, now); }
+  void on_battery(double share, Time now) { autopilot_.on_battery(share, now); }
   /// Reports whether the scenario announced by other processes equals this driver's scenario.
-  void on_map(bool is_same);
+  void on_map(bool is_same) { core_.on_map(is_same); }
   /// Reports the time that this thread waited for a processor within the last second, s.
-  void on_processor_wait(double wait_s);
+  void on_processor_wait(double wait_s) { core_.on_processor_wait(wait_s); }
   /// Requests the end of the driver: the vehicle lands and is not armed again.
-  void on_end_request();
+  void on_end_request() { core_.on_end_request(); }
   /// Reports a message of an unknown type on a channel of this stack.
-  void on_other_version(Time now);
+  void on_other_version(Time now) { core_.on_other_version(now); }
 
   GuardOutput tick(Time now);
 
@@ -115,13 +97,36 @@ class FlightGuard {
   /// Returns the counters of refused and dropped messages. Allocates.
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
   /// Returns the inputs of the last tick.
-  [[nodiscard]] const SafetyInputs& inputs() const;
+  [[nodiscard]] const SafetyInputs& inputs() const { return core_.inputs(); }
   /// Returns the last plausible pose; the identity before the first plausible pose.
-  [[nodiscard]] Pose3 world_from_body() const;
+  [[nodiscard]] Pose3 world_from_body() const { return core_.pose().world_from_body(); }
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  [[nodiscard]] bool may_take_plans() const;
+  [[nodiscard]] bool is_descending() const;
+  [[nodiscard]] bool is_blind() const;
+  [[nodiscard]] double height_error_m() const;
+  void update_inputs(Time now);
+  void update_height(Time now);
+  void detect_flight(Time now);
+  void update_ages(Time now);
+  void update_tracking_error(Time now);
+  void on_state_change(models::FlightState before, Time now);
+  void leave_plan(Time now);
+  void hold(Time now);
+  void move(double dt_s, Time now);
+  void move_height(double dt_s, Time now);
+  [[nodiscard]] FlightSetpoint setpoint(Time now) const;
+
+  GuardCore core_;
+  AutopilotWatch autopilot_;
+  TakeOff take_off_;
+  Landing landing_;
+  HeightState height_;
+  std::optional<Time> started_at_;  ///< time of the first tick
+  Time airborne_at_{};
+  bool distrusts_pose_ = false;  ///< an acting condition distrusts poses
+  std::int64_t stalls_ = 0;
 };
 
 }  // namespace vantage::drivers

@@ -10,6 +10,11 @@ namespace vantage::drivers {
 
 inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
+/// Returns the time from `then` to `now`, s; kNever without `then`.
+inline double time_since_s(const std::optional<Time>& then, Time now) {
+  return then ? to_seconds(now - *then) : kNever;
+}
+
 /// Distances from the vehicle to its surroundings, now and if it braked now. They are measured from
 /// the vehicle's edge unless stated. Negative: outside the fence or inside an obstacle.
 struct Surroundings {

@@ -11,9 +11,8 @@ namespace {
 
 constexpr models::VehicleLimits kLimits{1.0, 3.0, 2.0, 0.25};
 
-FlightSetpoint asked_at(const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_mps) {
-  FlightSetpoint out;
-  out.kind = FlightSetpoint::Kind::kTrack;
+Setpoint asked_at(const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_mps) {
+  Setpoint out;
   out.position_world_m = position_m;
   out.velocity_world_mps = velocity_mps;
   out.yaw_rad = 0.5;
@@ -27,7 +26,7 @@ BodyState seen_at(const Eigen::Vector3d& position_m) {
 }
 
 TEST(Steering, PassesSetPointsWithinTheLimits) {
-  FlightSetpoint asked = asked_at({1.0, 2.0, 1.5}, {0.6, -0.8, 0.5});
+  Setpoint asked = asked_at({1.0, 2.0, 1.5}, {0.6, -0.8, 0.5});
   asked.acceleration_world_mps2 = {1.0, 2.0, 0.0};
   asked.yaw_rate_radps = -3.0;
   const Setpoint told = steer(asked, seen_at({1.2, 2.1, 1.4}), kLimits);
@@ -45,7 +44,7 @@ TEST(Steering, LimitsSpeedsAndDistance) {
   std::uniform_real_distribution<double> any(-3.0, 3.0);
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Vector3d here_m(any(rng), any(rng), any(rng));
-    FlightSetpoint asked = asked_at({any(rng), any(rng), any(rng)}, {any(rng), any(rng), any(rng)});
+    Setpoint asked = asked_at({any(rng), any(rng), any(rng)}, {any(rng), any(rng), any(rng)});
     asked.yaw_rate_radps = 3.0 * any(rng);
     const Setpoint told = steer(asked, seen_at(here_m), kLimits);
     EXPECT_LE(told.velocity_world_mps.head<2>().norm(), kLimits.speed_max_mps + 1e-9);
@@ -62,16 +61,16 @@ TEST(Steering, LimitsSpeedsAndDistance) {
 }
 
 TEST(Steering, KeepsThePositionWhileTheBodyIsUnseen) {
-  const FlightSetpoint asked = asked_at({9.0, -9.0, 2.0}, {0.0, 0.0, 0.0});
+  const Setpoint asked = asked_at({9.0, -9.0, 2.0}, {0.0, 0.0, 0.0});
   EXPECT_EQ(steer(asked, std::nullopt, kLimits).position_world_m, asked.position_world_m);
 }
 
 // A mirrored input gives the mirrored output.
 TEST(Steering, IsInvariantUnderMirroring) {
   const Eigen::Vector3d mirror(1.0, -1.0, 1.0);
-  const FlightSetpoint asked = asked_at({2.0, 1.0, 1.0}, {1.0, 2.0, 0.1});
-  FlightSetpoint mirrored = asked_at(asked.position_world_m.cwiseProduct(mirror),
-                                     asked.velocity_world_mps.cwiseProduct(mirror));
+  const Setpoint asked = asked_at({2.0, 1.0, 1.0}, {1.0, 2.0, 0.1});
+  Setpoint mirrored = asked_at(asked.position_world_m.cwiseProduct(mirror),
+                               asked.velocity_world_mps.cwiseProduct(mirror));
   const Setpoint a = steer(asked, seen_at({0.5, 0.25, 1.0}), kLimits);
   const Setpoint b = steer(mirrored, seen_at({0.5, -0.25, 1.0}), kLimits);
   EXPECT_TRUE(test::is_near(a.position_world_m.cwiseProduct(mirror), b.position_world_m, 1e-12));

@@ -25,11 +25,15 @@ scenario::Scenario room() {
   return out;
 }
 
+GuardCore core_of_q1(const scenario::Scenario& scenario) {
+  return {scenario, "Q1", limits_for(scenario, "Q1"), {conditions()}, Course(0.25)};
+}
+
 // The safest of several commands in a tick is kept, in any order of arrival. The next tick starts
 // without a command.
 TEST(GuardCore, KeepsTheSafestCommandOfATick) {
   const scenario::Scenario scenario = room();
-  GuardCore core(scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25));
+  GuardCore core = core_of_q1(scenario);
   std::vector<OperatorAction> orders = {OperatorAction::kFollow, OperatorAction::kHold,
                                         OperatorAction::kLand};
   Time now = from_utime(1'000'000);
@@ -38,37 +42,41 @@ TEST(GuardCore, KeepsTheSafestCommandOfATick) {
       EXPECT_EQ(core.request_action(order), CommandVerdict::kObeyed);
     }
     core.update_common_inputs(now);
-    EXPECT_EQ(core.in.request, OperatorAction::kLand);
-    core.end_tick(now);
+    EXPECT_EQ(core.inputs().request, OperatorAction::kLand);
+    (void)core.end_tick({}, now);
     now += from_seconds(0.02);
     core.update_common_inputs(now);
-    EXPECT_EQ(core.in.request, std::nullopt) << "what was answered is asked no more";
+    EXPECT_EQ(core.inputs().request, std::nullopt) << "what was answered is asked no more";
   } while (std::next_permutation(orders.begin(), orders.end()));
 }
 
 // A heartbeat requests no action and is processed immediately.
 TEST(GuardCore, ExecutesCommandsWithoutACheckImmediately) {
   const scenario::Scenario scenario = room();
-  GuardCore core(scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25));
+  GuardCore core = core_of_q1(scenario);
   models::OperatorCommand command;
   const auto answer = [&](OperatorAction action, const std::string& robot) {
     command.action = action;
     command.robot = robot;
     return core.execute_if_stateless(command);
   };
+  const auto inputs = [&core] {
+    core.update_common_inputs(from_utime(1'000'000));
+    return core.inputs();
+  };
   EXPECT_EQ(answer(OperatorAction::kHeartbeat, ""), CommandVerdict::kObeyed);
   EXPECT_EQ(answer(OperatorAction::kHeartbeat, "Q1"), CommandVerdict::kObeyed);
   EXPECT_EQ(answer(OperatorAction::kEmergencyStop, "Q2"), CommandVerdict::kOtherRobot);
-  EXPECT_FALSE(core.emergency_stop);
+  EXPECT_FALSE(inputs().emergency_stop);
   for (const OperatorAction action :
        {OperatorAction::kArm, OperatorAction::kTakeOff, OperatorAction::kFollow,
         OperatorAction::kHold, OperatorAction::kLand}) {
     EXPECT_EQ(answer(action, ""), std::nullopt) << static_cast<int>(action);
   }
-  EXPECT_FALSE(core.emergency_stop);
+  EXPECT_FALSE(inputs().emergency_stop);
   EXPECT_EQ(answer(OperatorAction::kEmergencyStop, ""), CommandVerdict::kObeyed);
-  EXPECT_TRUE(core.emergency_stop);
-  EXPECT_FALSE(core.request);
+  EXPECT_TRUE(inputs().emergency_stop);
+  EXPECT_FALSE(inputs().request);
 }
 
 /// Q1 as seen by successive mocap publishers.
@@ -86,12 +94,20 @@ class SeenCore : public testing::Test {
     return core.on_mocap(frame, context, is_armed, now);
   }
   bool is_at(const Eigen::Vector3d& place_m) {
-    return core.pose.world_from_body().translation_m == place_m;
+    return core.pose().world_from_body().translation_m == place_m;
+  }
+  [[nodiscard]] std::int64_t clocks_set() const {
+    std::vector<models::NamedCount> counts;
+    core.count(counts);
+    const auto found = std::find_if(counts.begin(), counts.end(), [](const auto& each) {
+      return each.name == "mocap.clock_set";
+    });
+    return found == counts.end() ? -1 : found->count;
   }
   void pass(double seconds) { now += from_seconds(seconds); }
 
   scenario::Scenario scenario = room();
-  GuardCore core{scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25)};
+  GuardCore core = core_of_q1(scenario);
   Time now = from_utime(1'700'000'000'000'000);
   double latency_s = 0.02;
   double way_s = 0.0;
@@ -111,8 +127,7 @@ TEST_F(SeenCore, NewSourceMustShowTheKnownPositionWhenArmed) {
     for (const bool in_air : {false, true}) {
       for (const bool is_other : {false, true}) {
         for (const bool is_elsewhere : {false, true}) {
-          core.source = {};
-          core.pose = {};
+          core = core_of_q1(scenario);
           ASSERT_TRUE(see(kFirst, here_m));
           pass(0.4);
           const Eigen::Vector3d& shown_m = is_elsewhere ? far_m : here_m;
@@ -138,20 +153,20 @@ TEST_F(SeenCore, CountsClockChanges) {
     }
   };
   frames();
-  EXPECT_EQ(core.clocks_set, 0);
+  EXPECT_EQ(clocks_set(), 0);
   std::int64_t times = 0;
   for (const double set_by_s : {-3.0, 3.0, -60.0, 60.0}) {
     clock_s += set_by_s;
     frames();
-    EXPECT_EQ(core.clocks_set, ++times);
+    EXPECT_EQ(clocks_set(), ++times);
     core.update_common_inputs(now);
-    EXPECT_NEAR(core.in.pose_latency_s, 0.02, 1e-6) << "it is no later for that";
+    EXPECT_NEAR(core.inputs().pose_latency_s, 0.02, 1e-6) << "it is no later for that";
   }
   latency_s += 0.1;
   frames();
-  EXPECT_EQ(core.clocks_set, times);
+  EXPECT_EQ(clocks_set(), times);
   core.update_common_inputs(now);
-  EXPECT_NEAR(core.in.pose_latency_s, 0.12, 1e-6);
+  EXPECT_NEAR(core.inputs().pose_latency_s, 0.12, 1e-6);
 }
 
 // The latency includes delays in the mocap computer and in the network from the mocap driver.
@@ -164,33 +179,33 @@ TEST_F(SeenCore, MeasuresLatencyOfEveryStage) {
         pass(0.01);
         ASSERT_TRUE(see(kFirst, here_m));
         core.update_common_inputs(now);
-        EXPECT_NEAR(core.in.pose_latency_s, 0.02 + waits_s, 1e-6);
+        EXPECT_NEAR(core.inputs().pose_latency_s, 0.02 + waits_s, 1e-6);
       }
     }
   }
-  EXPECT_EQ(core.clocks_set, 0);
+  EXPECT_EQ(clocks_set(), 0);
 }
 
 // Counts consecutive accepted and consecutive rejected poses; both are 0 without a frame.
 TEST_F(SeenCore, CountsAcceptedAndRejectedPoses) {
   core.update_common_inputs(now);
-  EXPECT_EQ(core.in.poses_accepted, 0);
-  EXPECT_EQ(core.in.poses_rejected, 0);
+  EXPECT_EQ(core.inputs().poses_accepted, 0);
+  EXPECT_EQ(core.inputs().poses_rejected, 0);
   for (int round = 0; round < 2; ++round) {  // repeated with the same state
-    const int before = core.in.poses_accepted;
+    const int before = core.inputs().poses_accepted;
     for (int i = 1; i <= 7; ++i) {
       pass(0.01);
       EXPECT_TRUE(see(kFirst, here_m, true, {true}));
       core.update_common_inputs(now);
-      EXPECT_EQ(core.in.poses_accepted, before + i);
-      EXPECT_EQ(core.in.poses_rejected, 0);
+      EXPECT_EQ(core.inputs().poses_accepted, before + i);
+      EXPECT_EQ(core.inputs().poses_rejected, 0);
     }
     for (int i = 1; i <= 5; ++i) {
       pass(0.01);
       EXPECT_TRUE(see(kFirst, far_m, true, {true}));
       core.update_common_inputs(now);
-      EXPECT_EQ(core.in.poses_accepted, 0);
-      EXPECT_EQ(core.in.poses_rejected, i);
+      EXPECT_EQ(core.inputs().poses_accepted, 0);
+      EXPECT_EQ(core.inputs().poses_rejected, i);
     }
   }
 }
@@ -203,12 +218,12 @@ TEST_F(SeenCore, FollowsAcceptedPlans) {
   plan.trajectory.height_m = 1.0;
   plan.trajectory.segments = {{{0.5, 0.0}, 1.0, 0.0}, models::brake(0.5, 2.0).front()};
   for (const bool may_take : {false, true}) {
-    core.course.hover({here_m.x(), here_m.y(), 1.0}, 0.0, now);
+    core.course().hover({here_m.x(), here_m.y(), 1.0}, 0.0, now);
     plan.stamp = {now, 100, plan.stamp.sequence + 1};
     plan.trajectory.start_time = now;
     EXPECT_EQ(core.on_plan(plan, may_take, 1.0, now),
               may_take ? PlanVerdict::kAccepted : PlanVerdict::kNotFollowing);
-    EXPECT_EQ(core.course.is_on_plan(), may_take);
+    EXPECT_EQ(core.course().is_on_plan(), may_take);
   }
 }
 
