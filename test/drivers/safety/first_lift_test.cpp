@@ -268,35 +268,6 @@ TEST(LiftQueue, StaggersSimultaneousStarts) {
   EXPECT_GT(begun_s[2], begun_s[1] + 0.1);
 }
 
-// The preceding vehicle does not rise, or rises but its identity is never verified. The sequence is
-// repeated with the same queue.
-TEST(LiftQueue, WaitsForThePredecessorUpToTheTimeLimit) {
-  const scenario::Scenario scenario = FlightBench::scenario();
-  const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
-  const Time start = from_utime(1'700'000'000'000'000);
-  constexpr double kSlackS = 6.0;      // s; allowance for the motor start of the predecessor
-  constexpr double kTurnDelayS = 0.3;  // s; additional wait of the second vehicle by name
-  drivers::LiftQueue queue(scenario, "Q2");
-  drivers::OtherBody first;
-  first.robot = 0;
-  int tick = 0;
-  for (const double risen_m : {0.0, limits.lift_risen_m + 0.01, 0.0}) {
-    first.position_world_m.z() = 0.0;
-    queue.update({&first, 1}, limits, start + tick * Duration{20'000});
-    queue.forget_own();
-    queue.on_take_off("Q1");
-    queue.on_take_off("Q2");
-    first.position_world_m.z() = risen_m;
-    const int told = tick;
-    do {
-      ++tick;
-      queue.update({&first, 1}, limits, start + tick * Duration{20'000});
-    } while (queue.is_blocked() && tick - told < 2000);
-    const double proof_s = risen_m > 0.0 ? limits.lift_proof_s : 0.0;
-    EXPECT_NEAR(0.02 * (tick - told), limits.lift_wait_s + kSlackS + proof_s + kTurnDelayS, 0.1);
-  }
-}
-
 // The test step and turn of a lift are recognised only in the commanded direction and beyond 0.3 of
 // the commanded amount, for any ground position and yaw.
 TEST(Lift, IsVerifiedByTheCommandedStepAndTurn) {
@@ -349,52 +320,6 @@ TEST(Lift, StaysBelowTheTakeOffHeight) {
   drivers::Lift own;
   own.begin(lift(Pose2{0.3, -0.2, 0.0}, limits.take_off_height_m - 0.05), {}, limits, Time{});
   EXPECT_DOUBLE_EQ(own.height_m(), limits.take_off_height_m);
-}
-
-// The test step goes along both axes, to the diagonal position with the most free space.
-TEST(Lift, StepsToTheDiagonalWithTheMostFreeSpace) {
-  const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
-  const Time start = from_utime(1'700'000'000'000'000);
-  const Eigen::Vector3d rest_m(1.5, -0.9, 0.0);
-  for (std::size_t free = 0; free < 4; ++free) {
-    const Eigen::Vector3d ways_m[] = {
-        {0.15, 0.15, 0.0}, {-0.15, 0.15, 0.0}, {-0.15, -0.15, 0.0}, {0.15, -0.15, 0.0}};
-    std::vector<drivers::OtherBody> others;
-    for (std::size_t i = 0; i < 4; ++i) {
-      if (i != free) {
-        others.emplace_back().position_world_m = rest_m + ways_m[i];
-      }
-    }
-    drivers::Lift own;
-    drivers::Course course(0.25);
-    own.begin(lift({rest_m.x(), rest_m.y(), 0.0}, 0.0), others, limits, start);
-    const Eigen::Vector3d hover_m(rest_m.x(), rest_m.y(), own.height_m());
-    EXPECT_FALSE(own.step(hover_m, 0.0, course, limits, start));
-    const Eigen::Vector3d asked_m = course.planned_at(start).position_world_m;
-    EXPECT_LT((asked_m - rest_m - ways_m[free]).norm(), 1e-12) << free;
-  }
-}
-
-// A wall at 0.65 m leaves more free space than the centre of another body at 0.74 m.
-TEST(Lift, SubtractsTheRadiusOfABody) {
-  drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
-  limits.vehicle.radius_m = 0.15;
-  limits.fence.obstacles.clear();
-  const Time start = from_utime(1'700'000'000'000'000);
-  for (const double x : {1.0, -1.0}) {
-    for (const double y : {1.0, -1.0}) {
-      limits.fence.bounds = {{-9.0, -9.0}, {9.0, 9.0}};
-      (x > 0.0 ? limits.fence.bounds.max_m : limits.fence.bounds.min_m).x() = 0.8 * x;
-      std::vector<drivers::OtherBody> others(1);
-      others.front().position_world_m = {-0.5 * x, -0.5 * y, 0.0};
-      drivers::Lift own;
-      drivers::Course course(0.25);
-      own.begin(lift({0.0, 0.0, 0.0}, 0.0), others, limits, start);
-      EXPECT_FALSE(own.step({0.0, 0.0, own.height_m()}, 0.0, course, limits, start));
-      const Eigen::Vector3d asked_m = course.planned_at(start).position_world_m;
-      EXPECT_LT((asked_m - Eigen::Vector3d(0.15 * x, 0.15 * y, 0.0)).norm(), 1e-12) << x << y;
-    }
-  }
 }
 
 }  // namespace

@@ -274,24 +274,30 @@ TEST(LiftQueue, MeasuresARiseFromTheFirstPose) {
   }
 }
 
-// A vehicle on a table waits as long as one on the floor; its rise is measured from the table.
-TEST(LiftQueue, WaitsEquallyLongAtAnyGroundHeight) {
+// A vehicle waits for its predecessor in the queue up to a time limit, which is longer once the
+// predecessor has risen, because then its identity is verified. A predecessor on a table rises from
+// the table. The sequence is repeated with the same queue.
+TEST(LiftQueue, WaitsForThePredecessorUpToTheTimeLimit) {
   const SafetyLimits limits;
   for (const double rest_m : {0.0, 0.4, -0.3}) {
-    for (const double risen_m : {0.0, 0.09, 0.11, 0.29}) {
-      LiftQueue queue(team({"Q1", "Q2"}), "Q2");
+    LiftQueue queue(team({"Q1", "Q2"}), "Q2");
+    double t_s = 0.0;
+    for (const double risen_m : {0.0, 0.09, 0.11, 0.29, 0.0}) {
       OtherBody first = body(0, rest_m);
-      queue.update({&first, 1}, limits, kStart);
-      queue.on_take_off("");
+      queue.update({&first, 1}, limits, after(t_s));
+      queue.forget_own();
+      queue.on_take_off("Q1");
+      queue.on_take_off("Q2");
       first = body(0, rest_m + risen_m);
       int ticks = 0;
       do {
         ++ticks;
-        queue.update({&first, 1}, limits, after(0.05 * ticks));
-      } while (queue.is_blocked() && ticks < 1000);
+        queue.update({&first, 1}, limits, after(t_s + 0.02 * ticks));
+      } while (queue.is_blocked() && ticks < 2000);
       const double proof_s = risen_m > limits.lift_risen_m ? limits.lift_proof_s : 0.0;
-      EXPECT_NEAR(0.05 * ticks, limits.lift_wait_s + 6.0 + proof_s + 2.0 * kTurnDelayS, 0.11)
+      EXPECT_NEAR(0.02 * ticks, limits.lift_wait_s + 6.0 + proof_s + 2.0 * kTurnDelayS, 0.1)
           << rest_m << " " << risen_m;
+      t_s += 0.02 * ticks;
     }
   }
 }
@@ -317,8 +323,47 @@ struct Room {
   }
 };
 
-// The test step goes to the diagonal position at lift_step_m with the most free space. Walls, boxes
-// and bodies each determine the result in some trials.
+/// Returns the horizontal step that a first lift commands in `room`, m.
+Eigen::Vector2d commanded_step_m(const Room& room) {
+  Lift own;
+  Course course(0.25);
+  own.begin(lift({room.rest_m.x(), room.rest_m.y(), 0.0}, room.rest_m.z()), room.others,
+            room.limits, kStart);
+  const Eigen::Vector3d hover_m(room.rest_m.x(), room.rest_m.y(), own.height_m());
+  EXPECT_FALSE(own.step(hover_m, 0.0, course, room.limits, kStart));
+  return (course.planned_at(kStart).position_world_m - room.rest_m).head<2>();
+}
+
+// The test step goes along both axes, to the diagonal position with the most free space.
+TEST(Lift, StepsToTheDiagonalWithTheMostFreeSpace) {
+  const Eigen::Vector2d diagonals[] = {{1.0, 1.0}, {-1.0, 1.0}, {-1.0, -1.0}, {1.0, -1.0}};
+  for (const Eigen::Vector2d& free : diagonals) {
+    SCOPED_TRACE(free.transpose());
+    Room room;
+    room.limits.vehicle.radius_m = 0.15;
+    room.limits.fence.bounds = {{-9.0, -9.0}, {9.0, 9.0}};
+    room.rest_m = {1.5, -0.9, 0.0};
+    const auto add_body = [&room](const Eigen::Vector2d& off_m) {
+      room.others.emplace_back().position_world_m =
+          room.rest_m + Eigen::Vector3d(off_m.x(), off_m.y(), 0.0);
+    };
+    for (const Eigen::Vector2d& taken : diagonals) {
+      if (taken != free) {
+        add_body(0.15 * taken);
+      }
+    }
+    EXPECT_TRUE(test::is_near(commanded_step_m(room), 0.15 * free, 1e-12));
+    // A wall at 0.65 m leaves more free space than the centre of another body at 0.74 m.
+    models::Rectangle& walls = room.limits.fence.bounds;
+    (free.x() > 0.0 ? walls.max_m : walls.min_m).x() = room.rest_m.x() + 0.8 * free.x();
+    room.others.clear();
+    add_body(-0.5 * free);
+    EXPECT_TRUE(test::is_near(commanded_step_m(room), 0.15 * free, 1e-12));
+  }
+}
+
+// The step has the length lift_step_m along each axis. Walls, boxes and bodies each determine the
+// result in some trials.
 TEST(Lift, StepsToTheFreestDiagonalAmongRandomBodies) {
   test::Random random(33);
   int least[3] = {};
@@ -336,29 +381,23 @@ TEST(Lift, StepsToTheFreestDiagonalAmongRandomBodies) {
     for (int i = random.integer(0, 2); i > 0; --i) {
       room.others.emplace_back().position_world_m = random.vector<3>(-3.0, 3.0);
     }
-    Lift own;
-    Course course(0.25);
-    own.begin(lift({room.rest_m.x(), room.rest_m.y(), 0.0}, room.rest_m.z()), room.others,
-              room.limits, kStart);
-    const Eigen::Vector3d hover_m(room.rest_m.x(), room.rest_m.y(), own.height_m());
-    EXPECT_FALSE(own.step(hover_m, 0.0, course, room.limits, kStart));
-    const Eigen::Vector3d asked_m = course.planned_at(kStart).position_world_m;
-    const Eigen::Vector2d step_m = (asked_m - room.rest_m).head<2>();
+    const Eigen::Vector2d step_m = commanded_step_m(room);
+    const Eigen::Vector2d goal_m = room.rest_m.head<2>() + step_m;
     EXPECT_TRUE(test::is_near(step_m.cwiseAbs(), Eigen::Vector2d::Constant(room.limits.lift_step_m),
                               1e-12));
     for (const double x : {1.0, -1.0}) {
       for (const double y : {1.0, -1.0}) {
         const Eigen::Vector2d other_m =
             room.rest_m.head<2>() + step_m.cwiseProduct(Eigen::Vector2d(x, y));
-        EXPECT_LE(room.around_m(other_m), room.around_m(asked_m.head<2>()) + 1e-12) << trial;
+        EXPECT_LE(room.around_m(other_m), room.around_m(goal_m) + 1e-12) << trial;
       }
     }
     Room fewer = room;
-    const double most_m = room.around_m(asked_m.head<2>());
+    const double most_m = room.around_m(goal_m);
     fewer.others.clear();
-    const bool is_by_bodies = most_m < fewer.around_m(asked_m.head<2>());
+    const bool is_by_bodies = most_m < fewer.around_m(goal_m);
     fewer.limits.fence.obstacles.clear();
-    const bool is_by_walls = most_m >= fewer.around_m(asked_m.head<2>());
+    const bool is_by_walls = most_m >= fewer.around_m(goal_m);
     ++least[is_by_bodies ? 0 : is_by_walls ? 1 : 2];
   }
   EXPECT_GT(*std::min_element(std::begin(least), std::end(least)), 50);
