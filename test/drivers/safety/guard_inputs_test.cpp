@@ -46,34 +46,30 @@ TEST(GuardInputs, UseTheBestHeightSource) {
   }
 }
 
-// The tracking error includes the height error in both directions.
-TEST(GuardInputs, MeasureTheHeightError) {
-  for (const double off_m : {-0.3, 0.3}) {
-    OneVehicle one({0.4, -0.7, 1.5});
-    one.run(0.4);
-    one.drift_mps = Eigen::Vector3d(0.0, 0.0, off_m);
-    one.run(1.0);
-    EXPECT_NEAR(one.in().tracking_error_m, 0.3, 0.01);
+// The tracking error includes the height error in both directions, also in the flight after a
+// landing.
+TEST(GuardInputs, MeasureTheHeightErrorInEveryFlight) {
+  for (const bool is_second : {false, true}) {
+    for (const double off_m : {-0.3, 0.3}) {
+      OneVehicle one({0.4, -0.7, 1.5});
+      one.run(0.4);
+      if (is_second) {
+        one.send_command(OperatorAction::kLand);
+        one.run(5.0);
+        EXPECT_LT(one.position_m.z(), 0.05);
+        one.report.armed = false;
+        one.run(0.5);
+        ASSERT_EQ(one.state(), FlightState::kIdle);
+        one.report.armed = true;
+        one.position_m.z() = 1.5;
+        one.run(0.4);
+        ASSERT_EQ(one.state(), FlightState::kHold);
+      }
+      one.drift_mps = Eigen::Vector3d(0.0, 0.0, off_m);
+      one.run(1.0);
+      EXPECT_NEAR(one.in().tracking_error_m, 0.3, 0.01) << is_second;
+    }
   }
-}
-
-// After a landing, the height error of the next flight is measured as in the first.
-TEST(GuardInputs, MeasureTheHeightErrorAfterALanding) {
-  OneVehicle one({0.4, -0.7, 1.5});
-  one.run(0.4);
-  one.send_command(OperatorAction::kLand);
-  one.run(5.0);
-  EXPECT_LT(one.position_m.z(), 0.05);
-  one.report.armed = false;
-  one.run(0.5);
-  ASSERT_EQ(one.state(), FlightState::kIdle);
-  one.report.armed = true;
-  one.position_m.z() = 1.5;
-  one.run(0.4);
-  ASSERT_EQ(one.state(), FlightState::kHold);
-  one.drift_mps = Eigen::Vector3d(0.0, 0.0, -0.3);
-  one.run(1.0);
-  EXPECT_NEAR(one.in().tracking_error_m, 0.3, 0.01);
 }
 
 // A disarmed report in the air does not reset the reference height of the ground.

@@ -1,5 +1,5 @@
 // Inputs of the ladder computed from messages. On the ground they are compared with closed forms,
-// in a first lift with the true state of the bench. A second flight is compared with the first.
+// in a first lift with the true state of the bench.
 
 #include "drivers/safety/inputs.hpp"
 
@@ -359,40 +359,6 @@ TEST(FlightInputs, MeasureTheAgeOfTheBatteryValue) {
   }
   EXPECT_GT(other.guard->inputs().flight_s, 5.0);
   EXPECT_EQ(other.guard->inputs().battery_unchanged_s, other.guard->inputs().flight_s);
-}
-
-// The second flight starts without height error, flight time or battery age from the first.
-TEST(SecondFlight, IsMeasuredLikeTheFirst) {
-  for (const double push_mps : {1.0, -1.0}) {
-    FlightBench bench(3);
-    Vehicle& q1 = bench.vehicle("Q1");
-    bench.fly_up(3.0);
-    bench.send_command(OperatorAction::kLand);
-    bench.run(12.0);
-    ASSERT_EQ(q1.out.state, FlightState::kIdle);
-    EXPECT_EQ(q1.guard->inputs().flight_s, 0.0);
-    EXPECT_EQ(q1.guard->inputs().tracking_error_m, 0.0);
-    bench.send_command(OperatorAction::kArm, "Q1");
-    bench.run(1.5);
-    bench.send_command(OperatorAction::kTakeOff, "Q1");
-    bench.tick();
-    double left_s = bench.time_s();
-    while (q1.out.state != FlightState::kHold && bench.time_s() < 40.0) {
-      left_s = bench.time_s();
-      bench.tick();
-    }
-    bench.run(10.0);
-    ASSERT_EQ(q1.out.state, FlightState::kHold);
-    EXPECT_NEAR(q1.position_m.z(), 1.0, 0.05);
-    EXPECT_NEAR(q1.guard->inputs().flight_s, bench.time_s() - left_s, 0.03);
-    EXPECT_LE(q1.guard->inputs().battery_unchanged_s, 0.6);
-    EXPECT_FALSE(FlightBench::has_reason(q1, "tracking", bench.now()));
-    bench.run(3.0, [&] { q1.knobs.runaway_mps = {0.0, 0.0, push_mps}; });
-    const double off_m = q1.position_m.z() - 1.0;
-    EXPECT_GT(std::abs(off_m), 0.4);
-    EXPECT_NEAR(q1.guard->inputs().tracking_error_m, std::abs(off_m), 0.03);
-    EXPECT_TRUE(FlightBench::has_reason(q1, "tracking", bench.now()));
-  }
 }
 
 }  // namespace

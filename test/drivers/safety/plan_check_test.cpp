@@ -447,21 +447,5 @@ TEST(CheckPath, FindsAThinWallAtAnySpeed) {
   }
 }
 
-// At a speed of 2 m/s, the steps of the check do not miss a body of 2 mm.
-TEST(CheckPath, FindsABodyOfTwoMillimetresAtTwoMetresPerSecond) {
-  test::Random random(39);
-  SafetyLimits lim = open_limits();
-  lim.vehicle.speed_max_mps = 2.0;
-  lim.plan_separation_m = 0.00101;
-  models::Trajectory way;
-  way.start_time = kStart;
-  way.height_m = 1.0;
-  way.segments = {{{2.0, 0.0}, 3.0, 0.0}, {{}, 0.1, 0.0}};
-  for (int i = 0; i < 300; ++i) {
-    const OtherCourse others[] = {{nullptr, {random.uniform(0.1, 5.9), 0.0, 1.0}}};
-    EXPECT_EQ(check_path(held(way), kStart, lim, others), PlanVerdict::kTeammate) << i;
-  }
-}
-
 }  // namespace
 }  // namespace vantage::drivers

@@ -181,22 +181,30 @@ TEST(CheckPath, FindsTheLeastDistanceOfFenceAndObstacle) {
   for_each_plan(33, 400, check);
 }
 
-// Thin conflicts: a body of 2 mm on the path, and a head-on teammate with a separation limit of 4
-// mm.
+// The steps of the check do not miss a body of 2 mm on the path, also at 2 m/s, and a head-on
+// teammate with a separation limit of 2 mm.
 TEST(CheckPath, FindsThinConflicts) {
+  struct Row {
+    double speed_mps, separation_m;
+    bool is_teammate;
+  };
   test::Random random(37);
   SafetyLimits limits = open_limits();
-  for (int i = 0; i < 300; ++i) {
-    const HeldPlan plan = held(kStart, random.pose2(2.0), {{{1.0, 0.0}, 2.0, 0.0}, {{}, 0.1, 0.0}});
-    const Time meets = kStart + from_seconds(random.uniform(0.5, 1.5));
-    const OtherCourse body[] = {{nullptr, place_m(plan, meets)}};
-    limits.plan_separation_m = 0.001;
-    EXPECT_EQ(check_path(plan, kStart, limits, body), PlanVerdict::kTeammate) << i;
-    const HeldPlan comes = placed(held(kStart, {}, {{{1.0, 0.0}, 2.0, 0.0}, {{}, 0.1, 0.0}}), meets,
-                                  place_m(plan, meets).head<2>(), plan.start.yaw_rad + kPi);
-    const OtherCourse other[] = {{&comes, Eigen::Vector3d::Zero()}};
-    limits.plan_separation_m = 0.002;
-    EXPECT_EQ(check_path(plan, kStart, limits, other), PlanVerdict::kTeammate) << i;
+  for (const Row& row : {Row{1.0, 0.001, false}, Row{2.0, 0.00101, false}, Row{1.0, 0.002, true}}) {
+    limits.vehicle.speed_max_mps = row.speed_mps;
+    limits.plan_separation_m = row.separation_m;
+    const std::vector<models::PlanSegment> drive = {{{row.speed_mps, 0.0}, 3.0, 0.0},
+                                                    {{}, 0.1, 0.0}};
+    for (int i = 0; i < 300; ++i) {
+      const HeldPlan plan = held(kStart, random.pose2(2.0), drive);
+      const Time meets = kStart + from_seconds(random.uniform(0.05, 2.95));
+      const Eigen::Vector3d there_m = place_m(plan, meets);
+      const HeldPlan comes =
+          placed(held(kStart, {}, drive), meets, there_m.head<2>(), plan.start.yaw_rad + kPi);
+      const OtherCourse other[] = {{row.is_teammate ? &comes : nullptr, there_m}};
+      EXPECT_EQ(check_path(plan, kStart, limits, other), PlanVerdict::kTeammate)
+          << row.speed_mps << " " << row.is_teammate << " " << i;
+    }
   }
 }
 
