@@ -51,7 +51,7 @@ constexpr auto kRows = std::to_array<Condition>({
     common::kOperatorQuiet,
     cleared(held_for_operator(common::kEnding),
             "never: the driver ends once the rover is stationary"),
-    common::kOwnStall,
+    common::kDriverStalled,
     held_for_operator(common::kShortOfProcessor),
     common::kWaitsForProcessor,
     // Reported, without a change of state

@@ -180,7 +180,7 @@ inline constexpr Condition kOperatorQuiet = holds_for_operator(
     [](const SafetyInputs& in, const SafetyLimits& lim) {
       return lim.needs_operator && in.operator_age_s > lim.operator_age_hold_s;
     });
-inline constexpr Condition kOwnStall =
+inline constexpr Condition kDriverStalled =
     holds("driver stalled", "> stall_hold_s between two ticks", {},
           [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.since_last_tick_s > lim.stall_hold_s;

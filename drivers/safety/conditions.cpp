@@ -35,7 +35,7 @@ constexpr Condition kAnotherBodyLifts =
           "another robot's body rises by lift_other_rise_m before this one has risen",
           {.spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.other_risen_m > lim.lift_other_rise_m; });
-constexpr Condition kLiftAstray = kills(
+constexpr Condition kLiftOffCourse = kills(
     "lift off course", "> lift_deviation_m from the path of the first lift", {.spares_pilot = true},
     [](const In& in, const Lim& lim) { return in.lift_deviation_m > lim.lift_deviation_m; });
 constexpr Condition kLiftDisagrees =
@@ -44,7 +44,7 @@ constexpr Condition kLiftDisagrees =
             return in.lift_climb_error_mps > lim.lift_climb_error_mps ||
                    in.lift_turn_error_radps > lim.lift_turn_error_radps;
           });
-constexpr Condition kUnorderedRise =
+constexpr Condition kUncommandedRise =
     kills("uncommanded rise", "armed, and risen by lift_other_rise_m without a take-off order",
           {.spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.unordered_rise_m > lim.lift_other_rise_m; });
@@ -84,7 +84,7 @@ constexpr Condition kPoseForeign = lands(
     {.after_s = 0.3, .distrusts_pose = true}, [](const In& in, const Lim& lim) {
       return in.velocity_error_mps > lim.velocity_error_land_mps;
     });
-constexpr Condition kHoldRestless =
+constexpr Condition kHoverUnsteady =
     lands("hover unsteady",
           "in hover, but faster than hover_speed_mps or > hover_off_m away; poses no longer used",
           {.after_s = 2.0, .distrusts_pose = true},
@@ -160,7 +160,7 @@ constexpr Condition kAnotherVehicleIsLifting =
           "one vehicle lifts at a time, by order time, then by name; on the ground",
           {.blocks_take_off = true},
           [](const In& in, const Lim&) { return in.flight_s <= 0.0 && in.is_lift_blocked; });
-constexpr Condition kSomebodyNear =
+constexpr Condition kBodyNearby =
     notes("body nearby",
           "a body comes within landing_clearance_m in take_off_prediction_s; on the ground",
           {.blocks_take_off = true}, [](const In& in, const Lim& lim) {
@@ -180,9 +180,9 @@ constexpr auto kRows = std::to_array<Condition>({
     kPoseLostLow,
     kBodyDoesNotLift,
     kAnotherBodyLifts,
-    kLiftAstray,
+    kLiftOffCourse,
     kLiftDisagrees,
-    kUnorderedRise,
+    kUncommandedRise,
     // LAND
     common::kPoseLost,
     common::kFence,
@@ -199,7 +199,7 @@ constexpr auto kRows = std::to_array<Condition>({
     kEstimateLost,
     kEstimatorFailed,
     kPoseForeign,
-    kHoldRestless,
+    kHoverUnsteady,
     kDoesNotSink,
     kOperatorLost,
     common::kShortOfProcessor,
@@ -224,7 +224,7 @@ constexpr auto kRows = std::to_array<Condition>({
     kEstimatorDoubtful,
     kAutopilotDisobeys,
     common::kOperatorQuiet,
-    common::kOwnStall,
+    common::kDriverStalled,
     common::kWaitsForProcessor,
     // Without a change of state: reported only, slows the plan, or forbids arming
     kPoseAging,
@@ -234,7 +234,7 @@ constexpr auto kRows = std::to_array<Condition>({
     kAttitudeDisagrees,
     kYawDisagrees,
     kAnotherVehicleIsLifting,
-    kSomebodyNear,
+    kBodyNearby,
     common::kPlannerSilent,
     common::kTwoPlanners,
     common::kAnotherVersion,

@@ -60,7 +60,7 @@ void Landing::step(GuardCore& core, HeightState& height, bool is_blind, double d
   }
 }
 
-// Moves the hover to a free spot; stops a motion whose path is blocked.
+// Moves the hover to a free spot; stops a motion on a blocked path.
 void Landing::seek_spot(GuardCore& core, const View& view, Time now) {
   Course& course = core.course();
   if (!course.is_hovering(now)) {
