@@ -49,7 +49,7 @@ TEST_F(Arming, IsForbiddenWhileTheHostIsBusy) {
   EXPECT_TRUE(has("host busy"));
   EXPECT_TRUE(has("arm pending"));
   bench.run(1.0, [&] { q1.knobs.processor_wait_s = 0.15; });
-  EXPECT_TRUE(q1.is_armed) << "the order was kept until the host had time";
+  EXPECT_TRUE(q1.is_armed) << "the command is kept until the host has time";
 }
 
 // Regression, seen in a simulated flight: with a rotated mocap world a vehicle took off. It hit an
@@ -127,7 +127,7 @@ TEST_F(Arming, KeepsTheCommandWhileABodyPasses) {
   ASSERT_TRUE(q1.is_armed);
   const Eigen::Vector3d beside_m = q1.position_m + Eigen::Vector3d(0.52, 0.0, 0.0);
   bench.run(0.16, [&] { bench.room().target_positions_m = {beside_m}; });
-  EXPECT_FALSE(q1.is_armed) << "motors off while it is there";
+  EXPECT_FALSE(q1.is_armed) << "the motors stop while the body is near";
   EXPECT_TRUE(has("arm pending"));
   EXPECT_TRUE(has("separation"));
   bench.run(1.5, [&] { bench.room().target_positions_m = {{3.5, 1.8, 0.0}}; });
@@ -194,7 +194,7 @@ TEST_F(Arming, TakeOffWaitsForNearBodies) {
     room.run(3.0, [&] { room.room().target_positions_m = {from_m}; });
     EXPECT_LT(vehicle.position_m.z(), 0.01);
     EXPECT_TRUE(FlightBench::has_reason(vehicle, "body nearby", room.now()));
-    EXPECT_TRUE(vehicle.is_armed) << "it may stand there with its motors on";
+    EXPECT_TRUE(vehicle.is_armed) << "a near body does not stop the motors";
     Eigen::Vector3d walker_m = from_m;
     room.run(8.0, [&] {
       walker_m.y() += 0.004;

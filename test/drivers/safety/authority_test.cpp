@@ -30,7 +30,8 @@ TEST(PlannerLease, KeepsTheFirstUntilItIsSilent) {
   EXPECT_TRUE(lease.admit(1, kStart + from_seconds(1.9), 2.0));
   EXPECT_FALSE(lease.admit(2, kStart + from_seconds(3.8), 2.0));
   EXPECT_TRUE(lease.admit(2, kStart + from_seconds(4.0), 2.0));
-  EXPECT_FALSE(lease.admit(1, kStart + from_seconds(4.1), 2.0)) << "the one that woke up";
+  EXPECT_FALSE(lease.admit(1, kStart + from_seconds(4.1), 2.0))
+      << "the earlier planner does not regain the lease";
   EXPECT_EQ(lease.takeovers(), 1);
 }
 
@@ -45,7 +46,7 @@ class Authority : public testing::Test {
 };
 
 TEST_F(Authority, AcceptsSaferCommandsFromAnyStation) {
-  EXPECT_FALSE(admit(OperatorAction::kArm, 1, 0.0)) << "nobody beats yet";
+  EXPECT_FALSE(admit(OperatorAction::kArm, 1, 0.0)) << "no station has sent a heartbeat";
   EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 1, 0.1));
   EXPECT_FALSE(admit(OperatorAction::kHeartbeat, 2, 0.2));
   for (const OperatorAction risky :
@@ -72,7 +73,8 @@ TEST_F(Authority, PassesToAnotherStationOnlyAfterSilence) {
   EXPECT_FALSE(admit(OperatorAction::kHeartbeat, 2, 0.9));
   EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 2, 1.1));
   EXPECT_FALSE(admit(OperatorAction::kArm, 1, 1.2));
-  EXPECT_TRUE(admit(OperatorAction::kEmergencyStop, 1, 1.2)) << "its stop is never silenced";
+  EXPECT_TRUE(admit(OperatorAction::kEmergencyStop, 1, 1.2))
+      << "an emergency stop is accepted from any station";
   EXPECT_EQ(authority.handovers(), 1);
 }
 
@@ -84,11 +86,11 @@ TEST_F(Authority, RefusesReplayedAndStaleCommands) {
   const auto old = command(OperatorAction::kArm, 1, 60, 0.2);
   EXPECT_FALSE(authority.admit(old, kStart + from_seconds(3.0), kSilentS)) << "2.8 s under way";
   const auto stop = command(OperatorAction::kEmergencyStop, 9, 0, -3600.0);
-  EXPECT_FALSE(authority.admit(stop, kStart + from_seconds(3.0), kSilentS)) << "of an old log";
+  EXPECT_FALSE(authority.admit(stop, kStart + from_seconds(3.0), kSilentS)) << "from an old log";
   const auto own_stop = command(OperatorAction::kEmergencyStop, 1, 20, 0.05);
-  EXPECT_FALSE(authority.admit(own_stop, kStart + from_seconds(3.0), kSilentS)) << "said before";
+  EXPECT_FALSE(authority.admit(own_stop, kStart + from_seconds(3.0), kSilentS)) << "repeated";
   const auto late_stop = command(OperatorAction::kEmergencyStop, 1, 61, 0.3);
-  EXPECT_TRUE(authority.admit(late_stop, kStart + from_seconds(3.0), kSilentS)) << "held up";
+  EXPECT_TRUE(authority.admit(late_stop, kStart + from_seconds(3.0), kSilentS)) << "delayed";
 }
 
 TEST_F(Authority, AcceptsAStationAfterAClockChange) {
@@ -148,8 +150,8 @@ TEST_F(Authority, RefusesOutdatedOrders) {
     const auto first = static_cast<std::int64_t>(20 + 10 * begin_s);
     EXPECT_TRUE(admit_at(first + 2, begin_s + 0.3, begin_s + 0.31));
     EXPECT_FALSE(admit_at(first + 1, begin_s + 0.2, begin_s + 0.32));
-    EXPECT_TRUE(admit_at(first + 1, begin_s + 0.4, begin_s + 0.41)) << "stamped later";
-    EXPECT_TRUE(admit_at(first + 4, begin_s + 0.3, begin_s + 0.42)) << "numbered later";
+    EXPECT_TRUE(admit_at(first + 1, begin_s + 0.4, begin_s + 0.41)) << "newer stamp";
+    EXPECT_TRUE(admit_at(first + 4, begin_s + 0.3, begin_s + 0.42)) << "newer number";
   }
 }
 
@@ -159,7 +161,7 @@ TEST(PlannerLease, LastsForItsDuration) {
   PlannerLease lease;
   EXPECT_EQ(lease.age_s(at(0.0)), kNever);
   EXPECT_TRUE(lease.is_holder(1));
-  EXPECT_TRUE(lease.is_holder(2)) << "nobody holds it";
+  EXPECT_TRUE(lease.is_holder(2)) << "no run holds the lease";
   EXPECT_FALSE(lease.is_contested(at(0.0), kLeaseS));
   EXPECT_TRUE(lease.admit(1, at(0.0), kLeaseS));
   for (int time = 0; time < 2; ++time) {
@@ -172,8 +174,10 @@ TEST(PlannerLease, LastsForItsDuration) {
     EXPECT_FALSE(lease.is_contested(at(begin_s + 0.5), kLeaseS));
     EXPECT_FALSE(lease.admit(holder + 1, at(begin_s + 1.5), kLeaseS));
     EXPECT_TRUE(lease.is_contested(at(begin_s + 3.4), kLeaseS));
-    EXPECT_FALSE(lease.is_contested(at(begin_s + 3.6), kLeaseS)) << "the other is silent again";
-    EXPECT_NEAR(lease.age_s(at(begin_s + 1.9)), 1.9, 1e-9) << "another says nothing for it";
+    EXPECT_FALSE(lease.is_contested(at(begin_s + 3.6), kLeaseS))
+        << "the other planner is silent again";
+    EXPECT_NEAR(lease.age_s(at(begin_s + 1.9)), 1.9, 1e-9)
+        << "messages of another run do not count";
     EXPECT_FALSE(lease.admit(holder + 1, at(begin_s + 1.99), kLeaseS));
     EXPECT_TRUE(lease.admit(holder + 1, at(begin_s + 2.01), kLeaseS));
     EXPECT_NEAR(lease.age_s(at(begin_s + 3.0)), 0.99, 1e-9);
@@ -202,12 +206,12 @@ TEST_F(Authority, CountsStaleCommandsTakeoversAndClockChanges) {
   EXPECT_TRUE(beat(1, 0.0, 0.0));
   for (std::int64_t time = 0; time < 3; ++time) {
     const double begin_s = 10.0 * static_cast<double>(time);
-    EXPECT_FALSE(beat(9, begin_s + 0.1, 3600.0)) << "a log";
-    EXPECT_TRUE(beat(time + 1, begin_s, 3600.0)) << "its clock is set";
+    EXPECT_FALSE(beat(9, begin_s + 0.1, 3600.0)) << "from a log";
+    EXPECT_TRUE(beat(time + 1, begin_s, 3600.0)) << "its clock was set";
     expect_counts(time, time + 1, 2 * time + 1);
-    EXPECT_TRUE(beat(time + 1, begin_s + 0.2, 3600.0)) << "and goes on";
+    EXPECT_TRUE(beat(time + 1, begin_s + 0.2, 3600.0)) << "continues with its new clock";
     expect_counts(time, time + 1, 2 * time + 1);
-    EXPECT_TRUE(beat(time + 1, begin_s + 0.4, 0.0)) << "it is set back";
+    EXPECT_TRUE(beat(time + 1, begin_s + 0.4, 0.0)) << "its clock was set back";
     expect_counts(time, time + 1, 2 * time + 2);
     EXPECT_TRUE(beat(time + 1, begin_s + 0.6, 0.0));
     expect_counts(time, time + 1, 2 * time + 2);
@@ -279,9 +283,10 @@ TEST_F(Authority, IgnoresTheClockOfReplayedHeartbeats) {
       EXPECT_NEAR(authority.age_s(kStart + from_seconds(at_s)), at_s - 1.0, 1e-9);
       const auto stop =
           command(OperatorAction::kEmergencyStop, 1, number, 0.1 * static_cast<double>(number));
-      EXPECT_FALSE(authority.admit(stop, kStart + from_seconds(at_s), kSilentS)) << "of then";
+      EXPECT_FALSE(authority.admit(stop, kStart + from_seconds(at_s), kSilentS))
+          << "with the old time";
     }
-    EXPECT_TRUE(beat(11, 3600.5, 3600.5)) << "itself, by the clock that it had";
+    EXPECT_TRUE(beat(11, 3600.5, 3600.5)) << "the same station with its old clock";
   }
 }
 
@@ -293,16 +298,17 @@ TEST_F(Authority, PassesToAStationWithANewHeartbeat) {
     EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, first, 1, 0.0), kStart, 1.0));
     const auto received = command(OperatorAction::kHeartbeat, 7, 4, 0.5);
     EXPECT_FALSE(authority.admit(received, kStart + from_seconds(0.5), 1.0));
-    EXPECT_FALSE(authority.admit(received, kStart + from_seconds(1.5), 1.0)) << "a copy";
+    EXPECT_FALSE(authority.admit(received, kStart + from_seconds(1.5), 1.0)) << "repeated";
     const auto arm = command(OperatorAction::kArm, 7, 5, 1.5);
-    EXPECT_FALSE(authority.admit(arm, kStart + from_seconds(1.5), 1.0)) << "it does not beat";
+    EXPECT_FALSE(authority.admit(arm, kStart + from_seconds(1.5), 1.0))
+        << "the station sends no heartbeat";
     EXPECT_EQ(authority.handovers(), 0);
     const auto beat = command(OperatorAction::kHeartbeat, 7, 6, 1.6);
     EXPECT_TRUE(authority.admit(beat, kStart + from_seconds(1.6), 1.0));
     EXPECT_EQ(authority.handovers(), 1);
     const auto back = command(OperatorAction::kHeartbeat, 7, 7, 9.0);
     EXPECT_TRUE(authority.admit(back, kStart + from_seconds(9.0), 1.0));
-    EXPECT_EQ(authority.handovers(), 1) << "it takes over from nobody but itself";
+    EXPECT_EQ(authority.handovers(), 1) << "only one handover";
   }
 }
 
@@ -311,11 +317,11 @@ TEST_F(Authority, AcceptsDelayedSaferCommandsOnce) {
   const auto at = [](double t_s) { return kStart + from_seconds(t_s); };
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 50, 0.0), at(0.0), 1.0));
   const auto newest = command(OperatorAction::kHold, 1, 50, 0.1);
-  EXPECT_FALSE(authority.admit(newest, at(3.0), 1.0)) << "its number was received";
+  EXPECT_FALSE(authority.admit(newest, at(3.0), 1.0)) << "this number was received";
   for (const std::int64_t number : {51, 52}) {
     const auto late = command(OperatorAction::kHold, 1, number, 0.2);
     EXPECT_TRUE(authority.admit(late, at(3.0), 1.0)) << number;
-    EXPECT_FALSE(authority.admit(late, at(4.0), 1.0)) << "said before";
+    EXPECT_FALSE(authority.admit(late, at(4.0), 1.0)) << "repeated";
     EXPECT_NEAR(authority.age_s(at(4.0)), 4.0, 1e-9);
   }
   std::vector<models::NamedCount> before;

@@ -159,10 +159,10 @@ TEST(ConditionRow, WithTwoFactsNeedsBoth) {
   in.fence_centre_m = -1e-9;
   EXPECT_TRUE(row_of("pose lost low").holds(in, l));
   in.autopilot_obeys = false;
-  EXPECT_FALSE(row_of("pose lost low").holds(in, l)) << "a pilot has it";
+  EXPECT_FALSE(row_of("pose lost low").holds(in, l)) << "a pilot flies the vehicle";
   in.autopilot_obeys = true;
   in.pose_age_s = l.pose_age_kill_s;
-  EXPECT_FALSE(row_of("pose lost low").holds(in, l)) << "not blind";
+  EXPECT_FALSE(row_of("pose lost low").holds(in, l)) << "the pose is new";
   for (const bool has_plan : {true, false}) {
     for (const bool has_ended : {true, false}) {
       for (const double beyond_s : {0.0, 1e-9}) {

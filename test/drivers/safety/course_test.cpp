@@ -314,7 +314,7 @@ TEST(Course, HasAPlanUntilThePlanEnds) {
     next.start_time = after(8.0);
     course.follow(next, after(1.0));
     course.stop(way, after(1.0));
-    EXPECT_FALSE(course.has_next()) << "a stop forgets every plan";
+    EXPECT_FALSE(course.has_next()) << "a stop drops all plans";
     EXPECT_FALSE(course.is_on_plan());
     EXPECT_FALSE(course.has_plan(after(1.0)));
     EXPECT_FALSE(course.is_hovering(after(1.69)));

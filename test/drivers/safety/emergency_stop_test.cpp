@@ -150,7 +150,7 @@ TEST(EmergencyStop, ActsAmongThousandsOfMessagesInOneTick) {
     EXPECT_FALSE(q1.is_armed);
     int more = kMessages;
     bench.run(2.0, [&] { flood(*q1.guard, ++more, bench.now()); });
-    EXPECT_EQ(q1.out.state, FlightState::kKilled) << "what strangers say ends nothing";
+    EXPECT_EQ(q1.out.state, FlightState::kKilled) << "messages of unknown senders change nothing";
     EXPECT_FALSE(q1.is_armed);
   }
 }

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
-#include "drivers/safety/lift.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
 
 namespace vantage::test {
@@ -110,7 +109,7 @@ TEST_P(FirstLift, StaysBelowTheTestHeightInAWrongSetup) {
       EXPECT_LT(farthest_m[i], 0.5);
       EXPECT_NEAR(vehicle.position_m.z(), 0.0, 1e-9);
       if (setup.wiring.swaps_names || setup.wiring.swaps_addresses) {
-        EXPECT_FALSE(vehicle.is_armed) << "told or not, it is not what it seems";
+        EXPECT_FALSE(vehicle.is_armed) << "a wrong set-up is detected";
       } else {
         EXPECT_FALSE(vehicle.is_armed && vehicle.out.state != FlightState::kIdle);
       }
@@ -210,116 +209,6 @@ TEST(FirstLiftOfThree, StopsABodyThatRisesWithoutAnOrder) {
   EXPECT_EQ(q1.out.state, FlightState::kKilled);
   EXPECT_FALSE(q1.is_armed);
   EXPECT_TRUE(FlightBench::has_reason(q1, "uncommanded rise", bench.now()));
-}
-
-// Real autopilots take up to 30 s to arm and several seconds to spool up. By then the order of the
-// commands is forgotten and mocap does not show a rise yet, so vehicles report their own lift.
-TEST(LiftQueue, WaitsForReportedLiftsThenOrdersByName) {
-  const scenario::Scenario scenario = FlightBench::scenario();
-  const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
-  const Time start = from_utime(1'700'000'000'000'000);
-  drivers::LiftQueue second(scenario, "Q2");
-  drivers::LiftQueue third(scenario, "Q3");
-  const auto look = [&](double at_s) {
-    second.update({}, limits, start + from_seconds(at_s));
-    third.update({}, limits, start + from_seconds(at_s));
-  };
-  for (const double begin_s : {0.0, 20.0}) {  // repeated later with the same queues
-    look(begin_s);
-    EXPECT_FALSE(second.is_blocked());
-    for (int i = 0; i <= 40; ++i) {
-      second.on_lifting("Q1", start + from_seconds(begin_s + 0.1 * i));
-      third.on_lifting("Q1", start + from_seconds(begin_s + 0.1 * i));
-      look(begin_s + 0.1 * i);
-      EXPECT_TRUE(second.is_blocked());
-      EXPECT_TRUE(third.is_blocked());
-    }
-    double second_s = 0.0;
-    double third_s = 0.0;
-    for (int i = 0; i <= 100; ++i) {
-      const double at_s = begin_s + 4.0 + 0.02 * i;
-      look(at_s);
-      second_s = second_s > 0.0 || second.is_blocked() ? second_s : at_s;
-      third_s = third_s > 0.0 || third.is_blocked() ? third_s : at_s;
-    }
-    EXPECT_GT(second_s, begin_s + 4.4);
-    EXPECT_GT(third_s, second_s + 0.1) << "long enough for the third to hear of the second";
-    EXPECT_LT(third_s, begin_s + 5.5);
-  }
-}
-
-// The motors of two vehicles start at the same instant.
-TEST(LiftQueue, StaggersSimultaneousStarts) {
-  const scenario::Scenario scenario = FlightBench::scenario();
-  const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q1");
-  const Time start = from_utime(1'700'000'000'000'000);
-  double begun_s[3] = {};
-  const char* const names[] = {"Q1", "Q2", "Q3"};
-  for (int i = 0; i < 3; ++i) {
-    drivers::LiftQueue queue(scenario, names[i]);
-    queue.begin_turn(start);
-    for (int k = 1; k < 100 && begun_s[i] == 0.0; ++k) {
-      queue.update({}, limits, start + k * Duration{20'000});
-      begun_s[i] = queue.is_blocked() ? 0.0 : 0.02 * k;
-    }
-  }
-  EXPECT_GT(begun_s[0], 0.0);
-  EXPECT_GT(begun_s[1], begun_s[0] + 0.1);
-  EXPECT_GT(begun_s[2], begun_s[1] + 0.1);
-}
-
-// The test step and turn of a lift are recognised only in the commanded direction and beyond 0.3 of
-// the commanded amount, for any ground position and yaw.
-TEST(Lift, IsVerifiedByTheCommandedStepAndTurn) {
-  const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
-  const Time start = from_utime(1'700'000'000'000'000);
-  const auto proves = [&](const Pose2& rest, double x_share, double y_share, double turn_share) {
-    drivers::Lift own;
-    drivers::Course course(0.25);
-    own.begin(lift(rest, 0.1), {}, limits, start);
-    EXPECT_DOUBLE_EQ(own.rest_m(), 0.1);
-    EXPECT_DOUBLE_EQ(own.height_m(), 0.1 + limits.lift_height_m);
-    EXPECT_EQ(own.phase(), drivers::Lift::Phase::kRising);
-    const Eigen::Vector3d hover_m(rest.x_m, rest.y_m, own.height_m());
-    EXPECT_FALSE(own.step(hover_m, rest.yaw_rad, course, limits, start));
-    EXPECT_EQ(own.phase(), drivers::Lift::Phase::kProving);
-    const drivers::Setpoint asked = course.planned_at(start);
-    Eigen::Vector3d gone_m = asked.position_world_m - hover_m;
-    EXPECT_NEAR(std::abs(gone_m.x()), limits.lift_step_m, 1e-12);
-    EXPECT_NEAR(std::abs(gone_m.y()), limits.lift_step_m, 1e-12);
-    EXPECT_NEAR(wrap_to_pi(asked.yaw_rad - rest.yaw_rad), limits.lift_turn_rad, 1e-12);
-    gone_m = gone_m.cwiseProduct(Eigen::Vector3d(x_share, y_share, 0.0));
-    const double yaw_rad = wrap_to_pi(rest.yaw_rad + turn_share * limits.lift_turn_rad);
-    const bool is_proven = own.step(hover_m + gone_m, yaw_rad, course, limits, start);
-    EXPECT_EQ(own.is_under_way(), !is_proven);
-    const drivers::Setpoint then =
-        course.planned_at(start);  // ground position once verified, else the step
-    const Eigen::Vector2d back_m =
-        is_proven ? rest.position_m() : Eigen::Vector2d(asked.position_world_m.head<2>());
-    EXPECT_LT((then.position_world_m.head<2>() - back_m).norm(), 1e-12);
-    const double back_rad = is_proven ? rest.yaw_rad : asked.yaw_rad;
-    EXPECT_NEAR(wrap_to_pi(then.yaw_rad - back_rad), 0.0, 1e-12);
-    return is_proven;
-  };
-  for (const Pose2& rest : {Pose2{0.0, 0.0, 0.0}, Pose2{-1.0, 0.5, 3.1}, Pose2{1.0, -0.5, -2.0}}) {
-    for (const double x_share : {-1.0, -0.31, 0.29, 0.31, 1.0}) {
-      for (const double y_share : {-1.0, 0.29, 0.31, 1.0}) {
-        for (const double turn_share : {-1.0, 0.29, 0.31, 1.0}) {
-          EXPECT_EQ(proves(rest, x_share, y_share, turn_share),
-                    std::min({x_share, y_share, turn_share}) > 0.3)
-              << x_share << " " << y_share << " " << turn_share;
-        }
-      }
-    }
-  }
-}
-
-// The first hover must not be higher than the commanded take-off height.
-TEST(Lift, StaysBelowTheTakeOffHeight) {
-  const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
-  drivers::Lift own;
-  own.begin(lift(Pose2{0.3, -0.2, 0.0}, limits.take_off_height_m - 0.05), {}, limits, Time{});
-  EXPECT_DOUBLE_EQ(own.height_m(), limits.take_off_height_m);
 }
 
 }  // namespace

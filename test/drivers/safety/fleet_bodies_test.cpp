@@ -90,7 +90,7 @@ TEST_F(FleetOfQ2, ReservesTheColumnBelowASilentTeammate) {
   show(0.0, {{"Q3", {1.0, -1.0, 1.5}}});
   ASSERT_TRUE(fleet.on_plan(plan(), limits, at(0.0)));
   EXPECT_NE(course_at(0.1).plan, nullptr);
-  EXPECT_NE(course_at(2.0).plan, nullptr) << "one that has never reported";
+  EXPECT_NE(course_at(2.0).plan, nullptr) << "its driver has never reported";
   fleet.on_status("Q3", at(2.0));
   EXPECT_NE(course_at(2.49).plan, nullptr);
   const OtherCourse silent = course_at(2.51);
@@ -125,7 +125,7 @@ TEST_F(FleetOfQ2, KeepsBodiesWithUnknownNames) {
   EXPECT_TRUE(bodies[0].has_priority);
   EXPECT_EQ(fleet.unknown_bodies(), 2);
   EXPECT_EQ(fleet.courses(at(0.0), limits).size(), 1u);
-  EXPECT_EQ(fleet.bodies(at(9.9), limits).size(), 1u) << "occluded, or gone";
+  EXPECT_EQ(fleet.bodies(at(9.9), limits).size(), 1u) << "occluded or absent";
   EXPECT_EQ(fleet.bodies(at(10.1), limits).size(), 0u) << "gone";
 }
 
@@ -141,7 +141,7 @@ TEST_F(FleetOfQ2, KeepsTheNearestUnknownBodiesAndCountsTheRest) {
   EXPECT_EQ(fleet.bodies_dropped(), 0);
   add("B", 3.5);
   show(0.01, places_m);
-  EXPECT_EQ(fleet.bodies_dropped(), 1) << "the farthest";
+  EXPECT_EQ(fleet.bodies_dropped(), 1) << "the farthest body is dropped";
   add("C", 0.5);
   show(0.02, places_m);
   const auto bodies = fleet.bodies(at(0.02), limits);

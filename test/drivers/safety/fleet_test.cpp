@@ -45,8 +45,8 @@ class TeammatesPlans : public testing::Test {
 };
 
 TEST_F(TeammatesPlans, MustBeCurrent) {
-  EXPECT_FALSE(hear(1, 0, -3600.0, 0.0)) << "of an old log";
-  EXPECT_FALSE(hear(1, 1, 3600.0, 0.0)) << "it would keep every true one out for an hour";
+  EXPECT_FALSE(hear(1, 0, -3600.0, 0.0)) << "from an old log";
+  EXPECT_FALSE(hear(1, 1, 3600.0, 0.0)) << "it would block later plans for an hour";
   EXPECT_TRUE(hear(1, 2, 1.0, 0.0));
   EXPECT_FALSE(hear(1, 3, 1.0, 0.0, "Q9"));
   EXPECT_EQ(fleet.plans_refused(), 3);
@@ -56,14 +56,14 @@ TEST_F(TeammatesPlans, MustBeNew) {
   EXPECT_TRUE(hear(1, 5, 1.0, 0.0));
   EXPECT_FALSE(hear(1, 5, 1.0, 0.1));
   EXPECT_FALSE(hear(1, 4, 1.5, 0.1));
-  EXPECT_FALSE(hear(1, 6, 0.5, 0.1)) << "begins before the last";
+  EXPECT_FALSE(hear(1, 6, 0.5, 0.1)) << "begins before the last plan";
   EXPECT_TRUE(hear(1, 7, 1.0, 0.1));
 }
 
 TEST_F(TeammatesPlans, MustComeFromTheLeaseholder) {
   EXPECT_TRUE(hear(1, 0, 1.0, 0.0));
   EXPECT_FALSE(hear(2, 0, 1.5, 0.5));
-  EXPECT_TRUE(hear(2, 0, 1.0, 0.5, "Q3")) << "each teammate has its own";
+  EXPECT_TRUE(hear(2, 0, 1.0, 0.5, "Q3")) << "each teammate has a separate lease";
   const double after_s = limits.planner_lease_s + 0.1;
   EXPECT_TRUE(hear(2, 1, after_s, after_s));
   EXPECT_FALSE(hear(1, 1, after_s, after_s));
@@ -116,7 +116,7 @@ TEST_F(TeammatesPlans, FirstPlanIsAcceptedOnAnyClock) {
   for (const double at_s : {kEpochS - 5.0, kEpochS + 5.0, 0.0}) {
     fleet = Fleet(scenario, "Q1");
     EXPECT_TRUE(hear(1, 0, at_s, at_s)) << at_s;
-    EXPECT_FALSE(hear(1, 1, at_s - 1e-3, at_s)) << "before the last one";
+    EXPECT_FALSE(hear(1, 1, at_s - 1e-3, at_s)) << "begins before the last plan";
   }
 }
 
@@ -133,13 +133,13 @@ TEST_F(TeammatesPlans, AreIgnoredWhenInfeasible) {
   EXPECT_FALSE(hear(plan, 0.0));
   EXPECT_TRUE(fleet.courses(kStart, limits).empty());
   EXPECT_EQ(fleet.plans_refused(), 3);
-  EXPECT_TRUE(hear(2, 0, 1.0, 0.0)) << "another planner, at once";
+  EXPECT_TRUE(hear(2, 0, 1.0, 0.0)) << "another planner is accepted immediately";
   EXPECT_EQ(fleet.courses(kStart, limits).size(), 1u);
 }
 
 TEST_F(TeammatesPlans, MustBelongToOtherRobots) {
-  EXPECT_FALSE(hear(1, 0, 1.0, 0.0, "W1")) << "a target follows no plan";
-  EXPECT_FALSE(hear(1, 0, 1.0, 0.0, "Q1")) << "itself is no teammate";
+  EXPECT_FALSE(hear(1, 0, 1.0, 0.0, "W1")) << "targets have no plans";
+  EXPECT_FALSE(hear(1, 0, 1.0, 0.0, "Q1")) << "the vehicle is not its own teammate";
   EXPECT_TRUE(fleet.courses(kStart, limits).empty());
 }
 
@@ -187,7 +187,7 @@ TEST_F(FleetBodies, ListsSeenBodiesWithTheirPriority) {
   EXPECT_TRUE(fleet.courses(at(0.0), limits).empty());
   show(0.0, {{"Q1", {0, 0, 1}}, {"Q2", {1, 0, 1}}, {"Q3", {2, 0, 1}}, {"W1", {3, 0, 0}}});
   const auto bodies = fleet.bodies(at(0.0), limits);
-  ASSERT_EQ(bodies.size(), 3u) << "itself is no other";
+  ASSERT_EQ(bodies.size(), 3u) << "the vehicle is not another body";
   const double xs_m[] = {0.0, 2.0, 3.0};
   const bool has_priority[] = {true, false, true};  // Q1 precedes Q2; non-robots always do
   const int robots[] = {0, 2, -1};                  // indices in the scenario
@@ -200,7 +200,7 @@ TEST_F(FleetBodies, ListsSeenBodiesWithTheirPriority) {
   ASSERT_EQ(courses.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(courses[i].plan, nullptr) << i;
-    EXPECT_EQ(courses[i].reaches_ground, i == 2) << "a person stands on the ground";
+    EXPECT_EQ(courses[i].reaches_ground, i == 2) << "a person reaches down to the ground";
   }
 }
 
@@ -212,7 +212,7 @@ TEST_F(FleetBodies, CountUnknownBodiesAndRefusedPoses) {
   }
   for (int time = 1; time <= 2; ++time) {
     show(0.02 + 0.01 * time, {{"Q1", {3, 0, 1}}, {"Q2", {1, 0, 1}}});
-    EXPECT_EQ(fleet.poses_refused(), time) << "it has jumped";
+    EXPECT_EQ(fleet.poses_refused(), time) << "the pose has jumped";
   }
 }
 
@@ -256,8 +256,8 @@ TEST_F(FleetBodies, KeepTheMeasuredVelocityIfItIsGreater) {
   const double faster_mps = body(0.49).velocity_world_mps.x();
   EXPECT_NEAR(faster_mps, 0.5, 0.01);
   EXPECT_TRUE(plan_of_q3(2.0, 0.49, {0.25, -1.0, 1.0}));
-  EXPECT_EQ(body(0.49).planned_world_mps.x(), faster_mps) << "its plan still stands";
-  EXPECT_NEAR(body(0.58).position_world_m.x(), 0.245 + 0.09 * 0.5, 0.002) << "moved on to now";
+  EXPECT_EQ(body(0.49).planned_world_mps.x(), faster_mps) << "its plan is not finished";
+  EXPECT_NEAR(body(0.58).position_world_m.x(), 0.245 + 0.09 * 0.5, 0.002) << "extrapolated to now";
 }
 
 TEST_F(FleetBodies, StayAtTheirLastPositionWhenUnseen) {
@@ -300,7 +300,7 @@ TEST_F(FleetBodies, KeepMovingAndKeepTheirRadiusIfNotRobots) {
 TEST_F(FleetBodies, AreAssumedToFollowTheirPlanWhileCloseToIt) {
   const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
   show(0.0, {{"Q3", hover_m}});
-  EXPECT_EQ(course(0.0).plan, nullptr) << "nothing was heard of it";
+  EXPECT_EQ(course(0.0).plan, nullptr) << "no plan was received";
   EXPECT_TRUE(plan_of_q3(3.0, 0.0, hover_m));
   for (const double side : {1.0, -1.0}) {
     const double strays_m = test::last_accepted(0.0, 2.0, 1e-9, [&](double off_m) {
@@ -314,7 +314,7 @@ TEST_F(FleetBodies, AreAssumedToFollowTheirPlanWhileCloseToIt) {
   }
   fleet = Fleet(scenario, "Q2");
   EXPECT_TRUE(plan_of_q3(3.0, 0.0, hover_m));
-  EXPECT_NE(course(0.0).plan, nullptr) << "never seen: its plan is all there is";
+  EXPECT_NE(course(0.0).plan, nullptr) << "never seen: only its plan is known";
   for (int time = 0; time < 2; ++time) {
     const double t_s = time;
     show(t_s, {{"Q3", hover_m}});
@@ -345,7 +345,7 @@ TEST_F(FleetBodies, AreUnseenWhileTheirNameIsDuplicate) {
     EXPECT_NEAR(body(0.01 * time).age_s, 0.01 * time, 1e-9);
   }
   show(0.03, {{"Q3", here_m}});
-  EXPECT_EQ(body(0.03).age_s, 0.0) << "and once more when it is alone";
+  EXPECT_EQ(body(0.03).age_s, 0.0) << "accepted again when its name is unique";
 }
 
 // The measured position is compared with the planned position at the current time, not at the
@@ -365,7 +365,7 @@ TEST_F(FleetBodies, AreComparedWithTheCurrentPointOfTheirPlan) {
     return course(t_s).plan != nullptr;
   });
   EXPECT_NEAR(0.8 * left_behind_s, 2.0 * limits.tracking_hold_m, 3e-6)
-      << "one that did not set off";
+      << "a robot that did not start";
 }
 
 TEST_F(FleetBodies, UseThePlannedVelocityOneReactionTimeAhead) {

@@ -31,7 +31,7 @@ TEST_F(FlyingAlready, HoldsAfterARestartUntilFollow) {
   EXPECT_TRUE(has("found flying"));
   const Eigen::Vector3d place_m = q1.position_m;
   bench.run(6.0);
-  EXPECT_EQ(q1.out.state, FlightState::kHold) << "plans come, nobody said follow";
+  EXPECT_EQ(q1.out.state, FlightState::kHold) << "plans arrive, but `follow` was not sent";
   EXPECT_LT((q1.position_m - place_m).norm(), 0.1);
   EXPECT_NEAR(q1.position_m.z(), 1.0, 0.1);
   bench.send_command(OperatorAction::kFollow);
@@ -130,7 +130,7 @@ TEST_F(FlyingAlready, IsDisarmedWithoutMocapAtTheThirdHeartbeat) {
       return;
     }
   }
-  ADD_FAILURE() << "never believed";
+  ADD_FAILURE() << "the disarmed reports were never accepted";
 }
 
 // If the motors are really off the vehicle falls, and mocap shows the fall immediately.

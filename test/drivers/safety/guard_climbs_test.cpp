@@ -53,7 +53,7 @@ TEST(GuardClimb, ReachesLiftHeightThenFlightHeight) {
     one.run(5.0);
     EXPECT_LT(one.position_m.z(), 0.06);
     EXPECT_GT(one.position_m.head<2>().norm(), 0.1);
-    EXPECT_EQ(one.in().start_off_m, 0.0) << "it has flown";
+    EXPECT_EQ(one.in().start_off_m, 0.0) << "the vehicle has flown";
     one.position_m.head<2>().setZero();
     one.yaw_rad = 0.0;
     one.drift_mps = Eigen::Vector3d::Zero();
@@ -86,7 +86,7 @@ TEST(GuardClimb, StartsAtTheGroundHeight) {
   one.hold_at_height(0.3 + kLiftM + 0.15);
   one.run(0.4);
   EXPECT_NEAR(one.in().tracking_error_m, std::hypot(0.15, 0.15 * std::sqrt(2.0)), 1e-3)
-      << "above, and not gone where it was told";
+      << "above, and not at its set-point";
 }
 
 // A climb that does not reach its height ends after twice its nominal time plus 5 s. During this
@@ -145,7 +145,7 @@ TEST(GuardClimb, PausesBelowAnotherVehicle) {
   one.others = {one.body("Q2", {x_m, 0.0, 1.2})};
   one.hold_at_height(0.7);
   one.run(1.0, [&] { one.others = {one.body("Q2", {x_m, 0.0, 1.2})}; });
-  EXPECT_NEAR(asked_m(one), 1.0, 1e-6) << "and is asked to be there";
+  EXPECT_NEAR(asked_m(one), 1.0, 1e-6) << "the set-point is there";
 }
 
 // Once the set-point is at the goal height, another vehicle above does not extend the time limit of
@@ -226,7 +226,7 @@ TEST(GuardClimb, EndsWhenALandingBegins) {
   one.run(0.4, stand_by);
   EXPECT_FALSE(one.out.is_sinking);
   const double level_m = (one.position_m.head<2>() - one.setpoint_m()).norm();
-  EXPECT_GT(one.in().tracking_error_m, std::hypot(level_m, 0.1)) << "lower than where it waits";
+  EXPECT_GT(one.in().tracking_error_m, std::hypot(level_m, 0.1)) << "lower than its waiting height";
 }
 
 // A plan at another height is flown at that height. The vehicle climbs or descends to it at the
@@ -290,7 +290,7 @@ TEST(GuardClimb, SendsNoSetpointWhenIdleOrKilled) {
   one.tick();
   EXPECT_EQ(one.state(), FlightState::kKilled);
   EXPECT_EQ(one.out.setpoint.kind, FlightSetpoint::Kind::kMotorsOff);
-  EXPECT_EQ(one.out.climb_to_m, 0.0) << "it was never told to climb";
+  EXPECT_EQ(one.out.climb_to_m, 0.0) << "no climb was commanded";
   EXPECT_FALSE(one.lifts());
 }
 
@@ -324,19 +324,19 @@ TEST(GuardClimb, AcceptsPlansOnlyWhileWaitingForThem) {
   const auto verdict = [&] { return one.follow(0.2, 0.0, 0.2, 1.5, 0.3); };
   EXPECT_EQ(verdict(), PlanVerdict::kNotFollowing) << "idle";
   one.run(0.2);
-  EXPECT_EQ(verdict(), PlanVerdict::kNotFollowing) << "holds, and was not told to follow";
+  EXPECT_EQ(verdict(), PlanVerdict::kNotFollowing) << "holds without `follow`";
   one.send_command(OperatorAction::kFollow);
   one.tick();
   one.sends_heartbeats = false;
   one.run(1.6);
   EXPECT_EQ(one.state(), FlightState::kHold);
-  EXPECT_EQ(verdict(), PlanVerdict::kNotFollowing) << "waits for a heartbeat, too";
+  EXPECT_EQ(verdict(), PlanVerdict::kNotFollowing) << "waits for a heartbeat";
   one.sends_heartbeats = true;
   one.run(0.6);
   EXPECT_EQ(verdict(), PlanVerdict::kAccepted);
   one.run(0.4);
   EXPECT_EQ(one.state(), FlightState::kFollow);
-  EXPECT_EQ(verdict(), PlanVerdict::kAccepted) << "and the next one";
+  EXPECT_EQ(verdict(), PlanVerdict::kAccepted) << "the next plan is accepted as well";
   one.send_command(OperatorAction::kHold);
   one.tick();
   EXPECT_EQ(verdict(), PlanVerdict::kNotFollowing);

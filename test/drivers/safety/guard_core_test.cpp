@@ -46,7 +46,7 @@ TEST(GuardCore, KeepsTheSafestCommandOfATick) {
     (void)core.end_tick({}, now);
     now += from_seconds(0.02);
     core.update_common_inputs(now);
-    EXPECT_EQ(core.inputs().request, std::nullopt) << "what was answered is asked no more";
+    EXPECT_EQ(core.inputs().request, std::nullopt) << "a processed command is cleared";
   } while (std::next_permutation(orders.begin(), orders.end()));
 }
 
@@ -134,7 +134,7 @@ TEST_F(SeenCore, NewSourceMustShowTheKnownPositionWhenArmed) {
           const bool is_held = in_air || (is_other && is_armed);
           const bool is_believed = !is_elsewhere || !is_held;
           const bool is_heard = see(is_other ? kOther : kFirst, shown_m, is_armed, {in_air});
-          EXPECT_EQ(is_heard, is_believed || !is_other) << "its own source stays its source";
+          EXPECT_EQ(is_heard, is_believed || !is_other) << "the current source stays accepted";
           EXPECT_TRUE(is_at(is_believed ? shown_m : here_m));
           // A refused publisher does not replace the current one, which is still accepted.
           EXPECT_EQ(see(kFirst, here_m), !(is_other && is_believed));
@@ -160,7 +160,8 @@ TEST_F(SeenCore, CountsClockChanges) {
     frames();
     EXPECT_EQ(clocks_set(), ++times);
     core.update_common_inputs(now);
-    EXPECT_NEAR(core.inputs().pose_latency_s, 0.02, 1e-6) << "it is no later for that";
+    EXPECT_NEAR(core.inputs().pose_latency_s, 0.02, 1e-6)
+        << "a clock change does not change the latency";
   }
   latency_s += 0.1;
   frames();

@@ -87,7 +87,7 @@ TEST(GuardInTheAir, AcceptsALowerPoseOnlyAfterADescent) {
       phase.begin(q1);
       ASSERT_EQ(q1.out.state == FlightState::kHold, std::string(phase.name).starts_with("holding"));
       EXPECT_EQ(q1.out.is_sinking, phase.sinks) << phase.name;
-      EXPECT_EQ(q1.out.climb_to_m < 0.0, phase.sinks) << "goes through the floor";
+      EXPECT_EQ(q1.out.climb_to_m < 0.0, phase.sinks) << "the goal is below the floor";
       const double from_m = q1.position_m.z();
       q1.now += from_seconds(kUnseenS);
       q1.position_m.z() -= q1.limits.pose_gate_max_m + off_m;
@@ -222,7 +222,8 @@ TEST(GuardInTheAir, MovesAwayFromTheFenceWithoutApproachingATeammate) {
   });
   EXPECT_EQ(q1.state(), FlightState::kHold);
   EXPECT_FALSE(q1.lifts());
-  EXPECT_GT(q1.position_m.y() + 0.27 - 0.25, q1.limits.hover_clearance_m) << "it has moved off";
+  EXPECT_GT(q1.position_m.y() + 0.27 - 0.25, q1.limits.hover_clearance_m)
+      << "the vehicle has moved away";
   EXPECT_GT((q1.position_m - mate_m).norm(), 0.6);
 }
 
@@ -291,7 +292,7 @@ TEST(GuardInTheAir, LimitsItsVerticalSpeed) {
   q1.tick();
   EXPECT_NEAR(before_m - q1.out.setpoint.position_world_m.z(),
               limits.descent_mps * OneVehicle::kTickS, 1e-9)
-      << "the height that is asked for moves as fast as the velocity says";
+      << "height and velocity of the set-point agree";
 }
 
 // `changed` is set for one tick when either the state or the reasons change.
@@ -308,12 +309,12 @@ TEST(GuardInTheAir, ReportsEachChangeOnce) {
   q1.tick();
   EXPECT_EQ(q1.out.state, FlightState::kHold);
   EXPECT_TRUE(q1.out.reasons.none());
-  EXPECT_TRUE(q1.out.changed) << "the state alone";
+  EXPECT_TRUE(q1.out.changed) << "only the state changed";
   EXPECT_EQ(q1.reasons(), std::vector<std::string>({"operator"}));
   EXPECT_EQ(q1.guard.status(q1.now).plan_round, -1);
   q1.tick();
   EXPECT_EQ(q1.out.state, FlightState::kHold);
-  EXPECT_TRUE(q1.out.changed) << "what is in the way alone";
+  EXPECT_TRUE(q1.out.changed) << "only the reasons changed";
   EXPECT_EQ(q1.reasons(), std::vector<std::string>({"no plan"}));
   q1.tick();
   EXPECT_FALSE(q1.out.changed);
@@ -345,7 +346,7 @@ TEST(VehicleStatus, ReportsSetpointOrPosition) {
   q1.position_m.z() = kHigh.z();
   hover(q1);
   ASSERT_EQ(q1.out.state, FlightState::kHold);
-  EXPECT_NEAR(q1.out.climb_to_m, kHigh.z(), 1e-6) << "where it was found";
+  EXPECT_NEAR(q1.out.climb_to_m, kHigh.z(), 1e-6) << "the height at which the vehicle was found";
   q1.position_m += Eigen::Vector3d(0.04, 0.05, 0.0);
   q1.yaw_rad = 0.8;
   q1.run(0.1);

@@ -40,7 +40,7 @@ TEST_P(FoundVehicle, IsDetected) {
   EXPECT_EQ(drivers::is_airborne(one.state()), is_in_air);
   EXPECT_TRUE(!lands || one.state() == FlightState::kLand);
   one.run(0.1);
-  EXPECT_FALSE(one.in().is_found_flying && is_in_air) << "it is found once";
+  EXPECT_FALSE(one.in().is_found_flying && is_in_air) << "found only once";
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -42,7 +42,7 @@ TEST(GuardInputs, UseTheBestHeightSource) {
     EXPECT_NEAR(one.in().height_m, lacks == Lacks::kNothing ? 1.6 : 1.5, 1e-6);
     one.has_mocap = true;
     one.tick();
-    EXPECT_NEAR(one.in().height_m, 1.5, 1e-6) << "and once more";
+    EXPECT_NEAR(one.in().height_m, 1.5, 1e-6) << "seen again";
   }
 }
 
@@ -81,7 +81,7 @@ TEST(GuardInputs, KeepTheGroundHeightInTheAir) {
   EXPECT_EQ(one.state(), FlightState::kHold);
   one.has_mocap = false;
   one.run(0.2);
-  EXPECT_EQ(one.state(), FlightState::kIdle) << "unseen, it is believed";
+  EXPECT_EQ(one.state(), FlightState::kIdle) << "without a pose the report is accepted";
   one.report.armed = one.has_mocap = true;
   one.tick();
   EXPECT_TRUE(one.in().is_found_flying);
@@ -247,7 +247,7 @@ TEST(GuardInputs, MeasureAges) {
   one.tick();
   one.run(1.0);
   EXPECT_NEAR(one.in().flight_s, 1.0, 1e-9);
-  EXPECT_NEAR(one.in().battery_unchanged_s, 1.0, 1e-9) << "not since before the flight";
+  EXPECT_NEAR(one.in().battery_unchanged_s, 1.0, 1e-9) << "counts from the start of the flight";
   one.battery_share = 0.89;
   one.run(0.5);
   EXPECT_NEAR(one.in().battery_unchanged_s, 0.48, 1e-9);
@@ -276,7 +276,7 @@ TEST(GuardInputs, MeasureTheSpeedWhileSeen) {
   carried.place_on_ground();
   carried.drift_mps = Eigen::Vector3d(0.3, 0.0, 0.0);
   carried.run(1.0);
-  EXPECT_EQ(carried.in().tracking_error_m, 0.0) << "on the ground nothing is asked";
+  EXPECT_EQ(carried.in().tracking_error_m, 0.0) << "no set-point on the ground";
 }
 
 // Late poses slow the clock of the plan. The resulting delay of the vehicle counts as tracking
@@ -323,7 +323,7 @@ TEST(GuardInputs, MeasureTheDistanceFromTheStartBeforeTheFirstFlight) {
     one.run(0.5);
     one.drift_mps.reset();
     EXPECT_EQ(one.state(), FlightState::kIdle);
-    EXPECT_EQ(one.in().start_off_m, 0.0) << "it has flown";
+    EXPECT_EQ(one.in().start_off_m, 0.0) << "the vehicle has flown";
   }
   drivers::SafetyLimits anywhere = drivers::limits_for(room, "Q1");
   anywhere.start.reset();

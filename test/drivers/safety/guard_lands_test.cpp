@@ -280,7 +280,7 @@ TEST(Landing, MovesAsideOnAFreePathWithoutStopping) {
     one.tick();
     const double mps = one.out.setpoint.velocity_world_mps.head<2>().norm();
     has_stopped = has_stopped || (has_moved && mps < 1e-9);
-    EXPECT_TRUE(!has_stopped || mps < 1e-9) << "it moves off once";
+    EXPECT_TRUE(!has_stopped || mps < 1e-9) << "moves only once";
     has_moved = has_moved || mps > 0.3;
   }
   EXPECT_TRUE(has_moved);

@@ -28,7 +28,7 @@ TEST(LandingUnseen, DescendsBlindlyWhenTheEstimatorFails) {
     }
     EXPECT_NEAR(doubted_s, 0.22, 0.021);
     EXPECT_EQ(one.out.setpoint.kind, FlightSetpoint::Kind::kBlindLand);
-    EXPECT_EQ(one.out.setpoint.position_world_m.norm(), 0.0) << "and nothing else is asked";
+    EXPECT_EQ(one.out.setpoint.position_world_m.norm(), 0.0) << "no other set-point";
     EXPECT_TRUE(one.out.is_sinking);
     one.report.estimator_good = true;
   }

@@ -65,7 +65,7 @@ TEST(FirstLiftWatch, MeasuresARiseWithoutAnOrder) {
   carried.position_m.z() = 0.3;
   carried.tick();
   EXPECT_NEAR(carried.in().unordered_rise_m, 0.3, 1e-6);
-  EXPECT_FALSE(carried.in().is_found_flying) << "it was told to turn its motors";
+  EXPECT_FALSE(carried.in().is_found_flying) << "its motors were commanded to run";
   EXPECT_EQ(carried.state(), FlightState::kKilled);
 }
 

@@ -155,7 +155,7 @@ TEST(GuardOrders, TurnEndsWhenTheLiftEnds) {
   int lifting = 0;
   for (q1.tick(); lifting < 250 && q1.has_reason("first lift"); q1.tick()) {
     EXPECT_EQ(q1.out.state, FlightState::kHold);
-    EXPECT_FALSE(q1.guard.inputs().is_lift_blocked) << "it is its own turn";
+    EXPECT_FALSE(q1.guard.inputs().is_lift_blocked) << "its own turn";
     EXPECT_NEAR(q1.out.climb_to_m, q1.limits.lift_height_m, 1e-6);
     ++lifting;
   }
@@ -163,7 +163,7 @@ TEST(GuardOrders, TurnEndsWhenTheLiftEnds) {
   EXPECT_LT(lifting, 250);
   ASSERT_EQ(q1.out.state, FlightState::kHold);
   q1.run(0.1);
-  EXPECT_TRUE(q1.guard.inputs().is_lift_blocked) << "Q2 was told, too";
+  EXPECT_TRUE(q1.guard.inputs().is_lift_blocked) << "Q2 was commanded as well";
   EXPECT_EQ(q1.out.climb_to_m, q1.limits.take_off_height_m);
   q1.run(3.0);
   EXPECT_NEAR(q1.position_m.z(), q1.limits.take_off_height_m, 1e-3);

@@ -250,7 +250,7 @@ TEST(GuardStop, StartsAtThePositionInAPlan) {
   one.send_command(OperatorAction::kLand);
   one.run(0.3);
   EXPECT_EQ(one.state(), FlightState::kLand);
-  EXPECT_GT(one.out.setpoint.velocity_world_mps.norm(), 0.1) << "it brakes, and is not stopped";
+  EXPECT_GT(one.out.setpoint.velocity_world_mps.norm(), 0.1) << "still braking";
   one.run(0.7);
   EXPECT_NEAR(back(one.setpoint_m()).x() - here_m, 0.02 + 0.25, 0.01);
   EXPECT_LT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 1e-9);

@@ -84,7 +84,7 @@ TEST_F(Inputs, CompareYawAndAttitude) {
       see(here_m, turned(yaw_rad));
       feel(here_m, turned(wrap_to_pi(yaw_rad + off_rad)));
       EXPECT_NEAR(look().yaw_error_rad, std::abs(off_rad), 1e-9) << yaw_rad;
-      EXPECT_NEAR(guard->inputs().attitude_error_rad, 0.0, 1e-6) << "both stand level";
+      EXPECT_NEAR(guard->inputs().attitude_error_rad, 0.0, 1e-6) << "both are level";
       EXPECT_NEAR(guard->inputs().start_turn_rad, std::abs(yaw_rad), 1e-9);
       for (const bool is_roll : {true, false}) {
         feel(here_m, turned(yaw_rad, is_roll ? off_rad : 0.0, is_roll ? 0.0 : off_rad));
@@ -102,7 +102,7 @@ TEST_F(Inputs, MeasureTiltAndDistanceFromTheStart) {
     guard.emplace(scenario, "Q1", limits);
     see(start_m + Eigen::Vector3d(0.3, -0.4, 1.0), turned(0.7, off_rad, 0.0));
     EXPECT_NEAR(look().body_tilt_rad, 0.4, 1e-9);
-    EXPECT_NEAR(guard->inputs().start_off_m, 0.5, 1e-9) << "seen from above";
+    EXPECT_NEAR(guard->inputs().start_off_m, 0.5, 1e-9) << "horizontal distance only";
     guard.emplace(scenario, "Q1", limits);
     see(start_m + Eigen::Vector3d(-0.4, 0.3, 0.0), turned(-0.7, 0.0, off_rad));
     EXPECT_NEAR(look().body_tilt_rad, 0.4, 1e-9);
@@ -170,7 +170,7 @@ TEST_F(Inputs, MeasureTheTimeSinceTheLastTick) {
     }
     return count;
   };
-  EXPECT_EQ(stalls(), 0) << "a quarter of a second is none yet";
+  EXPECT_EQ(stalls(), 0) << "0.25 s is no stall";
   for (const std::int64_t time : {1, 2}) {
     (void)look(2.0 * static_cast<double>(time));
     EXPECT_EQ(stalls(), time);
@@ -244,7 +244,7 @@ TEST_F(Inputs, HaveSeparateAges) {
     EXPECT_EQ(in.motor_failed, report.motor_failed);
     EXPECT_EQ(in.autopilot_obeys, report.obeys);
     EXPECT_EQ(in.battery_share, 0.1 * begin_s);
-    EXPECT_EQ(in.flight_s, 0.0) << "it stands";
+    EXPECT_EQ(in.flight_s, 0.0) << "on the ground";
     EXPECT_EQ(in.battery_unchanged_s, 0.0);
     EXPECT_EQ(in.tracking_error_m, 0.0);
   }

@@ -54,7 +54,7 @@ TEST_F(LadderOrders, EndWithTheFlight) {
   d.airborne();
   EXPECT_EQ(d.step(0.01, OperatorAction::kLand), FlightState::kLand);
   EXPECT_FALSE(d.ladder.wants_follow || d.ladder.arm.is_given || d.ladder.take_off.is_given);
-  EXPECT_TRUE(d.ladder.wants_armed) << "it has to come down first";
+  EXPECT_TRUE(d.ladder.wants_armed) << "must land first";
 }
 
 TEST_F(LadderOrders, AreIgnoredInTheTickOfAnEmergencyStop) {
@@ -126,7 +126,7 @@ TEST_F(LadderOrders, VehicleFoundInTheAirHoldsOrContinuesLanding) {
         continue;
       }
       EXPECT_EQ(d.ladder.state, is_landing ? FlightState::kLand : FlightState::kHold);
-      EXPECT_TRUE(d.ladder.wants_armed) << "or its motors are stopped in the air";
+      EXPECT_TRUE(d.ladder.wants_armed) << "otherwise the motors would stop in the air";
       EXPECT_EQ(d.ladder.refusal, Refusal{});
       d.in.is_found_flying = d.in.is_found_landing = false;
       d.in.height_m = 1.0;
@@ -143,7 +143,7 @@ TEST_F(LadderOrders, TakeOffWaitsForNearBodies) {
     d.in.is_lift_blocked = false;
     d.in.near_m = 0.1;
     EXPECT_EQ(d.wait(1.0), FlightState::kIdle);
-    EXPECT_TRUE(d.ladder.wants_armed) << "which forbids no motors";
+    EXPECT_TRUE(d.ladder.wants_armed) << "does not forbid running motors";
     d.in.near_m = kNever;
     EXPECT_EQ(d.step(), FlightState::kHold);
   }
@@ -184,7 +184,7 @@ TEST_F(LadderOrders, ArmClearsAKilledVehicleWithStoppedMotors) {
               is_heard ? FlightState::kKilled : FlightState::kIdle);
     d.in.autopilot_armed = false;
     EXPECT_EQ(d.step(0.01, OperatorAction::kArm), FlightState::kIdle);
-    EXPECT_TRUE(d.ladder.latched.none()) << "what stopped it is over";
+    EXPECT_TRUE(d.ladder.latched.none()) << "the condition has ended";
   }
 }
 

@@ -54,7 +54,8 @@ TEST_F(StepLadder, HoldsForAStalePoseAndResumesHalfASecondLater) {
 TEST_F(StepLadder, WaitsForTheOperatorWhereTheRowRequiresIt) {
   d.airborne().in.poses_rejected = 3;
   EXPECT_EQ(d.step(), FlightState::kHold);
-  EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kHold) << "still there";
+  EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kHold)
+      << "the condition still holds";
   d.in.poses_rejected = 0;
   EXPECT_EQ(d.wait(10.0), FlightState::kHold);
   EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kFollow);
@@ -86,7 +87,7 @@ TEST_F(StepLadder, StaysArmedInALandingWithAnEstimatedHeight) {
     d.in.height_m = d.lim.touch_height_m - 0.001;
     d.in.pose_age_s = d.lim.pose_age_hold_s;
     d.wait(1.0);
-    EXPECT_TRUE(d.ladder.wants_armed) << "the pose is as old as a hold allows";
+    EXPECT_TRUE(d.ladder.wants_armed) << "the pose has the largest age without a hold";
     d.in.pose_age_s = d.lim.pose_age_hold_s - 0.001;
     d.in.height_m = d.lim.touch_height_m;
     d.step();
@@ -96,7 +97,7 @@ TEST_F(StepLadder, StaysArmedInALandingWithAnEstimatedHeight) {
     EXPECT_FALSE(d.ladder.wants_armed);
     d.in.pose_age_s = 1.0;
     d.step();
-    EXPECT_FALSE(d.ladder.wants_armed) << "what is down does not start again";
+    EXPECT_FALSE(d.ladder.wants_armed) << "the motors do not start again after touchdown";
   }
 }
 
@@ -170,15 +171,15 @@ TEST_F(StepLadder, DropsAnOrderAfterTheTimeLimit) {
     EXPECT_TRUE(d.ladder.refusal.reasons.any());
     d.in.pose_age_s = 0.0;
     d.wait(5.0);
-    EXPECT_FALSE(d.ladder.wants_armed) << "forgotten is forgotten";
-    EXPECT_EQ(d.ladder.refusal.order, Refusal::Order::kArm) << "said until the next order";
+    EXPECT_FALSE(d.ladder.wants_armed) << "the command is dropped";
+    EXPECT_EQ(d.ladder.refusal.order, Refusal::Order::kArm) << "reported until the next command";
   }
 }
 
 TEST_F(StepLadder, ArmsWhenNothingForbidsIt) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
-  EXPECT_TRUE(d.ladder.wants_armed) << "at once when nothing forbids it";
+  EXPECT_TRUE(d.ladder.wants_armed) << "immediately if nothing forbids it";
   for (int time = 0; time < 2; ++time) {
     d.in.pose_age_s = d.lim.pose_age_hold_s + 0.01;
     d.wait(1.0);
@@ -217,7 +218,7 @@ TEST_F(StepLadder, RevokesOrdersThatNeedTheOperator) {
       EXPECT_FALSE(d.ladder.wants_armed);
     }
     d.step(0.01, OperatorAction::kTakeOff);
-    EXPECT_EQ(d.ladder.refusal.order, Refusal::Order::kTakeOff) << "nobody has said arm";
+    EXPECT_EQ(d.ladder.refusal.order, Refusal::Order::kTakeOff) << "`arm` was not sent";
     EXPECT_TRUE(d.ladder.refusal.reasons.none());
     EXPECT_FALSE(d.ladder.take_off.is_given);
   }
@@ -229,7 +230,7 @@ TEST_F(StepLadder, ResetsForEachFlight) {
     d.in = {};
     d.in.now += from_seconds(100.0 * (flight + 1));
     EXPECT_EQ(d.airborne(false).ladder.state, FlightState::kHold) << flight;
-    EXPECT_EQ(d.wait(1.0), FlightState::kHold) << "nobody has said follow in this flight";
+    EXPECT_EQ(d.wait(1.0), FlightState::kHold) << "`follow` was not sent in this flight";
     EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kFollow);
     d.in.pose_age_s = d.lim.pose_age_land_s + 0.01;
     EXPECT_EQ(d.step(), FlightState::kLand);
@@ -257,10 +258,11 @@ TEST_F(StepLadder, KeepsAnEmergencyStopUntilArmedAgainOnTheGround) {
   }
   d.in.autopilot_armed = false;
   d.in.emergency_stop = true;
-  EXPECT_EQ(d.step(1.0, OperatorAction::kArm), FlightState::kKilled) << "the button is held";
+  EXPECT_EQ(d.step(1.0, OperatorAction::kArm), FlightState::kKilled)
+      << "the emergency stop is still requested";
   d.in.emergency_stop = false;
   EXPECT_EQ(d.step(1.0, OperatorAction::kArm), FlightState::kIdle);
-  EXPECT_FALSE(d.ladder.wants_armed) << "one arm to clear, one to arm";
+  EXPECT_FALSE(d.ladder.wants_armed) << "the first `arm` clears, the second arms";
 }
 
 TEST_F(StepLadder, StopsTheMotorsAlsoOnTheGround) {

@@ -114,7 +114,7 @@ TEST(Latches, EqualTheEvaluationOfTheCompleteHistory) {
   EXPECT_GT(cleared[0], 50);
   EXPECT_GT(cleared[1], 50);
   EXPECT_GT(cleared[2], 50);
-  EXPECT_TRUE(ladder.latched[kRows - 1]) << "what only arming again ends is there for good";
+  EXPECT_TRUE(ladder.latched[kRows - 1]) << "only arming again clears this condition";
 }
 
 /// Evaluates `ask` for each row alone, and for each row together with all rows for which false is

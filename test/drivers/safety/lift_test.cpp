@@ -1,11 +1,10 @@
-// The order in which vehicles lift, and the first lift, tested without a simulated flight.
+// The first lift, tested without a simulated flight.
 
 #include "drivers/safety/lift.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -18,288 +17,60 @@ namespace vantage::drivers {
 namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
-constexpr double kClimbMps = 0.3;
-constexpr double kTurnDelayS = 0.15;  // s; additional wait per position in the scenario
 
 Time after(double t_s) { return kStart + from_seconds(t_s); }
 
-scenario::Scenario team(const std::vector<std::string>& names) {
-  scenario::Scenario out;
-  for (const std::string& name : names) {
-    out.robots.emplace_back().name = name;
-  }
-  return out;
-}
-
-OtherBody body(int robot, double height_m, double climb_mps = 0.0) {
-  OtherBody out;
-  out.robot = robot;
-  out.position_world_m = {0.7 * robot, -0.4, height_m};
-  out.velocity_world_mps.z() = climb_mps;
-  return out;
-}
-
-/// Returns the queue of Q1 (of three robots), updated with the bodies at rest, `rest`, and 1 s
-/// later with `then`.
-LiftQueue seen(const std::vector<OtherBody>& rest, const std::vector<OtherBody>& then) {
-  LiftQueue queue(team({"Q1", "Q2", "Q3"}), "Q1");
-  queue.update(rest, SafetyLimits{}, kStart);
-  queue.update(then, SafetyLimits{}, after(1.0));
-  return queue;
-}
-
-// Vehicles lift in the order in which their take-off orders arrived. A repeated order keeps the
-// position; orders for several vehicles at once are sorted by name. A vehicle leaves the queue when
-// mocap shows that it has risen.
-TEST(LiftQueue, OrdersByCommandThenByName) {
+// The test step and turn of a lift are recognised only in the commanded direction and beyond 0.3 of
+// the commanded amount, for any ground position and yaw.
+TEST(Lift, IsVerifiedByTheCommandedStepAndTurn) {
   const SafetyLimits limits;
-  const std::vector<std::string> names = {"Q3", "Q1", "Q4", "Q2"};
-  test::Random random(31);
-  for (int trial = 0; trial < 50; ++trial) {
-    std::vector<LiftQueue> queues;
-    std::vector<OtherBody> bodies;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      queues.emplace_back(team(names), names[i]);
-      bodies.push_back(body(static_cast<int>(i), random.uniform(0.0, 0.6)));
-    }
-    std::vector<std::string> heard;
-    for (int order = random.integer(1, 5); order > 0; --order) {
-      std::vector<std::string> told = {names[static_cast<std::size_t>(random.integer(0, 3))]};
-      const bool is_for_all = random.integer(0, 4) == 0;
-      if (is_for_all) {
-        told = names;
-        std::sort(told.begin(), told.end());
-      }
-      for (LiftQueue& queue : queues) {
-        queue.on_take_off(is_for_all ? "" : told.front());
-      }
-      for (const std::string& name : told) {
-        if (std::find(heard.begin(), heard.end(), name) == heard.end()) {
-          heard.push_back(name);
-        }
-      }
-    }
-    double t_s = 0.0;
-    std::vector<bool> is_gone(names.size(), false);
-    for (; !heard.empty(); heard.erase(heard.begin())) {
-      for (const double later_s : {0.0, 1.0}) {  // s; 1 s exceeds every additional wait
-        for (LiftQueue& queue : queues) {
-          queue.update(bodies, limits, after(t_s + later_s));
-        }
-      }
-      for (std::size_t i = 0; i < names.size(); ++i) {
-        if (!is_gone[i]) {
-          EXPECT_EQ(queues[i].is_blocked(), names[i] != heard.front()) << names[i];
-        }
-      }
-      const auto first = static_cast<std::size_t>(
-          std::find(names.begin(), names.end(), heard.front()) - names.begin());
-      queues[first].forget_own();
-      is_gone[first] = true;
-      bodies[first].position_world_m.z() += limits.lift_done_m + 0.01;
-      t_s += 2.0;
-    }
-    for (const double later_s : {0.0, 1.0}) {
-      for (LiftQueue& queue : queues) {
-        queue.update(bodies, limits, after(t_s + later_s));
-      }
-    }
-    for (const LiftQueue& queue : queues) {
-      EXPECT_FALSE(queue.is_blocked());
-    }
-  }
-}
-
-// A report of lifting blocks other lifts for 0.5 s plus the vehicle's additional wait. The
-// vehicle's own reports and reports of unknown vehicles are ignored.
-TEST(LiftQueue, WaitsTheStatedTimeAfterAReport) {
-  const std::vector<std::string> names = {"Q1", "Q2", "Q3"};
-  for (std::size_t own = 0; own < names.size(); ++own) {
-    LiftQueue queue(team(names), names[own]);
-    for (const double begin_s : {0.0, 10.0}) {  // repeated later with the same queue
-      queue.on_lifting(names[own], after(begin_s));
-      queue.on_lifting("Q9", after(begin_s));
-      queue.update({}, SafetyLimits{}, after(begin_s));
-      EXPECT_FALSE(queue.is_blocked());
-      queue.on_lifting(names[(own + 1) % 3], after(begin_s));
-      int ticks = 0;
-      do {
-        ++ticks;
-        queue.update({}, SafetyLimits{}, after(begin_s + 0.01 * ticks));
-      } while (queue.is_blocked() && ticks < 300);
-      EXPECT_NEAR(0.01 * ticks, 0.5 + kTurnDelayS * static_cast<double>(own + 1), 0.021);
-    }
-  }
-}
-
-// A monotonic clock may start at 0. A report that was never received must not count as received at
-// time 0.
-TEST(LiftQueue, IsNotBlockedAtClockZero) {
-  LiftQueue queue(team({"Q1", "Q2"}), "Q1");
-  for (const double t_s : {0.2, 0.3, 0.4}) {
-    queue.update({}, SafetyLimits{}, Time{} + from_seconds(t_s));
-    EXPECT_FALSE(queue.is_blocked()) << t_s;
-  }
-}
-
-// The turn of the first vehicle in the queue begins when it is first seen there. The queue is
-// static so that its memory starts as zero.
-TEST(LiftQueue, WaitsForThePredecessorFromTheFirstTick) {
-  static LiftQueue queue(team({"Q1", "Q2"}), "Q2");
-  queue.on_take_off("Q1");
-  for (const double t_s : {0.0, 1.0, 2.0}) {
-    queue.update({}, SafetyLimits{}, after(t_s));
-    EXPECT_TRUE(queue.is_blocked()) << t_s;
-  }
-}
-
-TEST(LiftQueue, IsNotBlockedWithoutOtherRobots) {
-  LiftQueue queue(team({}), "Q1");
-  queue.on_take_off("");
-  queue.forget_own();
-  queue.begin_own();
-  queue.update({}, SafetyLimits{}, kStart);
-  EXPECT_FALSE(queue.is_blocked());
-  EXPECT_EQ(queue.other_risen_m(), 0.0);
-}
-
-// A body other than our own counts as lifting if it is 0.02 m to 0.5 m above its rest height and
-// climbs faster than 0.05 m/s. The rest height may be the floor, a table or a pit.
-TEST(LiftQueue, TreatsALowClimbingBodyAsLifting) {
-  for (const double rest_m : {0.0, 0.4, -0.3}) {
-    for (const double risen_m : {0.0, 0.01, 0.019, 0.021, 0.1, 0.3, 0.49, 0.51, 2.0}) {
-      for (const double climb_mps : {-0.5, 0.0, 0.02, 0.049, 0.051, 0.08, 1.0}) {
-        for (int robot = 0; robot < 3; ++robot) {
-          OtherBody then = body(robot, rest_m + risen_m, climb_mps);
-          then.velocity_world_mps.y() = climb_mps > 0.05 ? 0.0 : 1.0;
-          const LiftQueue queue = seen({body(robot, rest_m)}, {then});
-          const bool is_lifting = climb_mps > 0.05 && risen_m > 0.02 && risen_m < 0.5;
-          EXPECT_EQ(queue.is_blocked(), robot != 0 && is_lifting)
-              << rest_m << " " << risen_m << " " << climb_mps << " " << robot;
-        }
-      }
-    }
-  }
-}
-
-TEST(LiftQueue, DetectsALiftRegardlessOfOtherBodies) {
-  for (const double far_up_m : {0.0, 0.01, 0.8}) {
-    for (const int lifting : {1, 2}) {
-      const int other = 3 - lifting;
-      EXPECT_TRUE(seen({body(1, 0.2), body(2, 0.2)},
-                       {body(lifting, 0.3, kClimbMps), body(other, 0.2 + far_up_m, kClimbMps)})
-                      .is_blocked());
-    }
-  }
-}
-
-TEST(LiftQueue, UsesTheLowestHeightAsGroundHeight) {
-  LiftQueue queue(team({"Q1", "Q2"}), "Q1");
-  double t_s = 0.0;
-  const auto takes = [&](double height_m, double climb_mps) {
-    const OtherBody other = body(1, height_m, climb_mps);
-    queue.update({&other, 1}, SafetyLimits{}, after(t_s += 1.0));
-    return queue.is_blocked();
+  const auto proves = [&](const Pose2& rest, double x_share, double y_share, double turn_share) {
+    Lift own;
+    Course course(0.25);
+    own.begin(lift(rest, 0.1), {}, limits, kStart);
+    EXPECT_DOUBLE_EQ(own.rest_m(), 0.1);
+    EXPECT_DOUBLE_EQ(own.height_m(), 0.1 + limits.lift_height_m);
+    EXPECT_EQ(own.phase(), Lift::Phase::kRising);
+    const Eigen::Vector3d hover_m(rest.x_m, rest.y_m, own.height_m());
+    EXPECT_FALSE(own.step(hover_m, rest.yaw_rad, course, limits, kStart));
+    EXPECT_EQ(own.phase(), Lift::Phase::kProving);
+    const Setpoint asked = course.planned_at(kStart);
+    Eigen::Vector3d gone_m = asked.position_world_m - hover_m;
+    EXPECT_NEAR(std::abs(gone_m.x()), limits.lift_step_m, 1e-12);
+    EXPECT_NEAR(std::abs(gone_m.y()), limits.lift_step_m, 1e-12);
+    EXPECT_NEAR(wrap_to_pi(asked.yaw_rad - rest.yaw_rad), limits.lift_turn_rad, 1e-12);
+    gone_m = gone_m.cwiseProduct(Eigen::Vector3d(x_share, y_share, 0.0));
+    const double yaw_rad = wrap_to_pi(rest.yaw_rad + turn_share * limits.lift_turn_rad);
+    const bool is_proven = own.step(hover_m + gone_m, yaw_rad, course, limits, kStart);
+    EXPECT_EQ(own.is_under_way(), !is_proven);
+    const Setpoint then =
+        course.planned_at(kStart);  // ground position once verified, else the step
+    const Eigen::Vector2d back_m =
+        is_proven ? rest.position_m() : Eigen::Vector2d(asked.position_world_m.head<2>());
+    EXPECT_LT((then.position_world_m.head<2>() - back_m).norm(), 1e-12);
+    const double back_rad = is_proven ? rest.yaw_rad : asked.yaw_rad;
+    EXPECT_NEAR(wrap_to_pi(then.yaw_rad - back_rad), 0.0, 1e-12);
+    return is_proven;
   };
-  EXPECT_FALSE(takes(0.4, kClimbMps));
-  EXPECT_TRUE(takes(0.43, kClimbMps));
-  EXPECT_FALSE(takes(0.2, 0.0));
-  EXPECT_TRUE(takes(0.25, kClimbMps));
-  EXPECT_FALSE(takes(0.71, kClimbMps)) << "0.51 m above the lowest";
-  EXPECT_TRUE(takes(0.69, kClimbMps));
-}
-
-TEST(LiftQueue, UsesPosesUpToTheMaximumAge) {
-  const SafetyLimits limits;
-  for (const double age_s : {0.0, limits.pose_age_hold_s - 0.01, limits.pose_age_hold_s + 0.01}) {
-    OtherBody then = body(1, 0.1, kClimbMps);
-    then.age_s = age_s;
-    EXPECT_EQ(seen({body(1, 0.0)}, {then}).is_blocked(), age_s < limits.pose_age_hold_s) << age_s;
-  }
-}
-
-// other_risen_m() is the largest rise of another body since this vehicle began its lift. Only
-// bodies that climb and had not risen before count. A second lift starts from new heights. The
-// result is 0 when no body climbs.
-TEST(LiftQueue, MeasuresTheRiseOfAnotherBody) {
-  const SafetyLimits limits;
-  test::Random random(32);
-  for (int trial = 0; trial < 500; ++trial) {
-    LiftQueue queue(team({"Q1", "Q2", "Q3", "Q4"}), "Q2");
-    std::vector<OtherBody> bodies;
-    std::vector<double> rest_m, begun_m;
-    const auto look = [&] { queue.update(bodies, limits, kStart); };
-    for (int i = 0; i < 4; ++i) {
-      rest_m.push_back(random.uniform(0.0, 0.6));
-      bodies.push_back(body(i, rest_m.back()));
-    }
-    look();
-    for (int time = 0; time < 2; ++time) {
-      begun_m.clear();
-      for (std::size_t i = 0; i < 4; ++i) {
-        begun_m.push_back(rest_m[i] +
-                          (random.coin() ? random.uniform(0.0, 0.09) : random.uniform(0.11, 1.0)));
-        bodies[i].position_world_m.z() = begun_m[i];
-      }
-      look();
-      queue.begin_own();
-      double farthest_m = 0.0;
-      for (std::size_t i = 0; i < 4; ++i) {
-        const double risen_m = random.uniform(0.0, 0.3);
-        const bool climbs = random.coin();
-        bodies[i].position_world_m.z() = begun_m[i] + risen_m;
-        bodies[i].velocity_world_mps.z() = climbs ? kClimbMps : 0.0;
-        if (i != 1 && climbs && begun_m[i] - rest_m[i] < limits.lift_risen_m) {
-          farthest_m = std::max(farthest_m, risen_m);
+  for (const Pose2& rest : {Pose2{0.0, 0.0, 0.0}, Pose2{-1.0, 0.5, 3.1}, Pose2{1.0, -0.5, -2.0}}) {
+    for (const double x_share : {-1.0, -0.31, 0.29, 0.31, 1.0}) {
+      for (const double y_share : {-1.0, 0.29, 0.31, 1.0}) {
+        for (const double turn_share : {-1.0, 0.29, 0.31, 1.0}) {
+          EXPECT_EQ(proves(rest, x_share, y_share, turn_share),
+                    std::min({x_share, y_share, turn_share}) > 0.3)
+              << x_share << " " << y_share << " " << turn_share;
         }
       }
-      look();
-      EXPECT_NEAR(queue.other_risen_m(), farthest_m, 1e-12);
-      for (OtherBody& other : bodies) {
-        other.velocity_world_mps.z() = 0.0;
-      }
-      look();
-      EXPECT_EQ(queue.other_risen_m(), 0.0);
     }
   }
 }
 
-TEST(LiftQueue, MeasuresARiseFromTheFirstPose) {
-  LiftQueue queue(team({"Q1", "Q2"}), "Q1");
-  queue.begin_own();
-  for (const double height_m : {0.4, 0.43, 0.48}) {
-    const OtherBody other = body(1, height_m, kClimbMps);
-    queue.update({&other, 1}, SafetyLimits{}, kStart);
-    EXPECT_NEAR(queue.other_risen_m(), height_m - 0.4, 1e-12);
-  }
-}
-
-// A vehicle waits for its predecessor in the queue up to a time limit, which is longer once the
-// predecessor has risen, because then its identity is verified. A predecessor on a table rises from
-// the table. The sequence is repeated with the same queue.
-TEST(LiftQueue, WaitsForThePredecessorUpToTheTimeLimit) {
+// The first hover must not be higher than the commanded take-off height.
+TEST(Lift, StaysBelowTheTakeOffHeight) {
   const SafetyLimits limits;
-  for (const double rest_m : {0.0, 0.4, -0.3}) {
-    LiftQueue queue(team({"Q1", "Q2"}), "Q2");
-    double t_s = 0.0;
-    for (const double risen_m : {0.0, 0.09, 0.11, 0.29, 0.0}) {
-      OtherBody first = body(0, rest_m);
-      queue.update({&first, 1}, limits, after(t_s));
-      queue.forget_own();
-      queue.on_take_off("Q1");
-      queue.on_take_off("Q2");
-      first = body(0, rest_m + risen_m);
-      int ticks = 0;
-      do {
-        ++ticks;
-        queue.update({&first, 1}, limits, after(t_s + 0.02 * ticks));
-      } while (queue.is_blocked() && ticks < 2000);
-      const double proof_s = risen_m > limits.lift_risen_m ? limits.lift_proof_s : 0.0;
-      EXPECT_NEAR(0.02 * ticks, limits.lift_wait_s + 6.0 + proof_s + 2.0 * kTurnDelayS, 0.1)
-          << rest_m << " " << risen_m;
-      t_s += 0.02 * ticks;
-    }
-  }
+  Lift own;
+  own.begin(lift(Pose2{0.3, -0.2, 0.0}, limits.take_off_height_m - 0.05), {}, limits, Time{});
+  EXPECT_DOUBLE_EQ(own.height_m(), limits.take_off_height_m);
 }
 
 struct Room {
@@ -443,7 +214,7 @@ TEST(Lift, MeasuresTheTimeWithoutRiseAndWithoutTestStep) {
           f.own.step(f.risen(enough_m + 0.001), rest.yaw_rad, f.course, f.limits, after(4.0)));
       EXPECT_EQ(f.own.phase(), Lift::Phase::kProving);
       EXPECT_DOUBLE_EQ(f.own.proof_pending_s(after(5.5)), 1.5);
-      EXPECT_EQ(no_rise_s(0.0, 5.5), 0.0) << "it had risen";
+      EXPECT_EQ(no_rise_s(0.0, 5.5), 0.0) << "the vehicle had risen";
       f.own.end();
       EXPECT_EQ(f.own.proof_pending_s(after(5.5)), 0.0);
       EXPECT_EQ(no_rise_s(0.0, 5.5), 0.0);

@@ -235,7 +235,7 @@ TEST_F(FromTheScenario, BudgetsReactionAndTimeOutPerDialect) {
                                    [&](const auto& each) { return each.name == stated.time_out; });
     ASSERT_NE(rule, rules.end());
     EXPECT_TRUE(rule->accepts(0.3));
-    EXPECT_FALSE(rule->accepts(0.31)) << "it would arm and stop later than was budgeted";
+    EXPECT_FALSE(rule->accepts(0.31)) << "a longer timeout exceeds the stopping distance";
   }
 }
 
@@ -339,7 +339,7 @@ TEST(CheckLimits, RefusesValuesThatAreNotPositiveAndFinite) {
   }
   SafetyLimits low = good;
   low.fence.ceiling_m = low.take_off_height_m;
-  EXPECT_THROW(check_limits(low), UsageError) << "it would take off through the ceiling";
+  EXPECT_THROW(check_limits(low), UsageError) << "the take-off height must be below the ceiling";
   low.fence.ceiling_m += 1e-9;
   check_limits(low);
 }

@@ -53,7 +53,7 @@ TEST_F(Source, IsReplacedWhenSilent) {
   EXPECT_EQ(hear(2, 0.29), Standing::kRefused);
   shows_body = false;
   EXPECT_EQ(hear(3, 0.35), Standing::kCandidate);
-  EXPECT_EQ(hear(1, 0.36), Standing::kAccepted) << "it is back before another has proved itself";
+  EXPECT_EQ(hear(1, 0.36), Standing::kAccepted) << "the source returns before another is confirmed";
   shows_body = true;
   EXPECT_EQ(hear(2, 0.70), Standing::kCandidate);
   EXPECT_EQ(hear(2, 0.71), Standing::kAccepted);
@@ -78,7 +78,8 @@ TEST_F(Source, StaysAcceptedAfterAClockChange) {
     }
   }
   EXPECT_EQ(hear(1, at_s, -kHourS, 5), Standing::kRefused) << "its own frames of an hour ago";
-  EXPECT_EQ(hear(1, at_s, -3.0, 5), Standing::kAccepted) << "it numbers them anew, by that clock";
+  EXPECT_EQ(hear(1, at_s, -3.0, 5), Standing::kAccepted)
+      << "new numbers with the clock that is known";
   EXPECT_EQ(hear(2, at_s + 1.0, -3.0), Standing::kRefused) << "a new one is held against ours";
   EXPECT_EQ(hear(2, at_s + 1.0), Standing::kCandidate);
 }
@@ -106,7 +107,7 @@ TEST_F(Source, CountsRefusalsAndTakeovers) {
     return found == counts.end() ? -1 : found->count;
   };
   EXPECT_EQ(hear(1, 0.0), Standing::kCandidate);
-  EXPECT_EQ(count("mocap.takeovers"), 0) << "the first takes over from nobody";
+  EXPECT_EQ(count("mocap.takeovers"), 0) << "the first source is no takeover";
   for (std::int64_t time = 1; time <= 2; ++time) {
     const double begin_s = 10.0 * static_cast<double>(time);
     EXPECT_EQ(hear(10 * time, begin_s), Standing::kCandidate) << "the one before is silent";

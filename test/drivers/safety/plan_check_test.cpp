@@ -350,6 +350,33 @@ TEST(Distances, AreToTheNearestOfAllObstacles) {
   }
 }
 
+// The reference is a brute-force search over a fine grid of points on the edge of the rectangle.
+TEST(Distances, AreToTheNearestPointOfTheEdge) {
+  test::Random random(34);
+  for (int i = 0; i < 300; ++i) {
+    models::World world;
+    const Eigen::Vector2d low_m = random.vector<2>(-1.0, 0.5);
+    const Eigen::Vector2d high_m = low_m + random.vector<2>(0.1, 1.5);
+    world.bounds = {low_m, high_m};
+    world.obstacles = {{{low_m, high_m}, 1.0}};
+    const Eigen::Vector2d p_m = random.vector<2>(-2.0, 2.0);
+    double edge_m = std::numeric_limits<double>::infinity();
+    for (int k = 0; k <= 2000; ++k) {
+      const Eigen::Vector2d at_m = low_m + k / 2000.0 * (high_m - low_m);
+      for (const Eigen::Vector2d& q_m :
+           {Eigen::Vector2d(at_m.x(), low_m.y()), Eigen::Vector2d(at_m.x(), high_m.y()),
+            Eigen::Vector2d(low_m.x(), at_m.y()), Eigen::Vector2d(high_m.x(), at_m.y())}) {
+        edge_m = std::min(edge_m, (p_m - q_m).norm());
+      }
+    }
+    const bool is_inside =
+        (p_m.array() > low_m.array()).all() && (p_m.array() < high_m.array()).all();
+    const double outside_m = is_inside ? -edge_m : edge_m;
+    EXPECT_NEAR(obstacle_distance_m(world, p_m), outside_m, 1e-3);
+    EXPECT_NEAR(fence_distance_m(world, p_m), -outside_m, 1e-3);
+  }
+}
+
 /// Returns a path from x = 0 along the x axis: 3 s at 1 m/s and a stop at x = 3.25 m.
 HeldPlan drive(double start_s, double y_m = 0.0) {
   models::Trajectory way;
@@ -423,7 +450,7 @@ TEST(CheckPath, IgnoresTheFlownPartOfTeammatePlans) {
     const HeldPlan stands = hover(-before_s, 1.0, 0.0);
     EXPECT_EQ(check_path(stands, kStart - from_seconds(before_s), lim, others),
               PlanVerdict::kTeammate)
-        << "it will come";
+        << "the teammate will come closer";
   }
 }
 

@@ -208,34 +208,7 @@ TEST(CheckPath, FindsThinConflicts) {
   }
 }
 
-// The reference is a brute-force search over a fine grid of points on the edge of the rectangle.
-TEST(Distances, AreToTheNearestPointOfTheEdge) {
-  test::Random random(34);
-  for (int i = 0; i < 300; ++i) {
-    models::World world;
-    const Eigen::Vector2d low_m = random.vector<2>(-1.0, 0.5);
-    const Eigen::Vector2d high_m = low_m + random.vector<2>(0.1, 1.5);
-    world.bounds = {low_m, high_m};
-    world.obstacles = {{{low_m, high_m}, 1.0}};
-    const Eigen::Vector2d p_m = random.vector<2>(-2.0, 2.0);
-    double edge_m = kInf;
-    for (int k = 0; k <= 2000; ++k) {
-      const Eigen::Vector2d at_m = low_m + k / 2000.0 * (high_m - low_m);
-      for (const Eigen::Vector2d& q_m :
-           {Eigen::Vector2d(at_m.x(), low_m.y()), Eigen::Vector2d(at_m.x(), high_m.y()),
-            Eigen::Vector2d(low_m.x(), at_m.y()), Eigen::Vector2d(high_m.x(), at_m.y())}) {
-        edge_m = std::min(edge_m, (p_m - q_m).norm());
-      }
-    }
-    const bool is_inside =
-        (p_m.array() > low_m.array()).all() && (p_m.array() < high_m.array()).all();
-    const double outside_m = is_inside ? -edge_m : edge_m;
-    EXPECT_NEAR(obstacle_distance_m(world, p_m), outside_m, 1e-3);
-    EXPECT_NEAR(fence_distance_m(world, p_m), -outside_m, 1e-3);
-  }
-}
-
-// ---- The same scenes, mirrored, rotated, shifted in time and with other names ----
+// ---- The same scenes mirrored, rotated, shifted in time and with other names ----
 
 struct Scene {
   HeldPlan plan;

@@ -150,7 +150,7 @@ TEST_F(Gate, AcceptsAFirstPlanOnAnyClock) {
   constexpr double kEpochS = -1'700'000'000.0;
   for (const double at_s : {kEpochS - 5.0, kEpochS + 5.0, 0.0}) {
     EXPECT_TRUE(accepts_at_first(news(at_s), at_s)) << at_s;
-    EXPECT_EQ(judge(news(at_s - 1e-3), at_s), PlanVerdict::kStale) << "before the last one";
+    EXPECT_EQ(judge(news(at_s - 1e-3), at_s), PlanVerdict::kStale) << "begins before the last plan";
   }
 }
 
@@ -175,7 +175,8 @@ TEST_F(Gate, RefusesAPlanAfterOneThatHasNotBegun) {
     EXPECT_EQ(judge(news(at_s + 1.5), at_s + 0.1), PlanVerdict::kTooFarAhead);
     EXPECT_EQ(judge(news(at_s + 0.500001), at_s + 0.1), PlanVerdict::kTooFarAhead);
     EXPECT_EQ(judge(news(at_s + 0.5), at_s + 0.2), PlanVerdict::kAccepted) << "in its stead";
-    EXPECT_EQ(judge(news(at_s + 1.5), at_s + 0.5), PlanVerdict::kAccepted) << "it has begun";
+    EXPECT_EQ(judge(news(at_s + 1.5), at_s + 0.5), PlanVerdict::kAccepted)
+        << "the pending plan has begun";
     course.hover({1.0, -1.0, 1.0}, kYawRad, after(at_s + 0.6));
     EXPECT_EQ(judge(news(at_s + 2.5), at_s + 0.7), PlanVerdict::kAccepted) << "none waits";
   }

@@ -151,7 +151,8 @@ TEST_F(Poses, FilterVelocityAndTurnWithFiftyMilliseconds) {
     }
     const Time later = kStart + from_seconds(0.3 + 0.1);
     const double ahead_m = monitor.predict_m(later, 0.05).x() - 0.3 * side * 0.3;
-    EXPECT_NEAR(ahead_m, 0.05 * monitor.velocity_world_mps().x(), 1e-9) << "and no farther";
+    EXPECT_NEAR(ahead_m, 0.05 * monitor.velocity_world_mps().x(), 1e-9)
+        << "the extrapolation is limited";
     stand({0.0, -1.0, 1.0});
     EXPECT_EQ(see({0.0, -1.0 + 0.2 * side, 1.0}, kFrameS, kFlies), PoseVerdict::kAccepted);
     EXPECT_NEAR(monitor.velocity_world_mps().y(), 10.0 * kFrameS * side, 1e-9);

@@ -56,7 +56,7 @@ TEST(Runaway, UpwardsLandsAndStopsMotorsAboveTheCeiling) {
   ASSERT_GE(seen.killed_s, 0.0);
   EXPECT_GT(seen.killed_at_m.z(), 3.9);
   EXPECT_LT(seen.killed_at_m.z(), 4.2) << "the ceiling is at 3 m";
-  EXPECT_LT(seen.oldest_pose_s, 0.05) << "what moves out of the room is still the body";
+  EXPECT_LT(seen.oldest_pose_s, 0.05) << "a body that moves out of the room stays tracked";
 }
 
 TEST(Runaway, SidewaysLandsInEveryDirection) {
@@ -163,7 +163,7 @@ TEST(Runaway, FasterThanItsLimitIsHeld) {
       q1.knobs.runaway_mps = {way * (q1.velocity_mps.x() > 0.0 ? 1.2 : -1.2), 0.0, 0.0};
       is_too_fast = is_too_fast || FlightBench::has_reason(q1, "too fast", bench.now());
     });
-    EXPECT_EQ(is_too_fast, way > 0.0) << "against its way it is slower";
+    EXPECT_EQ(is_too_fast, way > 0.0) << "slower against its direction of motion";
   }
 }
 

@@ -130,7 +130,7 @@ TEST(VehicleStatus, ReportsAllReasonsOfARefusal) {
   bench.send_command(OperatorAction::kArm);
   lie();
   bench.tick();
-  EXPECT_TRUE(q1.out.changed) << "an order is news";
+  EXPECT_TRUE(q1.out.changed) << "a new command is reported";
   lie();
   bench.tick();
   EXPECT_FALSE(q1.out.changed);

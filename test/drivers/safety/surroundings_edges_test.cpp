@@ -269,7 +269,7 @@ TEST(LandingSpot, IsFoundFromNextToAnObstacle) {
         corridor.build((radius_m + edge_m) * side, (radius_m + edge_m + 0.1) * side);
         EXPECT_NEAR(corridor.spot_m(), -side, 1e-9) << edge_m;
         corridor.build(-0.45 * side, -0.55 * side);
-        EXPECT_EQ(corridor.spot_m(), 0.0) << "and through nothing";
+        EXPECT_EQ(corridor.spot_m(), 0.0) << "no path through an obstacle";
       }
       // The spot also keeps 0.05 m from a second obstacle.
       for (const double beyond_m : {0.04, 0.06}) {

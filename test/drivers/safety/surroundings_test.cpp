@@ -131,13 +131,13 @@ TEST(IsClimbBlocked, CountsRobotsAboveNowOrSoon) {
   for (const double side : {1.0, -1.0}) {
     EXPECT_TRUE(is_taken(0.5 * side, 1.0, 0.0));
     EXPECT_FALSE(is_taken(1.5 * side, 1.0, 0.0));
-    EXPECT_TRUE(is_taken(1.5 * side, 1.0, -0.5 * side)) << "it comes";
-    EXPECT_FALSE(is_taken(1.5 * side, 1.0, 0.5 * side)) << "it goes";
+    EXPECT_TRUE(is_taken(1.5 * side, 1.0, -0.5 * side)) << "the robot approaches";
+    EXPECT_FALSE(is_taken(1.5 * side, 1.0, 0.5 * side)) << "the robot moves away";
   }
-  EXPECT_FALSE(is_taken(0.5, 0.2, 0.0)) << "below us";
-  EXPECT_FALSE(is_taken(0.5, 2.0 + limits.separation_hold_m + 0.01, 0.0)) << "above it all";
+  EXPECT_FALSE(is_taken(0.5, 0.2, 0.0)) << "below the vehicle";
+  EXPECT_FALSE(is_taken(0.5, 2.0 + limits.separation_hold_m + 0.01, 0.0)) << "above the climb";
   EXPECT_TRUE(is_taken(0.5, 2.0 + limits.separation_hold_m - 0.01, 0.0));
-  EXPECT_FALSE(is_taken(0.5, 1.0, 0.0, -1)) << "no robot";
+  EXPECT_FALSE(is_taken(0.5, 1.0, 0.0, -1)) << "not a robot";
 }
 
 OtherBody random_body(test::Random& random) {
