@@ -3,29 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drivers/safety/inputs.hpp"
-
 namespace vantage::drivers {
 
 bool PlannerLease::admit(std::int64_t run_id, Time now, double lease_s) {
-  if (!is_held_ || run_id == holder_ || to_seconds(now - received_at_) > lease_s) {
-    takeovers_ += is_held_ && run_id != holder_ ? 1 : 0;
-    is_held_ = true;
+  if (!received_at_ || run_id == holder_ || to_seconds(now - *received_at_) > lease_s) {
+    takeovers_ += received_at_ && run_id != holder_ ? 1 : 0;
     holder_ = run_id;
     received_at_ = now;
     return true;
   }
-  has_other_ = true;
   other_received_at_ = now;
   return false;
-}
-
-double PlannerLease::age_s(Time now) const {
-  return is_held_ ? to_seconds(now - received_at_) : kNever;
-}
-
-bool PlannerLease::is_contested(Time now, double lease_s) const {
-  return has_other_ && to_seconds(now - other_received_at_) <= lease_s;
 }
 
 OperatorAuthority::Station* OperatorAuthority::find(std::int64_t run_id) {
@@ -41,7 +29,7 @@ OperatorAuthority::Station& OperatorAuthority::new_station() {
     return stations_[station_count_++];
   }
   const auto last = [this](const Station& station) {
-    return is_held_ && station.run_id == in_charge_ ? Time::max() : station.received_at;
+    return received_at_ && station.run_id == in_charge_ ? Time::max() : station.received_at;
   };
   return *std::min_element(stations_.begin(), stations_.end(),
                            [&](const auto& a, const auto& b) { return last(a) < last(b); });
@@ -92,13 +80,13 @@ bool OperatorAuthority::admit(const models::OperatorCommand& command, Time now, 
   }
   const bool takes_over = action == models::OperatorAction::kHeartbeat && station != nullptr &&
                           is_newer &&
-                          (!is_held_ || (stamp.run_id != in_charge_ && age_s(now) > silent_s));
+                          (!received_at_ || (stamp.run_id != in_charge_ && age_s(now) > silent_s));
   if (takes_over) {
-    handovers_ += is_held_ ? 1 : 0;
-    is_held_ = true;
+    handovers_ += received_at_ ? 1 : 0;
     in_charge_ = stamp.run_id;
+    received_at_ = now;
   }
-  const bool counts = is_held_ && stamp.run_id == in_charge_ && is_newer && is_now;
+  const bool counts = received_at_ && stamp.run_id == in_charge_ && is_newer && is_now;
   if (counts) {
     received_at_ = now;
   }
@@ -116,10 +104,6 @@ void OperatorAuthority::count(std::vector<models::NamedCount>& out) const {
   out.push_back({"operator.handovers", handovers_});
   out.push_back({"operator.other_time", not_current_});
   out.push_back({"operator.clock_set", clocks_set_});
-}
-
-double OperatorAuthority::age_s(Time now) const {
-  return is_held_ ? to_seconds(now - received_at_) : kNever;
 }
 
 }  // namespace vantage::drivers

@@ -3,9 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/time.hpp"
+#include "drivers/safety/inputs.hpp"
 #include "models/exchange/messages.hpp"
 
 namespace vantage::drivers {
@@ -18,19 +20,21 @@ class PlannerLease {
   /// True if a plan of `run_id` may be checked. The run then takes or renews the lease.
   [[nodiscard]] bool admit(std::int64_t run_id, Time now, double lease_s);
   /// Returns the time since the holder's last message, s; kNever before the first.
-  [[nodiscard]] double age_s(Time now) const;
+  [[nodiscard]] double age_s(Time now) const { return time_since_s(received_at_, now); }
   /// True if `run_id` holds the lease, or if no run does.
-  [[nodiscard]] bool is_holder(std::int64_t run_id) const { return !is_held_ || run_id == holder_; }
+  [[nodiscard]] bool is_holder(std::int64_t run_id) const {
+    return !received_at_ || run_id == holder_;
+  }
   /// True if another run published within the last `lease_s`.
-  [[nodiscard]] bool is_contested(Time now, double lease_s) const;
+  [[nodiscard]] bool is_contested(Time now, double lease_s) const {
+    return other_received_at_ && time_since_s(other_received_at_, now) <= lease_s;
+  }
   [[nodiscard]] std::int64_t takeovers() const { return takeovers_; }
 
  private:
-  bool is_held_ = false;
   std::int64_t holder_ = 0;
-  Time received_at_{};
-  bool has_other_ = false;
-  Time other_received_at_{};
+  std::optional<Time> received_at_;  ///< time of the holder's last message; nullopt: no holder
+  std::optional<Time> other_received_at_;
   std::int64_t takeovers_ = 0;
 };
 
@@ -52,7 +56,7 @@ class OperatorAuthority {
   [[nodiscard]] bool admit(const models::OperatorCommand& command, Time now, double silent_s);
   /// Returns the time since the last heartbeat of the station in charge, s; kNever before the
   /// first.
-  [[nodiscard]] double age_s(Time now) const;
+  [[nodiscard]] double age_s(Time now) const { return time_since_s(received_at_, now); }
   [[nodiscard]] std::int64_t handovers() const { return handovers_; }
   /// Appends the number of handovers, of messages refused because they were not current, and of
   /// clock changes of known stations.
@@ -80,9 +84,8 @@ class OperatorAuthority {
   /// remains unknown.
   Station* learn(const models::OperatorCommand& command, Time now);
 
-  bool is_held_ = false;
   std::int64_t in_charge_ = 0;
-  Time received_at_{};
+  std::optional<Time> received_at_;  ///< time of its last message; nullopt: no station in charge
   std::array<Station, kStationsMax> stations_{};
   std::size_t station_count_ = 0;
   std::int64_t handovers_ = 0;
