@@ -1,6 +1,7 @@
 #include "drivers/safety/guard_core.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -225,6 +226,42 @@ TEST_F(SeenCore, FollowsAcceptedPlans) {
     EXPECT_EQ(core.on_plan(plan, may_take, 1.0, now),
               may_take ? PlanVerdict::kAccepted : PlanVerdict::kNotFollowing);
     EXPECT_EQ(core.course().is_on_plan(), may_take);
+  }
+}
+
+// A vehicle brakes along its plan while its position agrees with the plan, otherwise straight. A
+// ground vehicle may have any height, and needs a newer pose.
+TEST_F(SeenCore, BrakesAlongThePlanWhileItKeepsToIt) {
+  struct Row {
+    bool flies;
+    double height_m, unseen_s;
+    bool is_along;
+  };
+  for (const Row& row :
+       {Row{true, 1.0, 0.0, true}, Row{true, 0.0, 0.0, false}, Row{false, 0.0, 0.0, true},
+        Row{true, 1.0, 0.2, true}, Row{false, 1.0, 0.1, true}, Row{false, 1.0, 0.2, false}}) {
+    core = {scenario, "Q1", limits_for(scenario, "Q1"), {conditions(), row.flies}, Course(0.0)};
+    core.course().hover({0.0, 0.0, 1.0}, 0.0, now);
+    models::RobotPlan plan;
+    plan.robot = "Q1";
+    plan.stamp = {now, 100, 0};
+    plan.trajectory.start_time = now;
+    plan.trajectory.height_m = 1.0;
+    plan.trajectory.segments = {{{0.5, 1.0}, 3.0, 0.0}, models::brake(0.5, 2.0).front()};
+    ASSERT_EQ(core.on_plan(plan, true, 1.0, now), PlanVerdict::kAccepted);
+    for (int i = 1; i <= 100; ++i) {
+      pass(0.01);
+      core.course().advance(now, 0.01, 1.0);
+      const Eigen::Vector3d circle_m(0.5 * std::sin(0.01 * i), 0.5 - 0.5 * std::cos(0.01 * i),
+                                     row.height_m);
+      ASSERT_TRUE(see(kFirst, circle_m, false, {true}));
+    }
+    pass(row.unseen_s);
+    core.course().advance(now, row.unseen_s, 1.0);
+    // The plan turns at 1 rad/s during 0.2 s of reaction and 0.25 s of braking at half the rate.
+    const double turned_rad = row.is_along ? 0.325 : 0.0;
+    EXPECT_NEAR(core.braking_path(now, 0.2).at(1.0).yaw_rad, 1.0 + row.unseen_s + turned_rad, 1e-3)
+        << row.flies << " " << row.height_m << " " << row.unseen_s;
   }
 }
 
