@@ -1,5 +1,5 @@
 # gnuplot -e "in='build/scale'; out='docs/images'" test/bench/scale_plots.gp
-# needs <in>/cost.csv and <in>/traffic.csv of tools/dev/scale.sh
+# needs <in>/cost.csv and <in>/traffic.csv of test/rig/scale.sh
 set terminal pngcairo size 1300,450 font "Sans,12"
 set output out."/scale.png"
 set datafile separator ","

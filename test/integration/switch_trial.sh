@@ -10,7 +10,7 @@
 } > "$dir/trial.yaml"
 up() { echo "$bin/vantage up $dir/trial.yaml --duration-s 25 --json --host $1"; }
 # shellcheck disable=SC2046
-"$(dirname "$0")/../../tools/dev/switch" --seed 1 --loss 0.1 --duplicate 0.05 --reorder 0.2 --reorder-s 0.05 \
+"$(dirname "$0")/../../test/rig/switch" --seed 1 --loss 0.1 --duplicate 0.05 --reorder 0.2 --reorder-s 0.05 \
   -- $(up LAB) --log "$dir/flight.lcmlog" -- $(up AIR) > "$dir/out" 2> "$dir/up.err" ||
   fail "a host exits with $?"
 cat "$dir/out"

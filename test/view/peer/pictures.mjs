@@ -21,7 +21,7 @@ function fly(name, scenario, duration_s) {
 
 /** Flies 50 robots and 100 targets; returns the path of the log. */
 function crowd() {
-  writeFileSync(`${folder}/crowd.yaml`, execFileSync(`${source}/tools/dev/crowded_scenario.py`, ["50", "100"]));
+  writeFileSync(`${folder}/crowd.yaml`, execFileSync(`${source}/test/rig/crowded_scenario.py`, ["50", "100"]));
   return fly("crowd", `${folder}/crowd.yaml`, 20);
 }
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""chaos_test.py SOURCE_DIR: tools/dev/chaos finds the faults of a flight, and tools/dev/soak finds quantities that
+"""chaos_test.py SOURCE_DIR: test/rig/chaos finds the faults of a flight, and test/rig/soak finds quantities that
 grow."""
 import copy
 import importlib.machinery
@@ -11,7 +11,7 @@ sys.dont_write_bytecode = True
 
 
 def load(name):
-    loader = importlib.machinery.SourceFileLoader(name, str(pathlib.Path(sys.argv[1]) / "tools/dev" / name))
+    loader = importlib.machinery.SourceFileLoader(name, str(pathlib.Path(sys.argv[1]) / "test/rig" / name))
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
     loader.exec_module(module)
     return module

@@ -16,7 +16,7 @@ mkdir -p "$out"
 head=(--csv-head)
 for robots in "${sizes[@]}"; do
   scenario=$out/crowd$robots.yaml
-  tools/dev/crowded_scenario.py "$robots" "$robots" --planner arvi --nodes "${NODES:-5000}" \
+  test/rig/crowded_scenario.py "$robots" "$robots" --planner arvi --nodes "${NODES:-5000}" \
     --area-m2 400 --communication-range-m 25 --neighbourhood-m 36 --cell-m 2 --slots 48 \
     --duration-s "${SECONDS_FLOWN:-5}" >"$scenario"
   "$bin/trial_bench" "$scenario" --csv "${head[@]}"

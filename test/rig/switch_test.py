@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""switch_test.py SOURCE_DIR [--network]: tools/dev/switch follows its options exactly. Without a network the
+"""switch_test.py SOURCE_DIR [--network]: test/rig/switch follows its options exactly. Without a network the
 statistics of each rule are checked in virtual time. With --network, in a network namespace, the frames that leave
 the cables are compared with the counts that the switch reports.
 """
@@ -23,7 +23,7 @@ def load(path):
     return module
 
 
-SWITCH_PATH = pathlib.Path(sys.argv[1]) / "tools/dev/switch"
+SWITCH_PATH = pathlib.Path(sys.argv[1]) / "test/rig/switch"
 sys.dont_write_bytecode = True
 SWITCH = load(SWITCH_PATH)
 

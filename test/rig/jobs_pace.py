@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures the speed-up of an experiment with J jobs over one job (docs/guide/experiments.md):
 
-  tools/dev/jobs_pace.py VANTAGE EXPERIMENT [--trials N] [--jobs J] [--pairs P]
+  test/rig/jobs_pace.py VANTAGE EXPERIMENT [--trials N] [--jobs J] [--pairs P]
 
 Runs the experiment with one job and with J jobs in turn. Prints for each pair the wall time, the CPU time,
 the number of cores used by other programs, and the speed-up corrected for those programs. For the correction, the time in which a thread was

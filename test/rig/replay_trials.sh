@@ -8,7 +8,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 if [[ -z "${REPLAY_INSIDE:-}" ]]; then
-  REPLAY_INSIDE=yes exec test/integration/in_network.sh "$PWD/tools/dev/replay_trials.sh" "$@"
+  REPLAY_INSIDE=yes exec test/integration/in_network.sh "$PWD/test/rig/replay_trials.sh" "$@"
 fi
 trials=${1:-10} stressed=${2:-2} seconds=${3:-30} scenario=${4:-config/lab.yaml}
 bin=${BIN:-build/release/bin}

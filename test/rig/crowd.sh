@@ -7,7 +7,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 if [[ "${CROWD_INSIDE:-}" == "" ]]; then
-  CROWD_INSIDE=yes exec test/integration/in_network.sh "$PWD/tools/dev/crowd.sh" "$@"
+  CROWD_INSIDE=yes exec test/integration/in_network.sh "$PWD/test/rig/crowd.sh" "$@"
 fi
 seconds=${1:-600} readers=${2:-2} stalled=${3:-1}
 bin=${BIN:-build/release/bin}

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""firmware_test.py SOURCE_DIR: tools/dev/firmware finds violated limits in the output of hil_check."""
+"""firmware_test.py SOURCE_DIR: test/rig/firmware finds violated limits in the output of hil_check."""
 import importlib.machinery
 import importlib.util
 import pathlib
 import sys
 
 sys.dont_write_bytecode = True
-_loader = importlib.machinery.SourceFileLoader("firmware", str(pathlib.Path(sys.argv[1]) / "tools/dev/firmware"))
+_loader = importlib.machinery.SourceFileLoader("firmware", str(pathlib.Path(sys.argv[1]) / "test/rig/firmware"))
 FIRMWARE = importlib.util.module_from_spec(importlib.util.spec_from_loader("firmware", _loader))
 _loader.exec_module(FIRMWARE)
 
