@@ -1,16 +1,12 @@
 #!/usr/bin/env python3
 """The environments: the rules of their interfaces, seeds, threads, baselines, and an independent implementation."""
-import sys
 import unittest
 
 import numpy
+import numpy_tasks
 import vantage.env
 from env_rules import CheckedEnv, CheckedTeam
-from here import SOURCE
 from vantage.env import baselines
-
-sys.path.insert(0, str(SOURCE / "python/compare"))
-import numpy_tasks  # noqa: E402
 
 try:
     import gymnasium

@@ -18,15 +18,12 @@ import pathlib
 import resource
 import statistics
 import subprocess
-import sys
 import time
 
 import numpy
+import numpy_tasks
 import vantage
 import vantage.env
-
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-import numpy_tasks  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
