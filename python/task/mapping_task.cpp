@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
-#include "experiments/mapping_worlds.hpp"
+#include "experiments/mapping/mapping_worlds.hpp"
 #include "python/task/observation.hpp"
 
 namespace vantage::python {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/mapping_trial.hpp"
+#include "experiments/mapping/mapping_trial.hpp"
 #include "python/task/team_task.hpp"
 
 namespace vantage::python {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/tracked_targets.hpp"
+#include "experiments/tracking/tracked_targets.hpp"
 #include "models/motion/unicycle.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/world/grid.hpp"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/cpu_time.hpp"
-#include "experiments/energy_trial.hpp"
+#include "experiments/decisions/energy_trial.hpp"
 #include "planner/decision/coordinate_descent.hpp"
 #include "planner/decision/distributed_local_search.hpp"
 #include "planner/decision/resilient.hpp"

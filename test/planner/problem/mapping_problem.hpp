@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "experiments/landmark_problem.hpp"
+#include "experiments/mapping/landmark_problem.hpp"
 
 namespace vantage::test {
 

@@ -25,10 +25,10 @@ function crowd() {
   return fly("crowd", `${folder}/crowd.yaml`, 20);
 }
 
-/** Flies five robots, one of them jammed, over the camp of buildings and trees of experiments/camp_world; returns the
-    path of the log. */
+/** Five robots that watch over a camp of buildings and trees: what experiments/surveillance/camp_world has, flown by the stack, one of
+    them jammed. */
 function camp() {
-  const text = readFileSync(`${source}/experiments/camp_world.cpp`, "utf8");
+  const text = readFileSync(`${source}/experiments/surveillance/camp_world.cpp`, "utf8");
   const rows = (name) => [...text.match(new RegExp(`${name} = \\{\\{([^;]*)\\}\\};`))[1].matchAll(/\{([\d., ]+)\}/g)].map(([, row]) => row.split(",").map(Number));
   const box = (x, y, width, depth, height) => `    - {footprint: {min_m: [${x}, ${y}], max_m: [${x + width}, ${y + depth}]}, height_m: ${height}}`;
   const boxes = [
