@@ -10,47 +10,23 @@
 #include "experiments/team/team_task.hpp"
 #include "experiments/tracking/bearing_noise.hpp"
 #include "models/motion/unicycle.hpp"
-#include "models/world/grid.hpp"
 #include "planner/search/beam.hpp"
 
 namespace vantage::experiments {
 namespace {
 
 constexpr double kSide_m = 64.0;
-constexpr double kStep_s = 0.5;
-constexpr double kGridResolution_m = 0.5;
 // Share of the beam width, see BeamOptions::breadth. With a smaller share, plans of 25 steps stay
 // near their first target.
 constexpr double kBreadth = 0.6;
 
-models::SensorModel tracking_sensor(BearingNoise bearing_noise) {
-  models::SensorModel sensor;
-  sensor.kind = bearing_noise == BearingNoise::kByRange ? models::SensorKind::kRangeBearing
-                                                        : range_bearing_by_bearing();
-  sensor.range_max_m = 10.0;
-  sensor.fov_rad = radians(94.0);
-  sensor.range_sigma_m = 0.15;
-  sensor.bearing_sigma_rad = radians(5.0);
+models::SensorModel sensor_with(BearingNoise bearing_noise) {
+  models::SensorModel sensor = tracking_sensor();
+  if (bearing_noise == BearingNoise::kByBearing) {
+    sensor.kind = range_bearing_by_bearing();
+  }
   sensor.variance_grows_with_range = true;
   return sensor;
-}
-
-models::World square_world() {
-  models::World world;
-  world.bounds = {{0.0, 0.0}, {kSide_m, kSide_m}};
-  return world;
-}
-
-TargetSetting target_setting(const TrackingSetting& setting) {
-  TargetSetting of_targets;
-  of_targets.count = setting.targets;
-  of_targets.start_side_m = setting.start_side_m;
-  of_targets.step_s = kStep_s;
-  of_targets.prior_position_sigma_m = setting.prior_position_sigma_m;
-  of_targets.prior_velocity_sigma_mps = setting.prior_velocity_sigma_mps;
-  of_targets.detection_probability = setting.detection_probability;
-  of_targets.beliefs_stay_inside = setting.beliefs_stay_inside;
-  return of_targets;
 }
 
 class TrackingTask {
@@ -58,13 +34,12 @@ class TrackingTask {
   TrackingTask(const TrackingSetting& setting, bool is_resilient, std::uint64_t seed)
       : setting_(setting),
         is_resilient_(is_resilient),
-        world_(square_world()),
-        field_(world_, kGridResolution_m),
-        targets_(target_setting(setting), world_, 2 * seed),
+        ground_(kSide_m),
+        targets_(setting.targets, ground_.world, 2 * seed),
         search_(capacity(setting)) {
     std::mt19937_64 rng(2 * seed + 1);
-    std::uniform_real_distribution<double> off_m(-0.5 * setting.start_side_m,
-                                                 0.5 * setting.start_side_m);
+    const double start_side_m = setting.targets.start_side_m;
+    std::uniform_real_distribution<double> off_m(-0.5 * start_side_m, 0.5 * start_side_m);
     std::uniform_real_distribution<double> heading(-kPi, kPi);
     for (int i = 0; i < setting.robots; ++i) {
       const double x_m = 0.5 * kSide_m + off_m(rng);
@@ -94,7 +69,7 @@ class TrackingTask {
   }
 
   void observe() {
-    targets_.observe(tracking_sensor(setting_.bearing_noise), team_.poses(), attacked_);
+    targets_.observe(sensor_with(setting_.bearing_noise), team_.poses(), attacked_);
   }
 
   void record() {
@@ -117,8 +92,8 @@ class TrackingTask {
 
  private:
   static planner::SearchCapacity capacity(const TrackingSetting& setting) {
-    return {index(static_cast<int>(setting.nodes_per_plan)) + 4'096, 4'000'000, setting.targets,
-            setting.plan_steps, 0};
+    return {index(static_cast<int>(setting.nodes_per_plan)) + 4'096, 4'000'000,
+            setting.targets.count, setting.plan_steps, 0};
   }
 
   [[nodiscard]] planner::SearchProblem problem_from(const Pose2& start) const {
@@ -126,18 +101,17 @@ class TrackingTask {
     problem.start = start;
     problem.controls = models::standard_primitives();
     problem.horizon_steps = setting_.plan_steps;
-    problem.step_s = kStep_s;
-    problem.sensors = {tracking_sensor(setting_.bearing_noise)};
-    problem.sensors.front().range_min_m = setting_.plan_range_min_m;
-    problem.world = &world_;
-    problem.field = &field_;
+    problem.step_s = setting_.targets.step_s;
+    problem.sensors = {sensor_with(setting_.bearing_noise)};
+    problem.sensors.front().range_min_m = kPlannedRangeMin_m;
+    problem.world = &ground_.world;
+    problem.field = &ground_.field;
     return problem;
   }
 
   TrackingSetting setting_;
   bool is_resilient_;
-  models::World world_;
-  models::DistanceField field_;
+  TrackingGround ground_;
   TrackedTargets targets_;
   planner::RefiningBeam search_;
   SearchingTeam team_;
@@ -151,10 +125,10 @@ std::map<std::string, std::string> parameters_of(const TrackingSetting& setting)
   return {{"task_steps", std::to_string(setting.task_steps)},
           {"plan_steps", std::to_string(setting.plan_steps)},
           {"nodes_per_plan", std::to_string(setting.nodes_per_plan)},
-          {"prior_position_sigma_m", fmt::format("{}", setting.prior_position_sigma_m)},
-          {"prior_velocity_sigma_mps", fmt::format("{}", setting.prior_velocity_sigma_mps)},
-          {"detection_probability", fmt::format("{}", setting.detection_probability)},
-          {"plan_range_min_m", fmt::format("{}", setting.plan_range_min_m)}};
+          {"prior_position_sigma_m", fmt::format("{}", setting.targets.prior_position_sigma_m)},
+          {"prior_velocity_sigma_mps", fmt::format("{}", setting.targets.prior_velocity_sigma_mps)},
+          {"detection_probability", fmt::format("{}", setting.targets.detection_probability)},
+          {"plan_range_min_m", fmt::format("{}", kPlannedRangeMin_m)}};
 }
 
 TrackingRun track_under_attack(const TrackingSetting& setting, bool is_resilient,

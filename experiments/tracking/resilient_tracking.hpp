@@ -20,24 +20,15 @@ enum class BearingNoise {
 /// One row of Table 4.1 and the parameters of its runs.
 struct TrackingSetting {
   int robots = 10;
-  int targets = 10;
+  /// The robots start in the square of the targets. The dissertation does not state the square, the
+  /// priors and the detection probability.
+  TargetSetting targets = {};
   int attacks = 2;  ///< α: number of attacks, for which a resilient team plans
   planner::Attacker attacker = planner::Attacker::kGreedy;
   int task_steps = 500;
-  int plan_steps = 25;                    ///< T_PLAN = T_REPLAN
-  std::int64_t nodes_per_plan = 100'000;  ///< search nodes per robot and plan
-  // Parameters that the dissertation does not state.
-  double start_side_m = 64.0;  ///< m; side of the centred square in which robots and targets start
-  double prior_position_sigma_m = 1.0;
-  /// 1σ of the prior velocity. Targets start at rest; the value is √(q τ), the growth of one step.
-  double prior_velocity_sigma_mps = 0.02;
-  double detection_probability = 0.05;  ///< see TargetSetting
-  /// Minimum range of observations in plans. The information of a bearing from a distance r is
-  /// proportional to 1/r², but the target position is known only to decimetres. Without this limit
-  /// robots would stay close to targets for information that no observation provides.
-  double plan_range_min_m = 3.0;
+  int plan_steps = 25;                                  ///< T_PLAN = T_REPLAN
+  std::int64_t nodes_per_plan = 100'000;                ///< search nodes per robot and plan
   BearingNoise bearing_noise = BearingNoise::kByRange;  ///< used by the sensor and by the plans
-  bool beliefs_stay_inside = true;                      ///< see TargetSetting
 };
 
 /// Returns the parameters of a setting that all units of a sweep share.

@@ -30,6 +30,22 @@ struct TrackedTargets::Starts {
   }
 };
 
+models::SensorModel tracking_sensor() {
+  models::SensorModel sensor;
+  sensor.kind = models::SensorKind::kRangeBearing;
+  sensor.range_max_m = 10.0;
+  sensor.fov_rad = radians(94.0);
+  sensor.range_sigma_m = 0.15;
+  sensor.bearing_sigma_rad = radians(5.0);
+  return sensor;
+}
+
+TrackingGround::TrackingGround(double side_m) {
+  constexpr double kResolution_m = 0.5;
+  world.bounds = {{0.0, 0.0}, {side_m, side_m}};
+  field = models::DistanceField(world, kResolution_m);
+}
+
 TrackedTargets::TrackedTargets(const TargetSetting& setting, const models::World& world,
                                std::uint64_t seed)
     : TrackedTargets(setting, world, Starts(setting, world, seed), ~seed) {}

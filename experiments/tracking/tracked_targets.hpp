@@ -9,10 +9,29 @@
 #include "models/belief/gaussian.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
+#include "models/world/grid.hpp"
 #include "models/world/world.hpp"
 #include "sim/world/linear_targets.hpp"
 
 namespace vantage::experiments {
+
+/// Minimum range of observations in plans, m. The information of a bearing from a distance r is
+/// proportional to 1/r², but the target position is known only to decimetres. Without this limit
+/// robots would stay close to targets for information that no observation provides.
+inline constexpr double kPlannedRangeMin_m = 3.0;
+
+/// Returns the sensor of the tracking tasks: range and bearing up to 10 m within 94°, σ 0.15 m and
+/// 5°.
+/// Source: dissertation 4 F.1.
+models::SensorModel tracking_sensor();
+
+/// Square without obstacles from (0, 0) to (side_m, side_m), and its distance field for planning.
+struct TrackingGround {
+  explicit TrackingGround(double side_m);
+
+  models::World world;
+  models::DistanceField field;
+};
 
 /// Error of one target's belief after a step and its measurements.
 struct TargetStep {
@@ -28,6 +47,7 @@ struct TargetSetting {
   double q_m2ps3 = 0.001;      ///< density of the white acceleration
   double step_s = 0.5;
   double prior_position_sigma_m = 1.0;
+  /// 1σ of the prior velocity. Targets start at rest; the value is √(q τ), the growth of one step.
   double prior_velocity_sigma_mps = 0.02;
   double detection_probability = 0.05;  ///< see estimator::CentralFilterSpec
   bool beliefs_stay_inside = true;  ///< true: beliefs are reflected at walls; targets always are

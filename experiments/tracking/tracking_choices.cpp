@@ -71,11 +71,11 @@ TrackingSetting setting_of(const ChoiceCase& of, bool is_smoke) {
   TrackingSetting setting;
   const TrackingTableRow& row = kTrackingTable[of.row];
   setting.robots = row.robots;
-  setting.targets = row.targets;
+  setting.targets.count = row.targets;
   setting.attacks = row.attacks;
   setting.bearing_noise = kBearingNoise[of.choices.bearing_noise].first;
   setting.attacker = kChosenAttackers[of.choices.attacker].attacker;
-  setting.beliefs_stay_inside = kBeliefs[of.choices.beliefs].first;
+  setting.targets.beliefs_stay_inside = kBeliefs[of.choices.beliefs].first;
   if (is_smoke) {
     setting.task_steps = setting.plan_steps;
     setting.nodes_per_plan = kSmokeNodes;

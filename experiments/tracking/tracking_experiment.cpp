@@ -44,7 +44,7 @@ double mean_of(const std::vector<double>& values) {
 UnitRows run_unit(TrackingSetting setting, std::size_t index, std::uint64_t seed) {
   const TrackingTableRow& row = row_of(index);
   setting.robots = row.robots;
-  setting.targets = row.targets;
+  setting.targets.count = row.targets;
   setting.attacks = row.attacks;
   setting.attacker = kAttackers[attacker_of(index)].attacker;
   const TrackingRun run = track_under_attack(setting, is_rain(index), seed);

@@ -11,8 +11,6 @@
 namespace vantage::python {
 namespace {
 
-constexpr double kPlannedRangeMin_m = 3.0;
-
 std::vector<std::int64_t> widened(const std::vector<int>& controls) {
   return {controls.begin(), controls.end()};
 }
@@ -25,11 +23,11 @@ class TrackingPlanner final : public TeamPlanner {
   std::vector<std::vector<std::int64_t>> plan(const TeamTask& any) override {
     const auto& task = dynamic_cast<const TrackingTask&>(any);
     models::SensorModel sensor = task.spec().sensor;
-    sensor.range_min_m =
-        std::max(sensor.range_min_m, std::min(kPlannedRangeMin_m, 0.5 * sensor.range_max_m));
+    sensor.range_min_m = std::max(
+        sensor.range_min_m, std::min(experiments::kPlannedRangeMin_m, 0.5 * sensor.range_max_m));
     problem_.controls = task.spec().controls;
     problem_.horizon_steps = horizon_steps_;
-    problem_.step_s = task.spec().step_s;
+    problem_.step_s = task.spec().targets.step_s;
     problem_.sensors = {sensor};
     problem_.world = &task.world();
     problem_.field = &task.field();

@@ -30,8 +30,7 @@ struct TeamPlannerSpec {
 };
 
 /// Creates a planner for tasks like `task`. In tracking the searches use the team's beliefs instead
-/// of the truth, and ignore observations at ranges below 3 m (see experiments::TrackingSetting for
-/// the reason).
+/// of the truth, and ignore observations from less than experiments::kPlannedRangeMin_m.
 /// @throws UsageError for an algorithm that does not exist for this kind of task.
 std::unique_ptr<TeamPlanner> make_team_planner(const TeamTask& task, const TeamPlannerSpec& spec);
 

@@ -18,13 +18,6 @@ namespace {
 constexpr int kTargetEntries = 6;
 constexpr double kSpeedUnit_mps = 2.0;
 constexpr double kEntropyUnit_nats = 10.0;
-constexpr double kFieldResolution_m = 0.5;
-
-models::World square_field(double side_m) {
-  models::World world;
-  world.bounds = {{0.0, 0.0}, {side_m, side_m}};
-  return world;
-}
 
 const TrackingSpec& checked(const TrackingSpec& spec) {
   const auto check = [](bool holds, const char* name, const char* rule, double value) {
@@ -32,18 +25,20 @@ const TrackingSpec& checked(const TrackingSpec& spec) {
   };
   constexpr int kTargetsMax = 1'000;
   check(spec.side_m > 4.0 && spec.side_m <= 1'000.0, "side_m", "> 4 and ≤ 1000", spec.side_m);
-  check(spec.start_side_m > 0.0 && spec.start_side_m <= spec.side_m - 4.0 * spec.radius_m,
-        "start_side_m", "> 0 and at most side_m - 4 radius_m", spec.start_side_m);
-  check(spec.targets >= 1 && spec.targets <= kTargetsMax, "targets", "≥ 1 and ≤ 1000",
-        spec.targets);
-  check(spec.q_m2ps3 >= 0.0 && spec.q_m2ps3 <= 10.0, "q_m2ps3", "≥ 0 and ≤ 10", spec.q_m2ps3);
-  check(spec.step_s > 0.0 && spec.step_s <= 60.0, "step_s", "> 0 and ≤ 60", spec.step_s);
-  check(spec.prior_position_sigma_m > 0.0, "prior_position_sigma_m", "> 0",
-        spec.prior_position_sigma_m);
-  check(spec.prior_velocity_sigma_mps > 0.0, "prior_velocity_sigma_mps", "> 0",
-        spec.prior_velocity_sigma_mps);
-  check(spec.detection_probability >= 0.0 && spec.detection_probability < 1.0,
-        "detection_probability", "≥ 0 and < 1", spec.detection_probability);
+  const experiments::TargetSetting& targets = spec.targets;
+  check(targets.start_side_m > 0.0 && targets.start_side_m <= spec.side_m - 4.0 * spec.radius_m,
+        "start_side_m", "> 0 and at most side_m - 4 radius_m", targets.start_side_m);
+  check(targets.count >= 1 && targets.count <= kTargetsMax, "targets", "≥ 1 and ≤ 1000",
+        targets.count);
+  check(targets.q_m2ps3 >= 0.0 && targets.q_m2ps3 <= 10.0, "q_m2ps3", "≥ 0 and ≤ 10",
+        targets.q_m2ps3);
+  check(targets.step_s > 0.0 && targets.step_s <= 60.0, "step_s", "> 0 and ≤ 60", targets.step_s);
+  check(targets.prior_position_sigma_m > 0.0, "prior_position_sigma_m", "> 0",
+        targets.prior_position_sigma_m);
+  check(targets.prior_velocity_sigma_mps > 0.0, "prior_velocity_sigma_mps", "> 0",
+        targets.prior_velocity_sigma_mps);
+  check(targets.detection_probability >= 0.0 && targets.detection_probability < 1.0,
+        "detection_probability", "≥ 0 and < 1", targets.detection_probability);
   check(spec.radius_m >= 0.0 && spec.radius_m < 1.0, "radius_m", "≥ 0 and < 1", spec.radius_m);
   check(!spec.controls.empty(), "controls", "at least one", 0.0);
   return spec;
@@ -51,50 +46,32 @@ const TrackingSpec& checked(const TrackingSpec& spec) {
 
 }  // namespace
 
-TrackingSpec::TrackingSpec() {
-  sensor.kind = models::SensorKind::kRangeBearing;
-  sensor.range_max_m = 10.0;
-  sensor.range_min_m = 0.1;
-  sensor.fov_rad = radians(94.0);
-  sensor.range_sigma_m = 0.15;
-  sensor.bearing_sigma_rad = radians(5.0);
-}
-
 TrackingTask::TrackingTask(const TrackingSpec& spec)
     : TeamTask(spec.robots, spec.episode_steps, spec.jammer),
       spec_(checked(spec)),
-      world_(square_field(spec.side_m)),
-      field_(world_, kFieldResolution_m) {}
+      ground_(spec.side_m) {}
 
 std::vector<ObservationPart> TrackingTask::observation_parts() const {
   return {{"self", {kSelfEntries}},
           {"teammates", {robots() - 1, kTeammateEntries}},
-          {"targets", {spec_.targets, kTargetEntries}}};
+          {"targets", {spec_.targets.count, kTargetEntries}}};
 }
 
 int TrackingTask::observation_size() const {
-  return kSelfEntries + kTeammateEntries * (robots() - 1) + kTargetEntries * spec_.targets;
+  return kSelfEntries + kTeammateEntries * (robots() - 1) + kTargetEntries * spec_.targets.count;
 }
 
 void TrackingTask::on_reset(std::uint64_t seed) {
   std::mt19937_64 starts = sim::random_stream(seed, "task starts");
   poses_.clear();
-  const double low_m = 0.5 * (spec_.side_m - spec_.start_side_m);
-  const double high_m = low_m + spec_.start_side_m;
+  const double low_m = 0.5 * (spec_.side_m - spec_.targets.start_side_m);
+  const double high_m = low_m + spec_.targets.start_side_m;
   for (int robot = 0; robot < robots(); ++robot) {
     const double x_m = uniform(starts, low_m, high_m);
     const double y_m = uniform(starts, low_m, high_m);
     poses_.push_back({x_m, y_m, uniform(starts, -kPi, kPi)});
   }
-  experiments::TargetSetting setting;
-  setting.count = spec_.targets;
-  setting.start_side_m = spec_.start_side_m;
-  setting.q_m2ps3 = spec_.q_m2ps3;
-  setting.step_s = spec_.step_s;
-  setting.prior_position_sigma_m = spec_.prior_position_sigma_m;
-  setting.prior_velocity_sigma_mps = spec_.prior_velocity_sigma_mps;
-  setting.detection_probability = spec_.detection_probability;
-  targets_.emplace(setting, world_, sim::random_stream(seed, "task targets")());
+  targets_.emplace(spec_.targets, ground_.world, sim::random_stream(seed, "task targets")());
   update_beliefs();
 }
 
@@ -103,8 +80,9 @@ double TrackingTask::on_step(std::span<const std::int64_t> actions) {
     Pose2& pose = poses_[robot];
     const models::UnicycleControl& control =
         spec_.controls[static_cast<std::size_t>(actions[robot])];
-    const Pose2 next = models::step_unicycle(pose, control, spec_.step_s);
-    if (planner::arc_is_clear(world_, pose, control, spec_.step_s, spec_.radius_m)) {
+    const double step_s = spec_.targets.step_s;
+    const Pose2 next = models::step_unicycle(pose, control, step_s);
+    if (planner::arc_is_clear(ground_.world, pose, control, step_s, spec_.radius_m)) {
       pose = next;
     } else {
       pose.yaw_rad = next.yaw_rad;
@@ -137,7 +115,7 @@ double TrackingTask::entropy_nats() const {
 void TrackingTask::observe(int robot, std::span<float> out) const {
   ObservationWriter writer(out);
   const auto self = static_cast<std::size_t>(robot);
-  add_team(writer, world_.bounds, poses_, self, jammed()[self] != 0);
+  add_team(writer, ground_.world.bounds, poses_, self, jammed()[self] != 0);
   const Pose2 body_from_world = inverse(poses_[self]);
   const double diagonal_m = std::sqrt(2.0) * spec_.side_m;
   const Pose2 body_from_north{0.0, 0.0, body_from_world.yaw_rad};

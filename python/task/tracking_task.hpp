@@ -8,8 +8,6 @@
 #include "experiments/tracking/tracked_targets.hpp"
 #include "models/motion/unicycle.hpp"
 #include "models/sensor/sensor.hpp"
-#include "models/world/grid.hpp"
-#include "models/world/world.hpp"
 #include "python/task/team_task.hpp"
 
 namespace vantage::python {
@@ -19,21 +17,16 @@ namespace vantage::python {
 struct TrackingSpec {
   int robots = 1;
   double side_m = 40.0;
-  double start_side_m = 30.0;  ///< robots and targets start in a central square of this side
-  int targets = 5;
-  double q_m2ps3 = 0.001;  ///< density of the targets' white acceleration noise
-  double step_s = 0.5;
-  double prior_position_sigma_m = 1.0;
-  double prior_velocity_sigma_mps = 0.02;
-  /// See experiments::TargetSetting; 0: missed detections are not used.
-  double detection_probability = 0.0;
-  models::SensorModel sensor;
+  /// The robots start in the square of the targets. Missed detections are not used by default.
+  experiments::TargetSetting targets = {
+      .count = 5, .start_side_m = 30.0, .detection_probability = 0.0};
+  models::SensorModel sensor = experiments::tracking_sensor();
   std::vector<models::UnicycleControl> controls = models::standard_primitives();
   double radius_m = 0.25;  ///< m; radius of the robot's disc, which must not touch a wall
   int episode_steps = 200;
   JammerSpec jammer;
 
-  TrackingSpec();
+  TrackingSpec() { sensor.range_min_m = 0.1; }
 };
 
 /// Tracking task. The reward is minus the mean over the targets of the entropy of position and
@@ -57,8 +50,8 @@ class TrackingTask final : public TeamTask {
   [[nodiscard]] double entropy_nats() const override;
 
   [[nodiscard]] const TrackingSpec& spec() const { return spec_; }
-  [[nodiscard]] const models::World& world() const { return world_; }
-  [[nodiscard]] const models::DistanceField& field() const { return field_; }
+  [[nodiscard]] const models::World& world() const { return ground_.world; }
+  [[nodiscard]] const models::DistanceField& field() const { return ground_.field; }
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
   /// Returns the targets of the current episode. Precondition: reset() was called.
   [[nodiscard]] const experiments::TrackedTargets& targets() const { return *targets_; }
@@ -69,8 +62,7 @@ class TrackingTask final : public TeamTask {
   void update_beliefs();
 
   TrackingSpec spec_;
-  models::World world_;
-  models::DistanceField field_;
+  experiments::TrackingGround ground_;
   std::vector<Pose2> poses_;
   std::optional<experiments::TrackedTargets> targets_;
   std::vector<double> target_entropy_nats_;

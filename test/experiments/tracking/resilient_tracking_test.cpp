@@ -8,8 +8,11 @@ namespace vantage::experiments {
 namespace {
 
 TEST(TrackUnderAttack, IsEqualForBothPlannersWithoutAttack) {
-  const TrackingSetting setting{
-      .robots = 2, .targets = 3, .attacks = 0, .task_steps = 30, .nodes_per_plan = 2'000};
+  const TrackingSetting setting{.robots = 2,
+                                .targets = {.count = 3},
+                                .attacks = 0,
+                                .task_steps = 30,
+                                .nodes_per_plan = 2'000};
   const TrackingRun cd = track_under_attack(setting, false, 4);
   const TrackingRun rain = track_under_attack(setting, true, 4);
   EXPECT_EQ(cd.rmse_m, rain.rmse_m);
@@ -18,7 +21,8 @@ TEST(TrackUnderAttack, IsEqualForBothPlannersWithoutAttack) {
 
 // Errors of each target over time and their consistency with the covariance, without attacks.
 TEST(TrackUnderAttack, TracksEveryTargetWithoutAttack) {
-  const TrackingSetting setting{.robots = 8, .targets = 4, .attacks = 0, .task_steps = 250};
+  const TrackingSetting setting{
+      .robots = 8, .targets = {.count = 4}, .attacks = 0, .task_steps = 250};
   double nees = 0.0;
   constexpr std::uint64_t kSeeds = 2;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
@@ -41,12 +45,15 @@ TEST(TrackUnderAttack, TracksEveryTargetWithoutAttack) {
 
 // Each choice that the paper leaves open changes the result, though not for every seed.
 TEST(TrackUnderAttack, ResultDependsOnEachUnpublishedChoice) {
-  const TrackingSetting published{
-      .robots = 4, .targets = 4, .attacks = 2, .task_steps = 150, .nodes_per_plan = 2'000};
+  const TrackingSetting published{.robots = 4,
+                                  .targets = {.count = 4},
+                                  .attacks = 2,
+                                  .task_steps = 150,
+                                  .nodes_per_plan = 2'000};
   TrackingSetting by_bearing = published;
   by_bearing.bearing_noise = BearingNoise::kByBearing;
   TrackingSetting free = published;
-  free.beliefs_stay_inside = false;
+  free.targets.beliefs_stay_inside = false;
   TrackingSetting together = published;
   together.attacker = planner::Attacker::kBestTogether;
   for (const TrackingSetting& other : {by_bearing, free, together}) {
@@ -62,8 +69,11 @@ TEST(TrackUnderAttack, ResultDependsOnEachUnpublishedChoice) {
 }
 
 TEST(TrackUnderAttack, LearnsNothingWhenAllAreAttacked) {
-  const TrackingSetting setting{
-      .robots = 2, .targets = 2, .attacks = 2, .task_steps = 50, .nodes_per_plan = 2'000};
+  const TrackingSetting setting{.robots = 2,
+                                .targets = {.count = 2},
+                                .attacks = 2,
+                                .task_steps = 50,
+                                .nodes_per_plan = 2'000};
   const TrackingRun run = track_under_attack(setting, true, 4);
   for (std::size_t t = 1; t < run.entropy_nats.size(); ++t) {
     EXPECT_GE(run.entropy_nats[t], run.entropy_nats[t - 1] - 1e-9);
