@@ -18,7 +18,6 @@
 #include "models/world/world.hpp"
 #include "scenario/device_source.hpp"
 #include "scenario/energy_spec.hpp"
-#include "scenario/host_spec.hpp"
 #include "scenario/mocap_spec.hpp"
 #include "scenario/security_spec.hpp"
 #include "scenario/team_algorithm.hpp"
@@ -186,6 +185,17 @@ struct AttackSpec {
   double to_s = 0.0;
   std::vector<std::string> robots;
 };
+
+/// Computer of a trial, with the parts of the trial that it runs.
+struct HostSpec {
+  std::string name;               ///< channel suffix, [A-Z0-9]+
+  std::vector<std::string> runs;  ///< robot names, "sim", "vicon", "logger"
+};
+
+/// Names of the parts that a host can run in addition to robots.
+inline constexpr const char* kSimPart = "sim";
+inline constexpr const char* kMocapPart = "vicon";
+inline constexpr const char* kLoggerPart = "logger";
 
 /// Wind of a simulated lab, for all flying vehicles. If absent, each kind of simulated vehicle has
 /// its default light gusts.

@@ -1,10 +1,10 @@
-#include "scenario/reader/scenario_attacks_yaml.hpp"
-
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "scenario/reader/scenario_sections_yaml.hpp"
 
 namespace vantage::scenario {
 namespace {

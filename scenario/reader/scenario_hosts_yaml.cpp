@@ -1,5 +1,3 @@
-#include "scenario/reader/scenario_hosts_yaml.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -9,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "scenario/reader/scenario_agents_yaml.hpp"
+#include "scenario/reader/scenario_sections_yaml.hpp"
 
 namespace vantage::scenario {
 namespace {

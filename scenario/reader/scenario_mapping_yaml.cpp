@@ -1,8 +1,7 @@
-#include "scenario/reader/scenario_mapping_yaml.hpp"
-
 #include <fmt/format.h>
 
 #include "scenario/reader/scenario_agents_yaml.hpp"
+#include "scenario/reader/scenario_sections_yaml.hpp"
 
 namespace vantage::scenario {
 namespace {

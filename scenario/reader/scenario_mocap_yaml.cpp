@@ -1,11 +1,10 @@
-#include "scenario/reader/scenario_mocap_yaml.hpp"
-
 #include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
 
 #include "scenario/reader/scenario_agents_yaml.hpp"
+#include "scenario/reader/scenario_sections_yaml.hpp"
 
 namespace vantage::scenario {
 namespace {

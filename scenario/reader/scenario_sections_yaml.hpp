@@ -1,0 +1,27 @@
+#pragma once
+
+#include "scenario/reader/mapping.hpp"
+#include "scenario/scenario.hpp"
+
+// Readers of the sections with a source file of their own: scenario_SECTION_yaml.cpp.
+
+namespace vantage::scenario {
+
+/// Reads the list `attacks`: each attack has a time span and a list of robots; it jams their
+/// sensors. Checks that planner.attacks_max is less than the number of robots. Precondition: the
+/// robots have been read.
+void read_attacks(Mapping& top, Scenario& scenario);
+
+/// Reads the list `hosts`: names of A-Z and 0-9, each with the parts that it runs. A part may be
+/// listed only once. Precondition: the robots have been read.
+void read_hosts(Mapping& top, Scenario& scenario);
+
+/// Reads the section `mapping`, which the mapping objective requires. Precondition: the world and
+/// the planner have been read.
+void read_mapping_spec(Mapping& top, Scenario& scenario);
+
+/// Reads the section `mocap`: noise of a simulated system, and connection of the driver to the
+/// server.
+void read_mocap(Mapping& from, MocapSpec& mocap);
+
+}  // namespace vantage::scenario
