@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/check.hpp"
-#include "sim/quadrotor/flight_state.hpp"
 #include "sim/quadrotor/lag.hpp"
 #include "sim/random.hpp"
 
@@ -12,6 +11,7 @@ namespace vantage::sim {
 namespace {
 
 using models::FlightState;
+using models::OperatorAction;
 
 constexpr double kGravityMps2 = 9.81;
 constexpr double kDragPerS = 0.25;       // 1/s; deceleration per speed through the air
@@ -44,6 +44,27 @@ QuadrotorParameters parameters_in(const std::optional<scenario::WindSpec>& wind)
     out.wind_sigma_mps2 = kDragPerS * wind->gust_sigma_mps;
   }
   return out;
+}
+
+FlightState after_command(FlightState state, OperatorAction action, bool on_ground) {
+  switch (action) {
+    case OperatorAction::kHeartbeat:
+      return state;
+    case OperatorAction::kArm:
+      return state == FlightState::kKilled && on_ground ? FlightState::kIdle : state;
+    case OperatorAction::kTakeOff:
+      return state == FlightState::kIdle ? FlightState::kHold : state;
+    case OperatorAction::kFollow:
+      return state == FlightState::kHold ? FlightState::kFollow : state;
+    case OperatorAction::kHold:
+      return state == FlightState::kFollow ? FlightState::kHold : state;
+    case OperatorAction::kLand:
+      return state == FlightState::kFollow || state == FlightState::kHold ? FlightState::kLand
+                                                                          : state;
+    case OperatorAction::kEmergencyStop:
+      return FlightState::kKilled;
+  }
+  return state;
 }
 
 Quadrotor::Quadrotor(const scenario::RobotSpec& spec, double tracking_tolerance_m,
@@ -85,7 +106,7 @@ PlanVerdict Quadrotor::offer(const models::RobotPlan& plan, Time now) {
   return PlanVerdict::kAccepted;
 }
 
-void Quadrotor::command(models::OperatorAction action, Time now) {
+void Quadrotor::command(OperatorAction action, Time now) {
   const FlightState before = state_;
   state_ = after_command(state_, action, on_ground());
   if (state_ == before || state_ == FlightState::kIdle || state_ == FlightState::kFollow) {

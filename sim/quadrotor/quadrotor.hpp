@@ -47,6 +47,12 @@ enum class [[nodiscard]] PlanVerdict{
     kNotFollowing,   ///< the vehicle's state is not kFollow (hold, land, idle, killed)
 };
 
+/// Returns the state after an operator's command. The more severe state applies and latches: follow
+/// → hold → land → killed. A hold ends by kFollow, a landing on the ground (idle), and an emergency
+/// stop by kArm on the ground. An idle vehicle takes off into a hold.
+models::FlightState after_command(models::FlightState state, models::OperatorAction action,
+                                  bool on_ground);
+
 /// One flying vehicle: a velocity-controlled multirotor with first-order lags and wind, and the
 /// controller that makes it follow plans.
 ///

@@ -10,7 +10,6 @@
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
-#include "sim/quadrotor/flight_state.hpp"
 #include "sim/quadrotor/lag.hpp"
 
 namespace vantage::sim {

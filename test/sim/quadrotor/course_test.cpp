@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
-#include "sim/quadrotor/flight_state.hpp"
+#include "sim/quadrotor/quadrotor.hpp"
 #include "sim/random.hpp"
 
 namespace vantage::sim {
