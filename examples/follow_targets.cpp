@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <random>
 
-#include <vantage/estimator/distributed_filter.hpp>
+#include <vantage/estimator/filter/distributed_filter.hpp>
 
 using namespace vantage;
 

@@ -13,7 +13,7 @@
 #include "bus/node/replay_queue.hpp"
 #include "core/time.hpp"
 #include "estimator/app/step_material.hpp"
-#include "estimator/team_map.hpp"
+#include "estimator/occupancy/team_map.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::estimator {

@@ -16,7 +16,7 @@
 #include "bus/node/node.hpp"
 #include "estimator/app/map_step.hpp"
 #include "estimator/app/step_material.hpp"
-#include "estimator/distributed_filter.hpp"
+#include "estimator/filter/distributed_filter.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::estimator {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/time.hpp"
-#include "estimator/distributed_filter.hpp"
+#include "estimator/filter/distributed_filter.hpp"
 #include "models/exchange/messages.hpp"
 
 namespace vantage::estimator {

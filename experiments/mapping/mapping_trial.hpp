@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "estimator/occupancy.hpp"
-#include "experiments/mapping/mapping_attack.hpp"
+#include "estimator/occupancy/occupancy.hpp"
+#include "experiments/mapping_attack.hpp"
 #include "models/mapping/beam.hpp"
 #include "models/mapping/occupancy_belief.hpp"
 #include "models/world/world.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/pose.hpp"
-#include "estimator/central_filter.hpp"
+#include "estimator/filter/central_filter.hpp"
 #include "models/belief/gaussian.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"

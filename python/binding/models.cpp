@@ -7,9 +7,9 @@
 #include <pybind11/stl.h>
 
 #include "core/check.hpp"
-#include "estimator/confinement.hpp"
-#include "estimator/missed_detection.hpp"
-#include "estimator/track.hpp"
+#include "estimator/posterior/confinement.hpp"
+#include "estimator/posterior/missed_detection.hpp"
+#include "estimator/tracks/gaussian/track.hpp"
 #include "models/belief/gaussian.hpp"
 #include "models/motion/unicycle.hpp"
 #include "models/sensor/sensor.hpp"

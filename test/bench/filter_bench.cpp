@@ -6,7 +6,8 @@
 #include <ctime>
 #include <vector>
 
-#include "test/bench/filter_family.hpp"
+#include "estimator/filter/distributed_filter.hpp"
+#include "test/estimator/filter_support.hpp"
 
 namespace {
 

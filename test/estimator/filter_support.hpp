@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-#include "estimator/distributed_filter.hpp"
+#include "estimator/filter/distributed_filter.hpp"
 #include "models/exchange/messages.hpp"
 
 // Functions for the filter's tests: specs, observations, priors, χ² limits.

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "estimator/range_fit.hpp"
+#include "estimator/ranges/range_fit.hpp"
 #include "logs/file/log_index.hpp"
 #include "tools/log/range_csv.hpp"
 

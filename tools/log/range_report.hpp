@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-#include "estimator/range_fit.hpp"
+#include "estimator/ranges/range_fit.hpp"
 #include "tools/log/range_recording.hpp"
 
 namespace vantage::tools {

@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "estimator/track.hpp"
+#include "estimator/tracks/gaussian/track.hpp"
 #include "planner/problem/fixed_information.hpp"
 #include "planner/problem/sight.hpp"
 #include "test/support/near.hpp"

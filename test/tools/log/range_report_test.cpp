@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
-#include "test/estimator/range_scene.hpp"
+#include "test/estimator/ranges/range_scene.hpp"
 #include "test/support/temporary_folder.hpp"
 #include "tools/log/log_plot.hpp"
 
