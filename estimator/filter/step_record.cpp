@@ -6,25 +6,16 @@
 
 namespace vantage::estimator {
 
-StepRecord::StepRecord(int target_count, int observations_max)
-    : before(target_count),
-      received_at_start(target_count),
-      received_at_end(target_count),
-      observations(static_cast<std::size_t>(observations_max)) {
+StepRecord::StepRecord(int detections_max, int observations_max)
+    : observations(static_cast<std::size_t>(observations_max)) {
   const std::size_t each = kDetectionsReserved / std::max<std::size_t>(1, observations.size());
   for (Observation& look : observations) {
-    look.detections.reserve(std::min(static_cast<std::size_t>(target_count), each));
+    look.detections.reserve(std::min(static_cast<std::size_t>(detections_max), each));
   }
 }
 
-void StepRecord::start(Time begin, Time end, const TrackTable& tracks) {
-  from = begin;
-  to = end;
-  before = tracks;
-  received_at_start.clear();
-  received_at_end.clear();
-  received_labels.clear();
-  has_belief_of_end = false;
+void StepRecord::start(const Step& next) {
+  step = next;
   observation_count = 0;
 }
 

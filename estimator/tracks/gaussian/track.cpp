@@ -136,6 +136,10 @@ bool shift_position(Information& belief, const PositionPrior& prior,
 
 }  // namespace
 
+bool is_same(const models::Gaussian& a, const models::Gaussian& b) {
+  return a.mean == b.mean && a.covariance == b.covariance;
+}
+
 std::optional<Information> propagate(const models::TargetModel& model, double step_s,
                                      const Information& information, Time last_seen, Time from,
                                      Time to) {

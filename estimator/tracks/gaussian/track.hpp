@@ -21,6 +21,9 @@ struct Track {
   Time doubted{};    ///< newest measurement outside the gate since the last used one; 0: none
 };
 
+/// True if mean and covariance are equal, without tolerance.
+bool is_same(const models::Gaussian& a, const models::Gaussian& b);
+
 /// Predicts the belief from `from` to `to` ≥ `from`, exactly, for any interval:
 ///   Ω ← (A Ω⁻¹ Aᵀ + W)⁻¹, ω ← Ω (c + A (ŷ − c))
 /// with A and W of the complete interval. Predicting in two parts gives the same result. A model of

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/time.hpp"
+#include "estimator/tracks/filter_spec.hpp"
 #include "estimator/tracks/labelled/multi_target.hpp"
 #include "models/exchange/messages.hpp"
 
@@ -38,13 +38,6 @@ struct ReceivedLabel {
   int label = 0;
   models::Gaussian belief;
   Time last_seen{};
-};
-
-/// Counts of the results of reconcile().
-struct Reconciled {
-  std::int64_t relabelled = 0;  ///< own tracks that were given an older label
-  std::int64_t adopted = 0;     ///< teammates' tracks that match no own track and were added
-  std::int64_t taken_over = 0;  ///< own tracks that took a teammate's more informative belief
 };
 
 /// Reconciles `tracks` with the tracks of one teammate at the same instant; modifies both. Must be

@@ -30,7 +30,8 @@ bool TargetCollisions::may_collide(const Disc& one, const Disc& other) const {
   return reach_m > 0.0 && (one.centre_m - other.centre_m).squaredNorm() < reach_m * reach_m;
 }
 
-void TargetCollisions::apply(TrackTable& tracks, double dt_s, std::uint64_t key) {
+void TargetCollisions::apply(const TrackTable& tracks, SampleTable& sampled, double dt_s,
+                             std::uint64_t key) {
   discs_.clear();
   for (const KnownTrack& each : tracks) {
     Disc& disc = discs_.emplace_back();
@@ -47,9 +48,10 @@ void TargetCollisions::apply(TrackTable& tracks, double dt_s, std::uint64_t key)
   const auto samples_of = [&](std::size_t i) -> Samples& {
     Samples& samples = discs_[i].samples;
     if (samples.empty()) {
-      const KnownTrack& track = *(tracks.begin() + static_cast<std::ptrdiff_t>(i));
-      samples = track.samples;
-      if (samples.empty()) {
+      if (const SampledTarget* const known = sampled.find(discs_[i].target_id)) {
+        samples = known->samples;
+      } else {
+        const KnownTrack& track = *(tracks.begin() + static_cast<std::ptrdiff_t>(i));
         samples.spread(*models::to_gaussian(track.track.information));
       }
     }
@@ -70,12 +72,10 @@ void TargetCollisions::apply(TrackTable& tracks, double dt_s, std::uint64_t key)
       other.has_collided |= other.samples.collide_with(before, distance_m_, dt_s, ~pair_key);
     }
   }
-  auto disc = discs_.begin();
-  for (KnownTrack& each : tracks) {
-    if (disc->has_collided) {
-      each.samples = disc->samples;
+  for (const Disc& disc : discs_) {
+    if (disc.has_collided) {
+      sampled.put({disc.target_id, disc.samples});
     }
-    ++disc;
   }
 }
 

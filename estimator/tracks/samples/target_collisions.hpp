@@ -5,9 +5,17 @@
 
 #include <Eigen/Core>
 
-#include "estimator/tracks/samples/track_table.hpp"
+#include "estimator/tracks/gaussian/track_table.hpp"
+#include "estimator/tracks/samples/samples.hpp"
 
 namespace vantage::estimator {
+
+/// A target that is represented by samples; they are not empty.
+struct SampledTarget {
+  int target_id = 0;
+  Samples samples = {};
+};
+using SampleTable = TargetTable<SampledTarget>;
 
 /// Collisions between targets. Targets are discs that cannot overlap; a target that walks into
 /// another one turns back. Where beliefs allow a collision, samples represent the result, which is
@@ -20,12 +28,11 @@ class TargetCollisions {
   TargetCollisions(int target_count, double distance_m);
 
   /// Applies the collisions of the next dt_s. If a sample of a track collides with another track's
-  /// sample, the track is represented by samples afterwards. The samples are moved such that a
-  /// prediction by dt_s gives their states after the collision. The tracks' information is not
-  /// changed. `key` selects which sample is paired with which; the same key and targets give the
-  /// same pairs.
+  /// sample, the track has an entry in `sampled` afterwards. The samples are moved such that a
+  /// prediction by dt_s gives their states after the collision. `key` selects which sample is
+  /// paired with which; the same key and targets give the same pairs.
   /// Precondition: a model with a velocity.
-  void apply(TrackTable& tracks, double dt_s, std::uint64_t key);
+  void apply(const TrackTable& tracks, SampleTable& sampled, double dt_s, std::uint64_t key);
 
  private:
   /// A target, with a disc that the target leaves within dt_s only with negligible probability.

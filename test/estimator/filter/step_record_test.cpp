@@ -9,81 +9,12 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/allocation_counter.hpp"
 
-// Tests of the records of a step's inputs and of the table of tracks by target.
+// Tests of the records of a step's observations.
 
 namespace vantage::estimator {
 namespace {
 
 using test::instant;
-
-KnownTrack known_track(int target_id, double x_m) {
-  KnownTrack known;
-  known.target_id = target_id;
-  known.track.known = true;
-  known.track.information =
-      models::to_information({Eigen::Vector2d(x_m, 0.0), Eigen::Matrix2d::Identity()}).value();
-  return known;
-}
-
-std::vector<int> ids_of(const TrackTable& tracks) {
-  std::vector<int> ids;
-  for (const KnownTrack& each : tracks) {
-    ids.push_back(each.target_id);
-  }
-  return ids;
-}
-
-TEST(TrackTable, HasEachTargetOnceOrderedById) {
-  TrackTable tracks(8);
-  for (const int id : {5, 2, 7, 0, 3}) {
-    EXPECT_EQ(tracks.put(known_track(id, id)).target_id, id);
-  }
-  EXPECT_EQ(ids_of(tracks), (std::vector{0, 2, 3, 5, 7}));
-  const TrackTable& same = tracks;
-  for (const int id : {0, 2, 3, 5, 7}) {
-    ASSERT_NE(tracks.find(id), nullptr);
-    EXPECT_EQ(tracks.find(id)->target_id, id);
-    EXPECT_EQ(same.find(id), tracks.find(id));
-  }
-  for (const int id : {-1, 1, 4, 6, 8}) {
-    EXPECT_EQ(tracks.find(id), nullptr);
-    EXPECT_EQ(same.find(id), nullptr);
-  }
-  // A new entry for a known target replaces the old one.
-  for (const int id : {0, 3, 7}) {
-    EXPECT_EQ(tracks.put(known_track(id, 10.0 + id)).track.information.vector(0), 10.0 + id);
-  }
-  EXPECT_EQ(ids_of(tracks), (std::vector{0, 2, 3, 5, 7}));
-  EXPECT_EQ(tracks.find(3)->track.information.vector(0), 13.0);
-  EXPECT_EQ(tracks.find(5)->track.information.vector(0), 5.0);
-  tracks.erase_if([](const KnownTrack& each) { return each.target_id % 2 == 1; });
-  EXPECT_EQ(ids_of(tracks), (std::vector{0, 2}));
-  tracks.clear();
-  EXPECT_TRUE(ids_of(tracks).empty());
-}
-
-TEST(TrackTable, HasTheStatedCapacity) {
-  if (!vantage::test::AllocationCounter::is_active()) {
-    GTEST_SKIP() << "the allocation counter is inert under sanitizers";
-  }
-  TargetTable<ReceivedTrack> few(3);
-  const vantage::test::AllocationCounter of_few;
-  for (int id = 3; id-- > 0;) {
-    few.put({id, {}, 1.0});
-  }
-  EXPECT_EQ(of_few.count(), 0U);
-  // A table with a huge or a negative capacity is usable.
-  TargetTable<ReceivedTrack> many(2'000'000'000);
-  const vantage::test::AllocationCounter of_many;
-  constexpr int kRoom = static_cast<int>(TargetTable<ReceivedTrack>::kReserved);
-  for (int id = kRoom; id-- > 0;) {
-    many.put({id, {}, 1.0});
-  }
-  EXPECT_EQ(of_many.count(), 0U);
-  TargetTable<ReceivedTrack> none(-1);
-  none.put({4, {}, 1.0});
-  EXPECT_NE(none.find(4), nullptr);
-}
 
 std::vector<std::pair<Time, int>> looks_of(const StepRecord& record) {
   std::vector<std::pair<Time, int>> looks;
@@ -105,7 +36,7 @@ TEST(StepRecord, OrdersMeasurementsByTimeAndRobot) {
   std::vector<std::pair<Time, int>> order = sorted;
   StepRecord record(3, 4);
   do {
-    record.start(instant(0), instant(1), TrackTable(3));
+    record.start({0, instant(0), instant(1), false});
     EXPECT_EQ(record.observation_count, 0);
     for (const auto& [time, source] : order) {
       EXPECT_FALSE(record.holds(time, source));
@@ -124,23 +55,14 @@ TEST(StepRecord, OrdersMeasurementsByTimeAndRobot) {
   EXPECT_FALSE(record.holds(instant(2), 1));
 }
 
-TEST(StepRecord, RestartsWithTracksOnly) {
+TEST(StepRecord, RestartsWithoutObservations) {
   StepRecord record(3, 4);
-  TrackTable tracks(3);
-  tracks.put(known_track(1, 2.0));
-  record.received_at_end.put({0, {}, 1.0});
-  record.received_at_start.put({2, {}, 1.0});
-  record.received_labels.emplace_back();
-  record.has_belief_of_end = true;
   record.insert(instant(1), 0);
-  record.start(instant(2), instant(3), tracks);
-  EXPECT_EQ(record.from, instant(2));
-  EXPECT_EQ(record.to, instant(3));
-  EXPECT_EQ(ids_of(record.before), std::vector{1});
-  EXPECT_EQ(record.received_at_end.begin(), record.received_at_end.end());
-  EXPECT_EQ(record.received_at_start.begin(), record.received_at_start.end());
-  EXPECT_TRUE(record.received_labels.empty());
-  EXPECT_FALSE(record.has_belief_of_end);
+  record.start({2, instant(2), instant(3), true});
+  EXPECT_EQ(record.step.slot, 2);
+  EXPECT_EQ(record.step.from, instant(2));
+  EXPECT_EQ(record.step.to, instant(3));
+  EXPECT_TRUE(record.step.is_first);
   EXPECT_EQ(record.observation_count, 0);
   EXPECT_FALSE(record.holds(instant(1), 0));
 }

@@ -10,6 +10,8 @@
 
 #include "core/check.hpp"
 #include "estimator/filter/distributed_filter.hpp"
+#include "estimator/tracks/labelled/mixture.hpp"
+#include "estimator/tracks/labelled/track_labels.hpp"
 #include "models/sensor/clutter.hpp"
 #include "test/estimator/filter_support.hpp"
 #include "test/support/allocation_counter.hpp"
@@ -329,7 +331,7 @@ TEST(UnnamedTeam, LimitsReceivedTracks) {
   }
   take_step(filter, instant(1), Scene::place(1, 0), {}, {stranger});
   EXPECT_EQ(filter.counters().malformed_beliefs, kTold - kRoom);
-  EXPECT_LE(filter.labelled_tracks().size(), std::size_t{2 * kTargets});
+  EXPECT_LE(filter.mixture().targets.size(), std::size_t{2 * kTargets});
 }
 
 TEST(UnnamedTeam, AllocatesNothing) {

@@ -397,15 +397,16 @@ TEST(TargetCollisions, ReverseBothTargetsForAnyIds) {
       tracks.put({ids[i], {true, *models::to_information(exactly(all[i])), instant(0)}});
     }
     TargetCollisions collisions(3, kDistance_m);
-    collisions.apply(tracks, kTime_s, 9);
+    SampleTable sampled(3);
+    collisions.apply(tracks, sampled, kTime_s, 9);
+    ASSERT_NE(sampled.find(ids[0]), nullptr);
+    ASSERT_NE(sampled.find(ids[1]), nullptr);
+    EXPECT_EQ(sampled.find(ids[2]), nullptr);
     const auto then = [&](std::size_t i) {
-      Samples samples = tracks.find(ids[i])->samples;
+      Samples samples = sampled.find(ids[i])->samples;
       samples.predict(kNoiseless, kTime_s, 0);
       return samples.moments().mean;
     };
-    ASSERT_FALSE(tracks.find(ids[0])->samples.empty());
-    ASSERT_FALSE(tracks.find(ids[1])->samples.empty());
-    EXPECT_TRUE(tracks.find(ids[2])->samples.empty());
     EXPECT_TRUE(is_near(then(0), State(0.8 - 0.7, 0.0, -1.0, 0.0), 1e-3));
     EXPECT_TRUE(is_near(then(1), State(1.2 + 0.7, 0.0, 1.0, 0.0), 1e-3));
   }
@@ -426,8 +427,9 @@ TEST(TargetCollisions, IncludeTargetsThatCanJustReachEachOther) {
           tracks.put({is_first ? 3 : 5, {true, *models::to_information(one), instant(0)}});
           tracks.put({is_first ? 5 : 3, {true, *models::to_information(other), instant(0)}});
           TargetCollisions collisions(2, kDistance_m);
-          collisions.apply(tracks, kTime_s, 9);
-          return !tracks.find(3)->samples.empty() || !tracks.find(5)->samples.empty();
+          SampleTable sampled(2);
+          collisions.apply(tracks, sampled, kTime_s, 9);
+          return sampled.begin() != sampled.end();
         };
         EXPECT_TRUE(meet(9.0 + kDistance_m - 0.01));
         EXPECT_FALSE(meet(9.0 + kDistance_m + 0.01));

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "estimator/tracks/gaussian/track.hpp"
-#include "estimator/tracks/samples/samples.hpp"
 
 namespace vantage::estimator {
 
@@ -58,7 +57,6 @@ class TargetTable {
 struct KnownTrack {
   int target_id = 0;
   Track track;
-  Samples samples = {};  ///< if not empty: track.information has their moments
 };
 using TrackTable = TargetTable<KnownTrack>;
 

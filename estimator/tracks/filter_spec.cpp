@@ -1,9 +1,8 @@
+#include "estimator/tracks/filter_spec.hpp"
+
 #include <algorithm>
 
 #include "core/check.hpp"
-#include "estimator/filter/distributed_filter.hpp"
-
-// Builds a FilterSpec from a scenario, and names the filter's counters.
 
 namespace vantage::estimator {
 

@@ -1,0 +1,335 @@
+#include "estimator/tracks/gaussian/gaussian_tracks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <Eigen/Cholesky>
+
+#include "estimator/posterior/confinement.hpp"
+#include "estimator/posterior/missed_detection.hpp"
+
+namespace vantage::estimator {
+namespace {
+
+/// Returns √det Ω, the weight of a belief in a fusion; 0 when Ω is not positive definite.
+double weight_of(const models::StateMatrix& Omega) {
+  const Eigen::LLT<models::StateMatrix> root(Omega);
+  return root.info() == Eigen::Success ? root.matrixLLT().diagonal().prod() : 0.0;
+}
+
+/// Returns the κ in [0, 1] that maximises det((1 − κ) A + κ B). log det is concave in κ, so its
+/// slope tr((B − A) Ω⁻¹) decreases. Bisection finds the zero of the slope to 1/4096.
+double intersection_weight(const models::StateMatrix& A, const models::StateMatrix& B) {
+  const models::StateMatrix D = B - A;
+  const auto is_rising = [&](double kappa) {
+    const Eigen::LLT<models::StateMatrix> root(A + kappa * D);
+    return root.info() == Eigen::Success && root.solve(D).trace() > 0.0;
+  };
+  if (!is_rising(0.0)) {
+    return 0.0;
+  }
+  if (is_rising(1.0)) {
+    return 1.0;
+  }
+  double low = 0.0;
+  double high = 1.0;
+  for (int i = 0; i < 12; ++i) {
+    const double middle = 0.5 * (low + high);
+    (is_rising(middle) ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// Adds a belief to the weighted sum of the beliefs received of its target.
+void add_weighted(ReceivedTable& all_received, const models::TargetBelief& target,
+                  const models::Information& now, double weight) {
+  ReceivedTrack* const received = all_received.find(target.target_id);
+  if (received == nullptr) {
+    all_received.put({target.target_id,
+                      {true, {weight * now.vector, weight * now.matrix}, target.last_seen},
+                      weight});
+  } else {
+    received->track.information.vector += weight * now.vector;
+    received->track.information.matrix += weight * now.matrix;
+    received->track.last_seen = std::max(received->track.last_seen, target.last_seen);
+    received->weight += weight;
+  }
+}
+
+}  // namespace
+
+GaussianTracks::GaussianTracks(const FilterSpec& spec)
+    : spec_(spec),
+      free_space_(inset(spec.world, spec.target_radius_m)),
+      tracks_(spec.target_count),
+      history_(static_cast<std::size_t>(spec.history_steps)) {
+  for (Record& each : history_) {  // a copied table has no reserved capacity
+    each.before = TrackTable(spec.target_count);
+    each.received_at_start = ReceivedTable(spec.target_count);
+    each.received_at_end = ReceivedTable(spec.target_count);
+  }
+}
+
+std::unique_ptr<TrackStore> GaussianTracks::clone() const {
+  return std::make_unique<GaussianTracks>(*this);
+}
+
+void GaussianTracks::file(const models::Detection& detection, bool has_right_dimension,
+                          Observation& observation, FilterCounters& count) const {
+  const bool twice =
+      std::any_of(observation.detections.begin(), observation.detections.end(),
+                  [&](const auto& other) { return other.target_id == detection.target_id; });
+  if (detection.target_id < 0 || detection.target_id >= spec_.target_count) {
+    ++count.unknown_ids;
+  } else if (twice || !has_right_dimension) {
+    ++count.malformed_detections;
+  } else {
+    observation.detections.push_back(detection);
+  }
+}
+
+void GaussianTracks::start(const Step& step) {
+  record(step.slot).received_at_start.clear();
+  record(step.slot).received_at_end.clear();
+  record(step.slot).has_belief_of_end = false;
+}
+
+void GaussianTracks::save(int slot) { record(slot).before = tracks_; }
+
+void GaussianTracks::restore(int slot) { tracks_ = record(slot).before; }
+
+std::optional<models::Information> GaussianTracks::kept_inside(
+    const models::Information& information) const {
+  const auto belief = models::to_gaussian(information);
+  if (!spec_.estimator.targets_stay_inside || !belief) {
+    return information;
+  }
+  const models::Gaussian inside = estimator::confine(*belief, free_space_);
+  return is_same(inside, *belief) ? information : models::to_information(inside);
+}
+
+std::optional<models::Information> GaussianTracks::predicted(const models::TargetBelief& target,
+                                                             Time at, Time now) const {
+  const auto later = estimator::propagate(spec_.estimator.target_model, spec_.step_s,
+                                          target.information, target.last_seen, at, now);
+  // Without kept_inside(), a belief predicted into a wall would be too confident.
+  return later && at < now ? kept_inside(*later) : later;
+}
+
+void GaussianTracks::receive(const models::RobotBelief& belief, const Step& step,
+                             FilterCounters& count) {
+  Record& record = this->record(step.slot);
+  record.has_belief_of_end = record.has_belief_of_end || belief.stamp.time == step.to;
+  // The first step starts without tracks, and the belief may contain observations made since the
+  // start of the step.
+  const bool is_of_start = !step.is_first && belief.stamp.time <= step.from;
+  const int dim = spec_.estimator.target_model.dim();
+  for (const models::TargetBelief& target : belief.targets) {
+    if (target.target_id < 0 || target.target_id >= spec_.target_count) {
+      ++count.unknown_ids;
+      continue;
+    }
+    if (target.information.vector.size() != dim || target.information.matrix.rows() != dim ||
+        target.information.matrix.cols() != dim) {
+      ++count.malformed_beliefs;
+      continue;
+    }
+    const auto now = predicted(target, belief.stamp.time, is_of_start ? step.from : step.to);
+    const double weight = now ? weight_of(now->matrix) : 0.0;
+    if (!(weight > 0.0) || !std::isfinite(weight)) {
+      ++count.singular;
+      continue;
+    }
+    add_weighted(is_of_start ? record.received_at_start : record.received_at_end, target, *now,
+                 weight);
+  }
+}
+
+void GaussianTracks::fuse(const Step& step, FusionPoint point, FilterCounters& /*count*/) {
+  const Record& record = this->record(step.slot);
+  // A belief of instant `to` contains the observations of `to`.
+  const FusionPoint end = record.has_belief_of_end ? FusionPoint::kFinish : FusionPoint::kEnd;
+  if (point == FusionPoint::kStart) {
+    fuse_all(record.received_at_start);
+  } else if (point == end) {
+    fuse_all(record.received_at_end);
+  }
+}
+
+void GaussianTracks::fuse_all(const ReceivedTable& all_received) {
+  for (const auto& [target_id, received, weight] : all_received) {
+    const Track theirs{true,
+                       {received.information.vector / weight, received.information.matrix / weight},
+                       received.last_seen};
+    if (KnownTrack* const known = tracks_.find(target_id)) {
+      fuse_track(*known, theirs);
+    } else {
+      tracks_.put({target_id, theirs});
+    }
+  }
+}
+
+bool GaussianTracks::fuse_track(KnownTrack& known, const Track& received) {
+  Track& own = known.track;
+  if (received.last_seen < own.doubted) {
+    return false;  // the belief is older than the doubted detection; it would undo doubt()
+  }
+  const models::Information& theirs = received.information;
+  const double kappa = intersection_weight(own.information.matrix, theirs.matrix);
+  if (!(kappa > 0.0)) {
+    return false;
+  }
+  own.information = models::Information{
+      own.information.vector + kappa * (theirs.vector - own.information.vector),
+      own.information.matrix + kappa * (theirs.matrix - own.information.matrix)};
+  own.last_seen = std::max(own.last_seen, received.last_seen);
+  return true;
+}
+
+bool GaussianTracks::set_belief(KnownTrack& known, const models::Gaussian& belief,
+                                FilterCounters& count) {
+  const auto information = models::to_information(belief);
+  if (information) {
+    known.track.information = *information;
+  } else {
+    ++count.singular;
+  }
+  return information.has_value();
+}
+
+void GaussianTracks::mark_detected(Track& track, Time time) {
+  track.last_seen = std::max(track.last_seen, time);
+  track.doubted = {};
+}
+
+void GaussianTracks::propagate(Time from, Time to, FilterCounters& count) {
+  for (KnownTrack& each : tracks_) {
+    predict_track(each, from, to, count);
+  }
+  tracks_.erase_if([](const KnownTrack& each) { return !each.track.known; });
+}
+
+void GaussianTracks::predict_track(KnownTrack& known, Time from, Time to, FilterCounters& count) {
+  Track& track = known.track;
+  const auto later = estimator::propagate(spec_.estimator.target_model, spec_.step_s,
+                                          track.information, track.last_seen, from, to);
+  if (later) {
+    track.information = *later;
+  } else {  // drop the track; the next detection discovers it again
+    ++count.singular;
+    track.known = false;
+  }
+}
+
+void GaussianTracks::confine(FilterCounters& count) {
+  for (KnownTrack& each : tracks_) {
+    confine_track(each, count);
+  }
+}
+
+void GaussianTracks::confine_track(KnownTrack& known, FilterCounters& count) {
+  const auto belief = models::to_gaussian(known.track.information);
+  if (!belief) {
+    return;
+  }
+  const models::Gaussian inside = estimator::confine(*belief, free_space_);
+  if (!is_same(inside, *belief)) {
+    set_belief(known, inside, count);
+  }
+}
+
+void GaussianTracks::use(const Observation& observation, const ObservationSource& source,
+                         FilterCounters& count) {
+  const scenario::EstimatorSpec& spec = spec_.estimator;
+  const std::vector<models::Detection>& detections = observation.detections;
+  for (const auto& [target_id, measurement] : detections) {
+    if (KnownTrack* const known = tracks_.find(target_id)) {
+      measure_track(*known, observation, source.sensor, measurement, count);
+    } else if (const auto found = discover(spec, source.sensor, observation.from, measurement)) {
+      tracks_.put({target_id, {true, *found, observation.time}});
+    } else {
+      ++count.undiscoverable;
+    }
+  }
+  const double detection_probability =
+      std::min(spec.detection_probability, source.detection.detection_probability);
+  if (detection_probability <= 0.0) {
+    return;
+  }
+  for (KnownTrack& each : tracks_) {
+    const bool reported = std::any_of(detections.begin(), detections.end(),
+                                      [&](const auto& d) { return d.target_id == each.target_id; });
+    if (!reported) {
+      miss_track(each, observation, source.sensor, detection_probability, count);
+    }
+  }
+}
+
+bool GaussianTracks::measure_track(KnownTrack& known, const Observation& observation,
+                                   const models::SensorModel& sensor,
+                                   const models::Measurement& measurement, FilterCounters& count) {
+  Track& track = known.track;
+  const double gate_sigma = can_discover(sensor) ? spec_.estimator.gate_sigma : 0.0;
+  switch (measure(track.information, sensor, observation.from, measurement, gate_sigma)) {
+    case Use::kUsed:
+      mark_detected(track, observation.time);
+      return true;
+    case Use::kGated:
+      ++count.gated;
+      return doubt(track, spec_.estimator, sensor, observation.from, measurement, observation.time);
+    case Use::kSingular:
+      ++count.singular;
+      return false;
+  }
+  return false;
+}
+
+void GaussianTracks::miss_track(KnownTrack& known, const Observation& observation,
+                                const models::SensorModel& sensor, double detection_probability,
+                                FilterCounters& count) {
+  const auto belief = models::to_gaussian(known.track.information);
+  if (!belief) {
+    return;
+  }
+  const models::Gaussian missed =
+      missed_detection(*belief, sensor, observation.from, spec_.world, detection_probability);
+  if (!is_same(missed, *belief)) {
+    count.missed_detections += set_belief(known, missed, count) ? 1 : 0;
+  }
+}
+
+void GaussianTracks::forget_far(const Eigen::Vector2d& position_m) {
+  tracks_.erase_if([&](const KnownTrack& each) {
+    const auto belief = models::to_gaussian(each.track.information);
+    return !belief || (belief->mean.head<2>() - position_m).norm() > spec_.neighbourhood_m;
+  });
+}
+
+std::vector<models::TargetBelief> GaussianTracks::beliefs() const {
+  std::vector<models::TargetBelief> all;
+  for (const auto& [target_id, track] : tracks_) {
+    all.push_back({target_id, track.information, track.last_seen});
+  }
+  return all;
+}
+
+void GaussianTracks::rebase(std::span<const models::TargetBelief> targets, FilterCounters& count) {
+  tracks_.clear();
+  for (const models::TargetBelief& target : targets) {
+    if (target.target_id < 0 || target.target_id >= spec_.target_count) {
+      ++count.unknown_ids;
+    } else if (target.information.vector.size() != spec_.estimator.target_model.dim()) {
+      ++count.malformed_beliefs;
+    } else {
+      tracks_.put({target.target_id, {true, target.information, target.last_seen}});
+    }
+  }
+}
+
+const Track* GaussianTracks::find(int target_id) const {
+  const KnownTrack* const known = tracks_.find(target_id);
+  return known == nullptr ? nullptr : &known->track;
+}
+
+}  // namespace vantage::estimator
