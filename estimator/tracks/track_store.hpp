@@ -9,20 +9,12 @@
 
 #include "core/time.hpp"
 #include "estimator/tracks/filter_spec.hpp"
+#include "estimator/tracks/observation.hpp"
 #include "models/exchange/messages.hpp"
 
 namespace vantage::estimator {
 
 struct Track;
-
-/// One observation by this robot's sensor or by a teammate's.
-struct Observation {
-  Time time{};
-  int source = -1;  ///< index into FilterSpec::team; −1: this robot, which is not in the team
-  models::Viewpoint from;
-  std::vector<models::Detection> detections;  ///< only those that TrackStore::file() accepted
-  bool counted = false;                       ///< counters include its detections
-};
 
 /// One step of the filter.
 struct Step {

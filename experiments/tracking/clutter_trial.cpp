@@ -8,7 +8,6 @@
 #include "core/index.hpp"
 #include "estimator/filter/distributed_filter.hpp"
 #include "estimator/tracks/labelled/multi_target.hpp"
-#include "estimator/tracks/labelled/track_labels.hpp"
 #include "experiments/team_task.hpp"
 #include "logs/metrics/set_means.hpp"
 #include "models/world/world.hpp"
@@ -231,13 +230,17 @@ class ClutterTrial {
         looks_[i].detections.push_back({-1, z});
       }
     }
+    std::vector<estimator::Observation> observations;
+    for (const models::RobotMeasurement& look : looks_) {
+      const int robot = static_cast<int>(observations.size());
+      observations.push_back({now, robot, look.viewpoint, look.detections});
+    }
     for (std::size_t t = 0; t < trackings_.size(); ++t) {
       Tracking& of = trackings_[t];
       start_s = thread_cpu_s();
       of.filter.propagate(of.tracks, now - from_seconds(step_s_), now);
-      for (std::size_t i = 0; i < looks_.size(); ++i) {
-        of.filter.update(of.tracks, scenario_.robots[i].sensor, looks_[i].viewpoint, now,
-                         looks_[i].detections, estimator::first_label(now, static_cast<int>(i)));
+      for (std::size_t i = 0; i < observations.size(); ++i) {
+        of.filter.update(of.tracks, observations[i], scenario_.robots[i].sensor);
       }
       metrics_[t].sum.step_cpu_s += thread_cpu_s() - start_s;
     }

@@ -125,10 +125,7 @@ void LabelledTracks::confine(FilterCounters& /*count*/) {
 
 void LabelledTracks::use(const Observation& observation, const ObservationSource& source,
                          FilterCounters& /*count*/) {
-  const int robot = observation.source < 0 ? kLabelledRobots - 1 : observation.source;
-  const ObservationContext context{source.sensor, source.detection, observation.from,
-                                   observation.time, first_label(observation.time, robot)};
-  filter_.update(tracks_, context, observation.detections);
+  filter_.update(tracks_, observation, source.sensor, source.detection);
 }
 
 std::vector<models::TargetBelief> LabelledTracks::beliefs() const {

@@ -13,6 +13,7 @@
 #include "core/index.hpp"
 #include "estimator/posterior/missed_detection.hpp"
 #include "estimator/tracks/gaussian/track.hpp"
+#include "estimator/tracks/labelled/track_labels.hpp"
 #include "models/sensor/law.hpp"
 
 namespace vantage::estimator {
@@ -50,14 +51,12 @@ bool is_before(const models::Measurement& a, const models::Measurement& b) {
 
 }  // namespace
 
-struct MultiTargetFilter::Look {
+struct MultiTargetFilter::Input {
+  const Observation& observation;
   const models::SensorModel& sensor;
-  const models::Viewpoint& from;
-  Time at;
   double detection_probability;
   double clutter_per_m2;    ///< expected false alarms per m² in view
   double untracked_per_m2;  ///< expected detections of targets without a track, per m²
-  int first_label;
 };
 
 MultiTargetFilter::MultiTargetFilter(MultiTargetSpec spec)
@@ -117,51 +116,46 @@ void MultiTargetFilter::propagate(std::vector<LabelledTrack>& tracks, Time from,
   }
 }
 
-void MultiTargetFilter::update(std::vector<LabelledTrack>& tracks,
-                               const ObservationContext& context,
-                               std::span<const models::Detection> detections) {
+void MultiTargetFilter::update(std::vector<LabelledTrack>& tracks, const Observation& observation,
+                               const models::SensorModel& sensor,
+                               const models::DetectionModel& detection) {
   const double believed = spec_.estimator.detection_probability;
-  const double true_p_D = context.detection.detection_probability;
+  const double true_p_D = detection.detection_probability;
   const double p_D = std::min({believed > 0.0 ? believed : true_p_D, true_p_D, kDetectionMax});
   double untracked = spec_.targets;
   for (const LabelledTrack& track : tracks) {
     untracked -= track.existence;
   }
-  const double clutter = std::max(kClutterMin, context.detection.clutter_per_look);
-  const Look look{context.sensor,
-                  context.from,
-                  context.at,
-                  p_D,
-                  clutter / models::view_area_m2(context.sensor, context.from),
-                  std::max(kUntrackedMin, untracked) * p_D / world_area_m2_,
-                  context.first_label};
-  sort_detections(look, detections);
-  expect_misses(tracks, look);
-  weigh(tracks, look);
+  const double clutter = std::max(kClutterMin, detection.clutter_per_look);
+  const Input input{observation, sensor, p_D,
+                    clutter / models::view_area_m2(sensor, observation.from),
+                    std::max(kUntrackedMin, untracked) * p_D / world_area_m2_};
+  sort_detections(input);
+  expect_misses(tracks, input);
+  weigh(tracks, input);
   if (spec_.tracker != Tracker::kJpda) {
     share_out(spec_.tracker == Tracker::kNearest);
   }
   association_.solve();
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     if (tracks[i].existence > 0.0) {
-      mix(i, tracks[i], look);
+      mix(i, tracks[i], input);
     }
   }
   if (spec_.tracker == Tracker::kLabelled) {
     keep_to_number(tracks);
   } else {
-    count_hits(tracks, look);
+    count_hits(tracks, input);
   }
   delete_tracks(tracks);
-  start_tracks(tracks, look);
+  start_tracks(tracks, input);
 }
 
-void MultiTargetFilter::sort_detections(const Look& look,
-                                        std::span<const models::Detection> detections) {
+void MultiTargetFilter::sort_detections(const Input& input) {
   seen_.clear();
   found_.clear();
-  const int rows = look.sensor.measurement_dim(2);
-  for (const models::Detection& detection : detections) {
+  const int rows = input.sensor.measurement_dim(2);
+  for (const models::Detection& detection : input.observation.detections) {
     const models::Measurement& z = detection.measurement;
     if (z.z.size() != rows || z.V.rows() != rows || z.V.cols() != rows) {
       ++counters_.malformed;
@@ -173,7 +167,8 @@ void MultiTargetFilter::sort_detections(const Look& look,
   }
   std::sort(seen_.begin(), seen_.end(), is_before);
   const auto is_unexplained = [&](const models::Measurement& z) {
-    const auto found = posterior_moments(nothing_known(look.from), look.sensor, look.from, z);
+    const auto found = posterior_moments(nothing_known(input.observation.from), input.sensor,
+                                         input.observation.from, z);
     if (found) {
       found_.push_back(*found);
     }
@@ -182,15 +177,16 @@ void MultiTargetFilter::sort_detections(const Look& look,
   counters_.malformed += static_cast<std::int64_t>(std::erase_if(seen_, is_unexplained));
 }
 
-void MultiTargetFilter::expect_misses(const std::vector<LabelledTrack>& tracks, const Look& look) {
+void MultiTargetFilter::expect_misses(const std::vector<LabelledTrack>& tracks,
+                                      const Input& input) {
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     missed_probability_[i] = 0.0;
     for (std::size_t k = 0; k < tracks[i].mixture.size(); ++k) {
       const Component& component = tracks[i].mixture[k];
       Component& missed = missed_[at(i, k)];
       double probability = 1.0;
-      missed.belief = missed_detection(component.belief, look.sensor, look.from, spec_.world,
-                                       look.detection_probability, &probability);
+      missed.belief = missed_detection(component.belief, input.sensor, input.observation.from,
+                                       spec_.world, input.detection_probability, &probability);
       if (spec_.estimator.detection_probability <= 0.0) {
         missed.belief = component.belief;
       }
@@ -200,11 +196,11 @@ void MultiTargetFilter::expect_misses(const std::vector<LabelledTrack>& tracks, 
   }
 }
 
-void MultiTargetFilter::weigh(const std::vector<LabelledTrack>& tracks, const Look& look) {
+void MultiTargetFilter::weigh(const std::vector<LabelledTrack>& tracks, const Input& input) {
   association_.start(static_cast<int>(tracks.size()), static_cast<int>(seen_.size()));
   const double gate2 = spec_.gate_sigma * spec_.gate_sigma;
   const double intensity_per_m2 =
-      look.clutter_per_m2 + (spec_.tracker == Tracker::kLabelled ? look.untracked_per_m2 : 0.0);
+      input.clutter_per_m2 + (spec_.tracker == Tracker::kLabelled ? input.untracked_per_m2 : 0.0);
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const double r = existence_of(tracks[i]);
     for (std::size_t j = 0; j < seen_.size(); ++j) {
@@ -221,7 +217,7 @@ void MultiTargetFilter::weigh(const std::vector<LabelledTrack>& tracks, const Lo
         fit = d2 > gate2 ? 0.0 : std::exp(-0.5 * d2) / scale_m2;
         fit_per_m2 += component.weight * fit;
       }
-      const double reported = r * look.detection_probability * fit_per_m2 / intensity_per_m2;
+      const double reported = r * input.detection_probability * fit_per_m2 / intensity_per_m2;
       const double not_reported = 1.0 - r + r * missed_probability_[i];
       association_.set(static_cast<int>(i), static_cast<int>(j), reported / not_reported);
     }
@@ -246,10 +242,11 @@ void MultiTargetFilter::share_out(bool is_exclusive) {
 }
 
 models::Gaussian MultiTargetFilter::posterior_given(const models::Gaussian& belief, std::size_t j,
-                                                    double weight, const Look& look) const {
+                                                    double weight, const Input& input) const {
   if (weight >= kExactFrom) {
     auto information = models::to_information(belief);
-    if (information && measure(*information, look.sensor, look.from, seen_[j], 0.0) == Use::kUsed) {
+    if (information &&
+        measure(*information, input.sensor, input.observation.from, seen_[j], 0.0) == Use::kUsed) {
       if (const auto exact = models::to_gaussian(*information)) {
         return *exact;
       }
@@ -261,7 +258,7 @@ models::Gaussian MultiTargetFilter::posterior_given(const models::Gaussian& beli
                         found_[j].mean_m - belief.mean.head<2>());
 }
 
-void MultiTargetFilter::mix(std::size_t i, LabelledTrack& track, const Look& look) {
+void MultiTargetFilter::mix(std::size_t i, LabelledTrack& track, const Input& input) {
   const int row = static_cast<int>(i);
   const double r = existence_of(track);
   const double not_reported = 1.0 - r + r * missed_probability_[i];
@@ -287,13 +284,13 @@ void MultiTargetFilter::mix(std::size_t i, LabelledTrack& track, const Look& loo
     for (std::size_t k = 0; k < track.mixture.size(); ++k) {
       const double weight = probability * fit(k) / total;
       if (weight > kWeightMin * kWeightMin) {
-        mixture_.push_back({weight, posterior_given(track.mixture[k].belief, j, weight, look)});
+        mixture_.push_back({weight, posterior_given(track.mixture[k].belief, j, weight, input)});
       }
     }
   }
   track.existence = std::min(1.0, missed * missed_probability_[i] + seen);
   if (seen > 0.5) {
-    track.last_seen = std::max(track.last_seen, look.at);
+    track.last_seen = std::max(track.last_seen, input.observation.time);
   }
   const bool is_mixture = spec_.tracker == Tracker::kLabelled;
   reduce(mixture_, spec_.components_max,
@@ -309,10 +306,10 @@ void MultiTargetFilter::mix(std::size_t i, LabelledTrack& track, const Look& loo
   }
 }
 
-void MultiTargetFilter::count_hits(std::vector<LabelledTrack>& tracks, const Look& look) {
+void MultiTargetFilter::count_hits(std::vector<LabelledTrack>& tracks, const Input& input) {
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const double seen = 1.0 - association_.miss_probability(static_cast<int>(i));
-    const bool is_expected = 1.0 - missed_probability_[i] > 0.5 * look.detection_probability;
+    const bool is_expected = 1.0 - missed_probability_[i] > 0.5 * input.detection_probability;
     if (seen > 0.5) {
       ++tracks[i].hits;
       tracks[i].misses = 0;
@@ -366,9 +363,11 @@ void MultiTargetFilter::delete_tracks(std::vector<LabelledTrack>& tracks) {
   }
 }
 
-void MultiTargetFilter::start_tracks(std::vector<LabelledTrack>& tracks, const Look& look) {
-  const double share = look.untracked_per_m2 / (look.untracked_per_m2 + look.clutter_per_m2);
+void MultiTargetFilter::start_tracks(std::vector<LabelledTrack>& tracks, const Input& input) {
+  const double share = input.untracked_per_m2 / (input.untracked_per_m2 + input.clutter_per_m2);
   const bool is_labelled = spec_.tracker == Tracker::kLabelled;
+  const int source = input.observation.source;
+  const int label = first_label(input.observation.time, source < 0 ? kLabelledRobots - 1 : source);
   for (std::size_t j = 0; j < seen_.size(); ++j) {
     const double unassigned = association_.unassigned_probability(static_cast<int>(j));
     const double existence = is_labelled ? unassigned * share : 1.0;
@@ -377,7 +376,7 @@ void MultiTargetFilter::start_tracks(std::vector<LabelledTrack>& tracks, const L
     }
     const auto least = std::min_element(tracks.begin(), tracks.end(),
                                         [](auto& a, auto& b) { return a.existence < b.existence; });
-    const auto found = discover(spec_.estimator, look.sensor, look.from, seen_[j]);
+    const auto found = discover(spec_.estimator, input.sensor, input.observation.from, seen_[j]);
     const auto belief = found ? models::to_gaussian(*found) : std::nullopt;
     if (!belief || !(least->existence < existence)) {
       counters_.beyond_capacity += belief ? 1 : 0;
@@ -388,8 +387,8 @@ void MultiTargetFilter::start_tracks(std::vector<LabelledTrack>& tracks, const L
     ++counters_.births;
     least->existence = existence;
     least->mixture.assign(1, Component{1.0, *belief});
-    least->last_seen = look.at;
-    least->label = look.first_label + static_cast<int>(j);
+    least->last_seen = input.observation.time;
+    least->label = label + static_cast<int>(j);
     least->hits = 1;
     least->misses = 0;
   }

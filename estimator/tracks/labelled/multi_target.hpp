@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "core/time.hpp"
 #include "estimator/posterior/posterior_moments.hpp"
 #include "estimator/tracks/labelled/association.hpp"
 #include "estimator/tracks/labelled/mixture.hpp"
+#include "estimator/tracks/observation.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/sensor/clutter.hpp"
 #include "models/world/world.hpp"
@@ -53,17 +53,6 @@ struct LabelledTrack {
   int misses = 0;
 };
 
-/// Sensor, detection model, viewpoint and time of one observation.
-struct ObservationContext {
-  const models::SensorModel& sensor;
-  const models::DetectionModel& detection;
-  const models::Viewpoint& from;
-  Time at;
-  /// Label of a track that the first detection starts. Each further detection has the next label.
-  /// The order of the detections depends only on their content.
-  int first_label = 0;
-};
-
 /// Counts of events since construction.
 struct MultiTargetCounters {
   std::int64_t births = 0;
@@ -104,15 +93,16 @@ class MultiTargetFilter {
   [[nodiscard]] std::vector<LabelledTrack> no_tracks() const;
   /// Predicts the tracks from `from` to `to` ≥ `from`.
   void propagate(std::vector<LabelledTrack>& tracks, Time from, Time to);
-  /// Updates the tracks with one observation made at the instant of the tracks.
+  /// Updates the tracks with one observation made at the instant of the tracks. The labels of new
+  /// tracks begin with first_label() of the observation, in an order that depends only on the
+  /// content of the detections.
   /// Precondition: the size of `tracks` is that of no_tracks().
-  void update(std::vector<LabelledTrack>& tracks, const ObservationContext& context,
-              std::span<const models::Detection> detections);
+  void update(std::vector<LabelledTrack>& tracks, const Observation& observation,
+              const models::SensorModel& sensor, const models::DetectionModel& detection);
   /// As above, with the detection model of the spec.
-  void update(std::vector<LabelledTrack>& tracks, const models::SensorModel& sensor,
-              const models::Viewpoint& from, Time at, std::span<const models::Detection> detections,
-              int first_label = 0) {
-    update(tracks, {sensor, spec_.detection, from, at, first_label}, detections);
+  void update(std::vector<LabelledTrack>& tracks, const Observation& observation,
+              const models::SensorModel& sensor) {
+    update(tracks, observation, sensor, spec_.detection);
   }
   /// True if the track is to be reported: existence of at least 0.5 (kLabelled), or at least three
   /// hits (kJpda, kNearest).
@@ -122,22 +112,23 @@ class MultiTargetFilter {
   [[nodiscard]] const MultiTargetCounters& counters() const { return counters_; }
 
  private:
-  struct Look;
+  /// Input of one update: the observation, its sensor and the expected rates of detections.
+  struct Input;
   /// Fills seen_ and found_ with the usable detections, in an order that depends only on these
   /// detections.
-  void sort_detections(const Look& look, std::span<const models::Detection> detections);
-  void expect_misses(const std::vector<LabelledTrack>& tracks, const Look& look);
-  void weigh(const std::vector<LabelledTrack>& tracks, const Look& look);
+  void sort_detections(const Input& input);
+  void expect_misses(const std::vector<LabelledTrack>& tracks, const Input& input);
+  void weigh(const std::vector<LabelledTrack>& tracks, const Input& input);
   /// Assigns each detection to the track that has it in the most likely association.
   void share_out(bool is_exclusive);
-  void mix(std::size_t i, LabelledTrack& track, const Look& look);
+  void mix(std::size_t i, LabelledTrack& track, const Input& input);
   /// Returns the posterior of a component's belief given detection j.
   [[nodiscard]] models::Gaussian posterior_given(const models::Gaussian& belief, std::size_t j,
-                                                 double weight, const Look& look) const;
-  void count_hits(std::vector<LabelledTrack>& tracks, const Look& look);
+                                                 double weight, const Input& input) const;
+  void count_hits(std::vector<LabelledTrack>& tracks, const Input& input);
   /// Conditions the existence probabilities on at most spec_.targets targets.
   void keep_to_number(std::vector<LabelledTrack>& tracks);
-  void start_tracks(std::vector<LabelledTrack>& tracks, const Look& look);
+  void start_tracks(std::vector<LabelledTrack>& tracks, const Input& input);
   void delete_tracks(std::vector<LabelledTrack>& tracks);
   [[nodiscard]] double existence_of(const LabelledTrack& track) const;
   [[nodiscard]] std::size_t at(std::size_t i, std::size_t k) const;

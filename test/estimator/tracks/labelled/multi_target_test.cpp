@@ -63,7 +63,7 @@ TEST(MultiTargetFilter, EqualsTheKnownIdFilterForOneCertainTarget) {
   const models::Measurement z = models::sample(sensor, from, Eigen::Vector2d(1.1, 0.4), rng);
   ASSERT_EQ(measure(known, sensor, from, z, 0.0), Use::kUsed);
   const std::vector<models::Detection> look = {{-1, z}};
-  filter.update(tracks, sensor, from, instant(1), look);
+  filter.update(tracks, {instant(1), 0, from, look}, sensor);
   const models::Gaussian seen = moments(tracks[0].mixture);
   EXPECT_TRUE(is_near(seen.mean, models::to_gaussian(known)->mean, 1e-3));
   EXPECT_TRUE(is_near(seen.covariance, models::to_gaussian(known)->covariance, 1e-3));
@@ -77,7 +77,7 @@ TEST(MultiTargetFilter, LowersTheExistenceOfMissedTargets) {
   auto tracks = filter.no_tracks();
   tracks[0] = track_at(1.0, 0.5, 0.05, 0.7);
   tracks[1] = track_at(3.9, 3.9, 0.01, 0.6);  // beyond the sensor's range
-  filter.update(tracks, lab_sensor(), at(0.0, 0.0), instant(1), {});
+  filter.update(tracks, {instant(1), 0, at(0.0, 0.0), {}}, lab_sensor());
   EXPECT_NEAR(tracks[0].existence, 0.7 * 0.2 / (1.0 - 0.7 * 0.8), 1e-9);
   EXPECT_NEAR(tracks[1].existence, 0.6, 1e-9);
 }
@@ -88,7 +88,7 @@ TEST(MultiTargetFilter, EstimatesTheNumberOfTargets) {
   auto tracks = filter.no_tracks();
   tracks[0] = track_at(3.9, 3.9, 0.01, 0.6);
   tracks[1] = track_at(-3.9, 3.9, 0.01, 0.6);
-  filter.update(tracks, lab_sensor(), at(0.0, 0.0), instant(1), {});
+  filter.update(tracks, {instant(1), 0, at(0.0, 0.0), {}}, lab_sensor());
   EXPECT_NEAR(tracks[0].existence, 0.6 * 0.4 / (1.0 - 0.36), 1e-9);
   EXPECT_NEAR(tracks[1].existence, tracks[0].existence, 1e-12);
 }
@@ -103,7 +103,7 @@ TEST(MultiTargetFilter, WeightsABirthAgainstFalseAlarms) {
   const models::Viewpoint from = at(0.0, 0.0);
   const std::vector<models::Detection> look = {
       {-1, models::sample(sensor, from, Eigen::Vector2d(1.0, 1.0), rng)}};
-  filter.update(tracks, sensor, from, instant(1), look);
+  filter.update(tracks, {instant(1), 0, from, look}, sensor);
   const double untracked = 3.0 * 0.9 / 64.0;
   const double clutter = 2.0 / models::view_area_m2(sensor, from);
   EXPECT_NEAR(tracks[0].existence, untracked / (untracked + clutter), 1e-9);
@@ -130,7 +130,7 @@ std::vector<LabelledTrack> tracked(const MultiTargetSpec& spec, double turned_ra
       std::reverse(look.begin(), look.end());
     }
     filter.propagate(tracks, instant(k - 1), instant(k));
-    filter.update(tracks, lab_sensor(), from, instant(k), look);
+    filter.update(tracks, {instant(k), 0, from, look}, lab_sensor());
   }
   return tracks;
 }
@@ -204,8 +204,10 @@ TEST(MultiTargetFilter, IsConsistentAmongFalseAlarms) {
     for (int k = 1; k <= 20; ++k) {
       y_m += std::sqrt(0.02 * 0.5) * test::normal_vector(2, rng);
       filter.propagate(tracks, instant(k - 1), instant(k));
-      filter.update(tracks, sensor, at(0.0, 0.0, 0.1 * k), instant(k),
-                    detections_of(spec.detection, at(0.0, 0.0, 0.1 * k), {y_m}, rng));
+      filter.update(tracks,
+                    {instant(k), 0, at(0.0, 0.0, 0.1 * k),
+                     detections_of(spec.detection, at(0.0, 0.0, 0.1 * k), {y_m}, rng)},
+                    sensor);
       const models::Gaussian belief = moments(tracks[0].mixture);
       const Eigen::Vector2d error_m = belief.mean - y_m;
       sum += error_m.dot(belief.covariance.llt().solve(models::StateVector(error_m)));
@@ -223,16 +225,17 @@ TEST(MultiTargetFilter, AllocatesNothing) {
   MultiTargetFilter filter(spec_of(3, {0.8, 5.0}));
   auto tracks = filter.no_tracks();
   std::mt19937_64 rng(1);
-  std::vector<std::vector<models::Detection>> looks;
+  std::vector<Observation> looks;
   for (int k = 1; k <= 40; ++k) {
     looks.push_back(
-        detections_of(filter.spec().detection, at(0.0, 0.0), {{1.0, 0.5}, {-1.0, 0.2}}, rng));
+        {instant(k), 0, at(0.0, 0.0),
+         detections_of(filter.spec().detection, at(0.0, 0.0), {{1.0, 0.5}, {-1.0, 0.2}}, rng)});
   }
-  filter.update(tracks, sensor, at(0.0, 0.0), instant(0), {});
+  filter.update(tracks, {instant(0), 0, at(0.0, 0.0), {}}, sensor);
   const vantage::test::AllocationCounter allocations;
-  for (int k = 1; k <= 40; ++k) {
-    filter.propagate(tracks, instant(k - 1), instant(k));
-    filter.update(tracks, sensor, at(0.0, 0.0), instant(k), looks[static_cast<std::size_t>(k - 1)]);
+  for (const Observation& look : looks) {
+    filter.propagate(tracks, look.time - from_seconds(0.5), look.time);
+    filter.update(tracks, look, sensor);
   }
   EXPECT_EQ(allocations.count(), 0U);
 }
@@ -249,7 +252,7 @@ TEST(MultiTargetFilter, CountsUnusableInputs) {
   bearing.z = z.z.tail(1);
   bearing.V = z.V.bottomRightCorner(1, 1);
   const std::vector<models::Detection> look = {{-1, bearing}, {-1, z}, {-1, z}};
-  filter.update(tracks, sensor, at(0, 0), instant(1), look);
+  filter.update(tracks, {instant(1), 0, at(0, 0), look}, sensor);
   EXPECT_EQ(filter.counters().malformed, 1);
   EXPECT_EQ(filter.counters().beyond_capacity, 1);
 }
@@ -263,7 +266,7 @@ TEST(MultiTargetFilter, CountsDetectionsWithoutViewpoint) {
   std::mt19937_64 rng(1);
   const models::Measurement z = models::sample(sensor, at(0, 0), Eigen::Vector2d(1.0, 0.0), rng);
   const std::vector<models::Detection> look = {{-1, z}, {-1, z}};
-  filter.update(tracks, sensor, at(0, 0), instant(1), look);
+  filter.update(tracks, {instant(1), 0, at(0, 0), look}, sensor);
   EXPECT_EQ(filter.counters().malformed, 2);
   EXPECT_EQ(filter.counters().births, 0);
 }

@@ -10,6 +10,7 @@
 #include "estimator/posterior/missed_detection.hpp"
 #include "estimator/tracks/gaussian/track.hpp"
 #include "estimator/tracks/labelled/multi_target.hpp"
+#include "estimator/tracks/labelled/track_labels.hpp"
 #include "models/sensor/clutter.hpp"
 #include "test/estimator/filter_support.hpp"
 #include "test/estimator/tracks/labelled/lab_tracks.hpp"
@@ -75,7 +76,7 @@ TEST(MultiTargetUpdate, AgreesWithBayesRuleForOneTrackAndOneDetection) {
   auto tracks = filter.no_tracks();
   tracks[1] = track_of(r, parts);
   tracks[1].label = 77;
-  filter.update(tracks, {sensor, detection, from, instant(4), 500}, {&z, 1});
+  filter.update(tracks, {instant(4), 0, from, {z}}, sensor);
 
   // Computes the target's position from the detection only.
   scenario::EstimatorSpec vague = spec.estimator;
@@ -127,7 +128,7 @@ TEST(MultiTargetUpdate, AgreesWithBayesRuleForOneTrackAndOneDetection) {
   const double birth = nobodys * untracked_per_m2 / (untracked_per_m2 + clutter_per_m2);
   ASSERT_GT(birth, 0.01);
   EXPECT_NEAR(tracks[0].existence, birth, 1e-6);
-  EXPECT_EQ(tracks[0].label, 500);
+  EXPECT_EQ(tracks[0].label, first_label(instant(4), 0));
   EXPECT_EQ(tracks[0].last_seen, instant(4));
   EXPECT_TRUE(is_near(moments(tracks[0].mixture).mean, found.mean, 1e-9));
   EXPECT_EQ(filter.counters().births, 1);
@@ -148,7 +149,7 @@ TEST(MultiTargetUpdate, GatesDetectionsBeyondFourSigma) {
       const double sigma_m = std::sqrt(found.covariance(0, 0) + 0.04);
       tracks[0] =
           track_of(1.0, {part(1.0, found.mean(0) + side * sigmas * sigma_m, found.mean(1), 0.2)});
-      filter.update(tracks, lab_sensor(), from, instant(1), {&z, 1});
+      filter.update(tracks, {instant(1), 0, from, {z}}, lab_sensor());
       const double moved_m = std::abs(moments(tracks[0].mixture).mean(0) - found.mean(0));
       EXPECT_EQ(moved_m < (sigmas - 0.5) * sigma_m, is_within) << side;
     }
@@ -165,7 +166,7 @@ TEST(MultiTargetUpdate, EmptyScanUsesSmallerDetectionProbability) {
     auto tracks = filter.no_tracks();
     tracks[0] = track_of(0.7, {part(1.0, 1.0, 0.5, 0.02)});
     tracks[1] = track_of(0.7, {part(1.0, 2.9, 0.0, 0.3)});
-    filter.update(tracks, lab_sensor(), at(0, 0), instant(1), {});
+    filter.update(tracks, {instant(1), 0, at(0, 0), {}}, lab_sensor());
     EXPECT_EQ(tracks[1].mixture.at(0).belief.mean(0) == 2.9, believed == 0.0);
     EXPECT_EQ(tracks[0].last_seen, instant(0));
     return tracks[0].existence;
@@ -190,7 +191,7 @@ TEST(MultiTargetUpdate, LimitsTheNumberOfTargets) {
     for (int i = 0; i < kTracks; ++i) {
       tracks[static_cast<std::size_t>(i)] = track_of(r, {part(1.0, 3.8, -3.0 + i, 0.01)});
     }
-    filter.update(tracks, lab_sensor(), at(-1.0, 0.0), instant(1), {});
+    filter.update(tracks, {instant(1), 0, at(-1.0, 0.0), {}}, lab_sensor());
     const auto at_most = [](int n, int most) {
       double sum = 0.0;
       for (int k = 0; k <= std::min(n, most); ++k) {
@@ -215,7 +216,7 @@ TEST(MultiTargetUpdate, AlwaysAllowsABirthAndAFalseAlarm) {
     MultiTargetFilter filter(spec_of(1, {0.9, clutter}));
     auto tracks = filter.no_tracks();
     tracks[0] = track_of(of_tracked, {part(1.0, 3.8, -3.8, 0.01)});  // out of view
-    filter.update(tracks, lab_sensor(), from, instant(1), {&z, 1});
+    filter.update(tracks, {instant(1), 0, from, {z}}, lab_sensor());
     const double untracked = std::max(0.05, 1.0 - of_tracked) * 0.9 / 56.0;
     const double alarms = std::max(1e-3, clutter) / models::view_area_m2(lab_sensor(), from);
     EXPECT_NEAR(tracks[1].existence, untracked / (untracked + alarms), 1e-9);
@@ -237,9 +238,9 @@ TEST(MultiTargetUpdate, BirthReplacesLeastLikelyTrackWhenFull) {
       tracks[i].label = 40 + static_cast<int>(i);
       tracks[i].misses = 1;
     }
-    filter.update(tracks, {lab_sensor(), spec.detection, from, instant(1), 900}, {&z, 1});
+    filter.update(tracks, {instant(1), 0, from, {z}}, lab_sensor());
     const bool is_born = least < 0.5;
-    EXPECT_EQ(tracks[1].label, is_born ? 900 : 41);
+    EXPECT_EQ(tracks[1].label, is_born ? first_label(instant(1), 0) : 41);
     EXPECT_EQ(tracks[1].misses, is_born ? 0 : 1);
     EXPECT_EQ(tracks[0].label, 40);
     EXPECT_EQ(tracks[2].label, 42);
@@ -254,7 +255,7 @@ TEST(MultiTargetUpdate, DeletesTracksBelowMinimumExistence) {
     MultiTargetFilter filter(spec_of(5, {0.9, 0.1}));
     auto tracks = filter.no_tracks();
     tracks[0] = track_of(existence, {part(1.0, 3.8, -3.8, 0.01)});
-    filter.update(tracks, lab_sensor(), at(0, 0), instant(1), {});
+    filter.update(tracks, {instant(1), 0, at(0, 0), {}}, lab_sensor());
     EXPECT_EQ(tracks[0].existence > 0.0, is_kept);
     EXPECT_EQ(tracks[0].mixture.empty(), !is_kept);
     EXPECT_EQ(filter.counters().deaths, is_kept ? 0 : 1);
@@ -272,7 +273,7 @@ TEST(TracksByCounts, AreConfirmedAndDeletedByHitsAndMisses) {
       auto tracks = filter.no_tracks();
       int k = 1;
       for (; k <= hits; ++k) {
-        filter.update(tracks, lab_sensor(), from, instant(k), {&z, 1});
+        filter.update(tracks, {instant(k), 0, from, {z}}, lab_sensor());
         EXPECT_EQ(tracks[0].hits, k);
         EXPECT_EQ(filter.is_confirmed(tracks[0]), k >= 3);
         EXPECT_EQ(tracks[0].last_seen, instant(k));
@@ -280,18 +281,18 @@ TEST(TracksByCounts, AreConfirmedAndDeletedByHitsAndMisses) {
       }
       const int most = hits >= 3 ? 5 : 2;
       for (int miss = 1; miss < most; ++miss) {
-        filter.update(tracks, lab_sensor(), from, instant(k++), {});
+        filter.update(tracks, {instant(k++), 0, from, {}}, lab_sensor());
         EXPECT_EQ(tracks[0].misses, miss);
-        filter.update(tracks, lab_sensor(), at(-3.9, -3.9), instant(k++), {});
+        filter.update(tracks, {instant(k++), 0, at(-3.9, -3.9), {}}, lab_sensor());
         EXPECT_EQ(tracks[0].misses, miss) << "out of view";
       }
       MultiTargetFilter other = filter;
       auto seen_again = tracks;
-      other.update(seen_again, lab_sensor(), from, instant(k), {&z, 1});
+      other.update(seen_again, {instant(k), 0, from, {z}}, lab_sensor());
       EXPECT_EQ(seen_again[0].misses, 0);
       EXPECT_EQ(seen_again[0].hits, hits + 1);
       EXPECT_EQ(filter.counters().deaths, 0);
-      filter.update(tracks, lab_sensor(), from, instant(k), {});
+      filter.update(tracks, {instant(k), 0, from, {}}, lab_sensor());
       EXPECT_EQ(tracks[0].existence, 0.0);
       EXPECT_EQ(filter.counters().deaths, 1);
       EXPECT_FALSE(filter.is_confirmed(tracks[0])) << "whatever its hits";
@@ -312,7 +313,7 @@ TEST(MultiTargetUpdate, AssignsADetectionToOneTrackByDefault) {
       const std::size_t other = 2 - nearer;
       tracks[nearer] = track_of(0.9, {part(1.0, 1.5, 0.1, 0.2)});
       tracks[other] = track_of(0.9, {part(1.0, 1.5, -0.2, 0.2)});
-      filter.update(tracks, lab_sensor(), from, instant(1), {&z, 1});
+      filter.update(tracks, {instant(1), 0, from, {z}}, lab_sensor());
       const double moved_m = moments(tracks[other].mixture).mean(1) + 0.2;
       EXPECT_EQ(std::abs(moved_m) > 0.01, tracker == Tracker::kJpda) << moved_m;
       EXPECT_LT(moments(tracks[nearer].mixture).mean(1), 0.08);
@@ -343,12 +344,12 @@ TEST(MultiTargetUpdate, LabelsBirthsByDistance) {
       std::rotate(look.begin(), look.begin() + 1, look.end());
       MultiTargetFilter filter(spec_of(5, {0.9, 0.1}, tracker));
       auto tracks = filter.no_tracks();
-      filter.update(tracks, {lab_sensor(), filter.spec().detection, from, instant(1), 640}, look);
+      filter.update(tracks, {instant(1), 0, from, look}, lab_sensor());
       EXPECT_EQ(filter.counters().births, 3);
       for (std::size_t i = 0; i < 3; ++i) {
         const double range_m = moments(tracks[i].mixture).mean.norm();
         const double nearest_first[] = {1.0, 2.0, 2.5};
-        EXPECT_EQ(tracks[i].label, 640 + static_cast<int>(i));
+        EXPECT_EQ(tracks[i].label, first_label(instant(1), 0) + static_cast<int>(i));
         EXPECT_NEAR(range_m, nearest_first[i], 0.1) << "the nearest is the first";
         EXPECT_EQ(tracks[i].hits, 1);
         EXPECT_EQ(tracks[i].mixture.at(0).weight, 1.0);
@@ -365,7 +366,7 @@ TEST(MultiTargetUpdate, CountsMalformedDetections) {
     auto tracks = filter.no_tracks();
     std::vector<models::Detection> look = {seen(from, 1.0, 0.0), seen(from, 2.0, 0.0)};
     change(look[0].measurement);
-    filter.update(tracks, lab_sensor(), from, instant(1), look);
+    filter.update(tracks, {instant(1), 0, from, look}, lab_sensor());
     EXPECT_EQ(filter.counters().births + filter.counters().malformed, 2);
     return filter.counters().malformed;
   };
@@ -382,7 +383,7 @@ TEST(MultiTargetUpdate, KeepsSeparateComponentsWithWeight) {
     MultiTargetFilter filter(spec_of(1, {0.9, 0.1}, tracker));
     auto tracks = filter.no_tracks();
     tracks[0] = track_of(1.0, std::move(parts));
-    filter.update(tracks, lab_sensor(), at(3.0, 2.5), instant(1), {});  // out of view
+    filter.update(tracks, {instant(1), 0, at(3.0, 2.5), {}}, lab_sensor());  // out of view
     return tracks[0].mixture.size();
   };
   const auto two = [](double away_m) {
@@ -407,7 +408,7 @@ TEST(TracksByCounts, AreMissedWhenMostlyInView) {
     auto tracks = filter.no_tracks();
     tracks[0] = track_of(1.0, {part(1.0, x_m, 0.0, 0.2)});
     tracks[0].hits = 3;
-    filter.update(tracks, lab_sensor(), at(0, 0), instant(1), {});
+    filter.update(tracks, {instant(1), 0, at(0, 0), {}}, lab_sensor());
     EXPECT_EQ(tracks[0].misses, is_missed ? 1 : 0);
   }
 }
@@ -459,7 +460,7 @@ TEST(MultiTargetUpdate, IsExactForComponentsAboveTwoPercent) {
     auto tracks = filter.no_tracks();
     tracks[0] = track_of(1.0, {{1.0, before}});
     const std::vector<models::Detection> look = {seen(from, 2.0, 0.0), seen(from, 2.0, aside_m)};
-    filter.update(tracks, lab_sensor(), from, instant(1), look);
+    filter.update(tracks, {instant(1), 0, from, look}, lab_sensor());
     const Component* there = nullptr;
     for (const Component& component : tracks[0].mixture) {
       there = component.belief.mean(1) > 0.5 * aside_m ? &component : there;
