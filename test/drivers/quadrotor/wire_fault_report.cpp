@@ -120,7 +120,7 @@ for 24 s.
 reason, or the count of what was refused, was there; "apart" the least distance between two vehicles. Two vehicles touch
 at 0.5 m. The ends are those of [faults.md](faults.md), where flight safety is flown alone. The last column says why a row differs from
 that page. Each row of the table of conditions is reached by bytes in `ConditionReach`; what ends, kills or cuts off whole processes is
-flown by `integration.landings` and `tools/dev/landings`, with the supervisor and a console.
+flown by `integration.landings` and `test/rig/landings`, with the supervisor and a console.
 
 | # | fault | how | seen by | PX4: reached (limit) [s] | seen [s] | end | apart [m] | ArduPilot: reached (limit) [s] | seen [s] | end | apart [m] | differs |
 |---|---|---|---|---|---|---|---|---|---|---|---|---|
