@@ -69,9 +69,16 @@ class Bus {
   [[nodiscard]] bool receives_signed() const { return receives_signed_; }
 
   /// Sets the run id and the channel's next sequence number in `message`, and publishes it. The
-  /// caller sets the time of the content. Returns the message's name for references.
+  /// caller sets the time of the content. Returns the message as published.
   template <class Message>
-  models::InputRef publish(const Channel<Message>& channel, Message message);
+  Message publish(const Channel<Message>& channel, Message message);
+
+  /// Returns the reference to `published`, which this Bus published on `channel`.
+  template <class Message>
+  [[nodiscard]] models::InputRef ref_to(const Channel<Message>& channel,
+                                        const Message& published) const {
+    return models::ref_to(publish_prefix_ + channel.name, published.stamp);
+  }
 
   /// Calls `handler` with every accepted message on `channel` while the Bus exists. Messages that
   /// do not decode or have impossible values are counted and dropped. A channel may have several

@@ -9,7 +9,7 @@
 namespace vantage::bus {
 
 template <class Message>
-models::InputRef Bus::publish(const Channel<Message>& channel, Message message) {
+Message Bus::publish(const Channel<Message>& channel, Message message) {
   const std::string name = publish_prefix_ + channel.name;
   message.stamp.run_id = run_id_;
   message.stamp.sequence = next_sequence(name);
@@ -25,7 +25,7 @@ models::InputRef Bus::publish(const Channel<Message>& channel, Message message) 
     }
   }
   send(name, buffer_);
-  return {name, message.stamp.run_id, message.stamp.sequence};
+  return message;
 }
 
 template <class Message>

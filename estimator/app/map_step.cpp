@@ -74,9 +74,9 @@ void MapPublisher::update_in_range(const models::RobotBelief& belief) {
   }
 }
 
-void MapPublisher::step(const models::RobotBelief& belief, const models::InputRef& name) {
+void MapPublisher::step(const models::RobotBelief& belief) {
   update_in_range(belief);
-  std::vector<models::InputRef> names{name};
+  std::vector<models::InputRef> names{bus_.ref_to(bus::belief_channel(robot_), belief)};
   MapInput input;
   input.belief = &belief;
   input.before = content_of(own_);
@@ -101,8 +101,9 @@ void MapPublisher::step(const models::RobotBelief& belief, const models::InputRe
   models::RobotMap made = map_.step(input);
   made.inputs = std::move(names);
   scans_.erase(scans_.begin(), later);
-  const models::InputRef published = bus_.publish(bus::map_channel(robot_), made);
-  own_ = {published, std::make_shared<const models::RobotMap>(std::move(made))};
+  const auto channel = bus::map_channel(robot_);
+  made = bus_.publish(channel, std::move(made));
+  own_ = {bus_.ref_to(channel, made), std::make_shared<const models::RobotMap>(std::move(made))};
 }
 
 std::vector<models::NamedCount> MapPublisher::counters() const {

@@ -25,8 +25,8 @@ class MapPublisher {
  public:
   MapPublisher(bus::Bus& bus, const scenario::Scenario& scenario, const std::string& robot);
 
-  /// Publishes the map of the step of `belief`, which was published under `name`.
-  void step(const models::RobotBelief& belief, const models::InputRef& name);
+  /// Publishes the map of the step of `belief`, as published by the same bus.
+  void step(const models::RobotBelief& belief);
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
 
  private:

@@ -161,9 +161,9 @@ void EstimatorNode::tick(Time now) {
   } else if (const auto mixture = mixture_of(filter_, made)) {
     bus_.publish(bus::mixture_channel(robot_), *mixture);
   }
-  const models::InputRef published = bus_.publish(bus::belief_channel(robot_), made);
+  made = bus_.publish(bus::belief_channel(robot_), std::move(made));
   if (map_) {
-    map_->step(made, published);
+    map_->step(made);
   }
 
   // Counts a stale belief once, then drops it, so that a silent teammate's last message is not

@@ -52,13 +52,13 @@ class Analyst {
   }
 
   void on(const models::RobotMeasurement& scan) {
-    scans_.add({std::string(channel_), scan.stamp.run_id, scan.stamp.sequence}, scan.stamp.time);
+    scans_.add(models::ref_to(std::string(channel_), scan.stamp), scan.stamp.time);
   }
 
   void on(const models::RobotBelief& belief) {
     metrics_.on_belief(belief);
     sets_.on_belief(belief);
-    const models::InputRef name{std::string(channel_), belief.stamp.run_id, belief.stamp.sequence};
+    const models::InputRef name = models::ref_to(std::string(channel_), belief.stamp);
     beliefs_.add(name, belief.stamp.time);
     if (const auto scan = scans_.newest(belief.inputs)) {
       latencies_s_["look → belief"].push_back(to_seconds(logged_ - *scan));

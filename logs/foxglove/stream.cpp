@@ -23,10 +23,6 @@ constexpr Duration kTrackPieceMax = std::chrono::seconds(2);
 constexpr Duration kMocapSilence = std::chrono::seconds(1);
 constexpr std::size_t kPlansTraced = 16;  // newest plans kept per robot
 
-models::InputRef reference_to(const std::string& channel, const models::Stamp& stamp) {
-  return {channel, stamp.run_id, stamp.sequence};
-}
-
 const char* name_of(models::OperatorAction action) {
   constexpr const char* kNames[] = {"heartbeat", "arm",  "take off",      "follow",
                                     "hold",      "land", "emergency stop"};
@@ -130,7 +126,7 @@ void Stream::on(const models::TruthFrame& truth, Time received_at) {
 }
 
 void Stream::on(const models::RobotMeasurement& detections, Time received_at) {
-  captures_.add(reference_to(bus::measurement_channel(detections.robot).name, detections.stamp),
+  captures_.add(models::ref_to(bus::measurement_channel(detections.robot).name, detections.stamp),
                 detections.stamp.time);
   const scenario::RobotSpec* robot = scenario_ ? scenario_->find_robot(detections.robot) : nullptr;
   if (robot != nullptr) {
@@ -144,7 +140,7 @@ void Stream::on(const models::RobotMeasurement& detections, Time received_at) {
 void Stream::on(const models::RobotBelief& belief, Time received_at) {
   put_grid(belief, received_at);
   if (const auto capture = captures_.newest(belief.inputs)) {
-    captures_of_beliefs_.add(reference_to(bus::belief_channel(belief.robot).name, belief.stamp),
+    captures_of_beliefs_.add(models::ref_to(bus::belief_channel(belief.robot).name, belief.stamp),
                              *capture);
   }
   if (!scenario_) {

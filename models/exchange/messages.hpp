@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -34,6 +35,11 @@ struct Stamp {
   std::int64_t run_id = 0;
   std::int64_t sequence = 0;
 };
+
+/// Returns the reference to the message with `stamp` on `channel`.
+inline InputRef ref_to(std::string channel, const Stamp& stamp) {
+  return {std::move(channel), stamp.run_id, stamp.sequence};
+}
 
 /// One rigid body in a frame of the mocap system.
 struct MocapBody {

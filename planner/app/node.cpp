@@ -184,7 +184,7 @@ Deadline PlannerNode::deadline_of(Time now) const {
 std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::string& robot) {
   std::vector<models::InputRef> names;
   const auto add = [&](const std::string& channel, const models::Stamp& stamp) {
-    names.push_back({channel, stamp.run_id, stamp.sequence});
+    names.push_back(models::ref_to(channel, stamp));
   };
   if (inputs.belief) {
     add(bus::belief_channel(robot).name, inputs.belief->stamp);
@@ -274,10 +274,8 @@ void PlannerNode::propose(Time now) {
   if (proposal) {
     proposal->plan.finish = finish;
     proposal->plan.inputs = names_of(inputs_, robot_);
-    const models::InputRef published = bus_.publish(bus::proposal_channel(robot_), *proposal);
-    proposal->stamp.run_id = published.run_id;
-    proposal->stamp.sequence = published.sequence;
-    inputs_.proposals.insert_or_assign(robot_, std::move(*proposal));
+    inputs_.proposals.insert_or_assign(
+        robot_, bus_.publish(bus::proposal_channel(robot_), *std::move(proposal)));
   }
 }
 
@@ -327,14 +325,10 @@ void PlannerNode::exchange(Time now) {
   if (proposal) {
     proposal->inputs = exchange_inputs_;
     if (inputs_.solution) {
-      const models::Stamp& base = inputs_.solution->stamp;
-      proposal->inputs.push_back(
-          {bus::team_proposal_channel(inputs_.solution->robot).name, base.run_id, base.sequence});
+      proposal->inputs.push_back(models::ref_to(
+          bus::team_proposal_channel(inputs_.solution->robot).name, inputs_.solution->stamp));
     }
-    const models::InputRef published = bus_.publish(bus::team_proposal_channel(robot_), *proposal);
-    proposal->stamp.run_id = published.run_id;
-    proposal->stamp.sequence = published.sequence;
-    inputs_.solution = std::move(proposal);
+    inputs_.solution = bus_.publish(bus::team_proposal_channel(robot_), *std::move(proposal));
   }
 }
 
@@ -394,10 +388,7 @@ void PlannerNode::plan(Time now) {
     plan->finish = finish;
     plan->late = late || stops;
     plan->inputs = names_of(inputs_, robot_);
-    const models::InputRef published = bus_.publish(bus::plan_channel(robot_), *plan);
-    plan->stamp.run_id = published.run_id;
-    plan->stamp.sequence = published.sequence;
-    inputs_.own_plan = std::move(plan);
+    inputs_.own_plan = bus_.publish(bus::plan_channel(robot_), *std::move(plan));
   }
 }
 

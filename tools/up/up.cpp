@@ -379,11 +379,7 @@ void Up::land() {
 // Publishes a last message after all other processes have ended. A log that contains this message
 // is complete.
 void Up::finish_log() {
-  models::HostReport last = report(clock_.now());
-  const models::InputRef name = bus_.publish(bus::host_channel(host_), last);
-  last.stamp.run_id = name.run_id;
-  last.stamp.sequence = name.sequence;
-  const auto wire = bus::to_wire(last);
+  const auto wire = bus::to_wire(bus_.publish(bus::host_channel(host_), report(clock_.now())));
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(wire.getEncodedSize()));
   wire.encode(bytes.data(), 0, wire.getEncodedSize());
   const Time give_up = clock_.now() + kFinishPatience;

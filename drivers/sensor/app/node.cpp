@@ -15,10 +15,6 @@ namespace {
 constexpr Duration kGapMax{200'000};
 constexpr Duration kIdle = std::chrono::seconds(1);
 
-models::InputRef ref_to(const std::string& channel, const models::Stamp& stamp) {
-  return {channel, stamp.run_id, stamp.sequence};
-}
-
 }  // namespace
 
 SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
@@ -65,13 +61,13 @@ void SensorNode::on_frame(const std::shared_ptr<const models::MocapFrame>& recei
   const std::int64_t newest = to_utime(frame.stamp.time) / step_us;
   const Time instant = from_utime(newest * step_us);
   const std::int64_t passed = last_ ? newest - to_utime(last_->stamp.time) / step_us : 0;
-  const models::InputRef this_ref = ref_to(bus::kVicon.name, frame.stamp);
+  const models::InputRef this_ref = models::ref_to(bus::kVicon.name, frame.stamp);
   if (instant == frame.stamp.time) {
     publish(frame, {this_ref});
     steps_without_frames_ += std::max<std::int64_t>(0, passed - 1);
   } else if (passed > 0 && frame.stamp.time - last_->stamp.time <= kGapMax) {
     publish(interpolate(*last_, frame, instant),
-            {ref_to(bus::kVicon.name, last_->stamp), this_ref});
+            {models::ref_to(bus::kVicon.name, last_->stamp), this_ref});
     steps_without_frames_ += passed - 1;
   } else {
     steps_without_frames_ += passed;
@@ -95,7 +91,7 @@ void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::In
     return;
   }
   if (jammed) {
-    inputs.push_back(ref_to(bus::kAttack.name, attack_->stamp));
+    inputs.push_back(models::ref_to(bus::kAttack.name, attack_->stamp));
   }
   if (scanner_) {
     models::RangeScan scan = scanner_->scan(seen->stamp.time, seen->viewpoint, jammed);

@@ -7,6 +7,7 @@
 
 #include "test/bus/convert/message_types.hpp"
 #include "test/support/bus_pair.hpp"
+#include "test/support/sent_ref.hpp"
 
 namespace vantage::bus {
 namespace {
@@ -91,9 +92,10 @@ TEST(Bus, StampsRunAndSequencePerChannel) {
   InProcessHub hub;
   const auto endpoint = hub.connect();
   Bus bus(*endpoint, 42);
-  EXPECT_EQ(bus.publish(kCommand, command(5)), (models::InputRef{"COMMAND", 42, 0}));
-  EXPECT_EQ(bus.publish(kCommand, command(6)), (models::InputRef{"COMMAND", 42, 1}));
-  EXPECT_EQ(bus.publish(kAttack, models::AttackNotice{}), (models::InputRef{"ATTACK", 42, 0}));
+  EXPECT_EQ(test::sent_ref(bus, kCommand, command(5)), (models::InputRef{"COMMAND", 42, 0}));
+  EXPECT_EQ(test::sent_ref(bus, kCommand, command(6)), (models::InputRef{"COMMAND", 42, 1}));
+  EXPECT_EQ(test::sent_ref(bus, kAttack, models::AttackNotice{}),
+            (models::InputRef{"ATTACK", 42, 0}));
 }
 
 TEST(Bus, ReceivesOwnAndOtherMessagesWithUnchangedTime) {
@@ -122,7 +124,7 @@ TEST(Bus, PrefixesPublishedChannelsOnly) {
       {"REPLAY_*"}, [&](const std::string& name, const auto&) { names.push_back(name); });
   int heard_by_replay = 0;
   replay.subscribe<models::OperatorCommand>(kCommand, [&](const auto&) { ++heard_by_replay; });
-  EXPECT_EQ(replay.publish(kCommand, command(1)).channel, "REPLAY_COMMAND");
+  EXPECT_EQ(test::sent_ref(replay, kCommand, command(1)).channel, "REPLAY_COMMAND");
   watcher.publish(kCommand, command(2));
   watcher.handle(kNow);
   replay.handle(kNow);

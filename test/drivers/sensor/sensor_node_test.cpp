@@ -10,6 +10,7 @@
 #include "core/check.hpp"
 #include "drivers/sensor/app/node.hpp"
 #include "test/sim/lab_scenario.hpp"
+#include "test/support/sent_ref.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -54,7 +55,7 @@ struct Bench {
     frame.bodies[0].occluded = !is_seen;
     frame.bodies[1].name = "ROVER1";
     frame.bodies[1].world_from_body = lift({x_m + 0.5, 4.0, 0.0}, 0.0);
-    const models::InputRef ref = bus.publish(bus::kVicon, frame);
+    const models::InputRef ref = vantage::test::sent_ref(bus, bus::kVicon, frame);
     sensor_bus.handle(std::chrono::microseconds(0));
     bus.handle(std::chrono::microseconds(0));
     return ref;

@@ -10,7 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "bus/transport/transport.hpp"
-#include "test/estimator/occupancy/mapping_scenario.hpp"
+#include "test/estimator/mapping_scenario.hpp"
+#include "test/support/sent_ref.hpp"
 
 namespace vantage::estimator {
 namespace {
@@ -38,7 +39,7 @@ class MapPublisherTest : public ::testing::Test {
     map.own_looks[0] = seen;
     map.team_looks = map.own_looks;
     bus::Bus& mate = mates_.try_emplace(run_id, *mate_end_, run_id).first->second;
-    const models::InputRef ref = mate.publish(bus::map_channel("Q2"), map);
+    const models::InputRef ref = vantage::test::sent_ref(mate, bus::map_channel("Q2"), map);
     deliver();
     return ref;
   }
@@ -49,7 +50,7 @@ class MapPublisherTest : public ::testing::Test {
     belief.robot = "Q1";
     belief.step = step;
     belief.viewpoint = {{0.5, 0.25, 0.5}, 1.0};
-    publisher_.step(belief, bus_.publish(bus::belief_channel("Q1"), belief));
+    publisher_.step(bus_.publish(bus::belief_channel("Q1"), belief));
     deliver();
     return heard_.back();
   }
@@ -63,7 +64,7 @@ class MapPublisherTest : public ::testing::Test {
     scan.field_of_view_rad = scenario_.mapping.scanner.field_of_view_rad;
     scan.range_max_m = scenario_.mapping.scanner.range_max_m;
     scan.ranges_m.assign(static_cast<std::size_t>(scenario_.mapping.scanner.beams), 1.5);
-    const models::InputRef ref = ear_.publish(bus::scan_channel("Q1"), scan);
+    const models::InputRef ref = vantage::test::sent_ref(ear_, bus::scan_channel("Q1"), scan);
     deliver();
     return ref;
   }

@@ -13,7 +13,8 @@
 #include "estimator/app/node.hpp"
 #include "estimator/app/replay_node.hpp"
 #include "test/estimator/filter_support.hpp"
-#include "test/estimator/occupancy/mapping_scenario.hpp"
+#include "test/estimator/mapping_scenario.hpp"
+#include "test/support/sent_ref.hpp"
 
 // Tests the capacities of the message buffers of the estimator nodes.
 
@@ -22,6 +23,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using models::InputRef;
+using vantage::test::sent_ref;
 
 const Time kStart = from_utime(1'700'000'000'100'000);  // 0.1 s after a multiple of τ
 const Time kInstant = kStart + 400ms;
@@ -66,7 +68,7 @@ models::RobotBelief belief_of(const std::string& robot, Time time) {
 struct TestBus {
   template <class Message>
   InputRef publish(const bus::Channel<Message>& channel, const Message& message) {
-    const InputRef name = world.publish(channel, message);
+    const InputRef name = sent_ref(world, channel, message);
     bus.handle(0us);
     return name;
   }

@@ -13,12 +13,14 @@
 #include "core/check.hpp"
 #include "estimator/app/replay_node.hpp"
 #include "test/estimator/filter_support.hpp"
+#include "test/support/sent_ref.hpp"
 
 namespace vantage::estimator {
 namespace {
 
 using namespace std::chrono_literals;
 using models::InputRef;
+using vantage::test::sent_ref;
 
 const Time kStart = from_utime(1'700'000'000'100'000);  // 0.1 s after a multiple of τ
 
@@ -50,7 +52,15 @@ models::MocapFrame frame_at(Time time, const std::map<std::string, Pose2>& poses
   return frame;
 }
 
-/// An in-process bus with simulated publishers (sensors, mocap) and a subscriber to all beliefs.
+std::map<std::string, std::int64_t> counts_of(const EstimatorNode& node) {
+  std::map<std::string, std::int64_t> counts;
+  for (const models::NamedCount& count : node.counters()) {
+    counts[count.name] = count.count;
+  }
+  return counts;
+}
+
+/// An in-process bus with a publisher of sensor and mocap messages and a subscriber to all beliefs.
 class NodeTest : public ::testing::Test {
  protected:
   void deliver() {
@@ -108,16 +118,16 @@ TEST_F(NodeTest, PublishesAtEveryMultipleOfTheStepAndNamesItsInputs) {
                                         [&](const auto& belief) { received.push_back(belief); });
   const Time t1 = kStart + 400ms;
   EXPECT_EQ(node.next_tick(), t1 + 50ms);
-  const auto mocap = world_.publish(bus::kVicon, frame_at(t1 - 10ms, {{"Q1", {1.0, 2.0, 0.5}}}));
+  const auto mocap = sent_ref(world_, bus::kVicon, frame_at(t1 - 10ms, {{"Q1", {1.0, 2.0, 0.5}}}));
   world_.publish(bus::kVicon, frame_at(t1 + 10ms, {{"Q1", {9.0, 9.0, 0.5}}}));
   models::RobotBelief mate =
       test::prior(t1 - 500ms, {{Eigen::Vector4d(1.0, 0.0, 0.0, 0.0), Eigen::Matrix4d::Identity()}});
   mate.robot = "Q2";
-  const auto news = world_.publish(bus::belief_channel("Q2"), mate);
+  const auto news = sent_ref(world_, bus::belief_channel("Q2"), mate);
   deliver();
   run_until(t1 + 60ms, {&node});
   const Pose2 pose{0.0, -1.0, 0.3};
-  const auto seen = world_.publish(bus::measurement_channel("Q1"), look("Q1", t1 + 500ms, pose));
+  const auto seen = sent_ref(world_, bus::measurement_channel("Q1"), look("Q1", t1 + 500ms, pose));
   deliver();
   run_until(t1 + 560ms, {&node});
 
@@ -186,10 +196,7 @@ TEST_F(NodeTest, CountsUnusableInputs) {
   world_.publish(bus::belief_channel("Q2"), old);
   deliver();
   run_until(kStart + 2s, {&node});
-  std::map<std::string, std::int64_t> counts;
-  for (const models::NamedCount& count : node.counters()) {
-    counts[count.name] = count.count;
-  }
+  auto counts = counts_of(node);
   EXPECT_EQ(counts["misaddressed"], 1);
   EXPECT_EQ(counts["stale_beliefs"], 1);  // not counted once per step
   EXPECT_EQ(counts["viewpoint_unknown"], 4);
@@ -201,9 +208,9 @@ TEST_F(NodeTest, UsesTeammatesMeasurementsButNotTheirPositions) {
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
                                         [&](const auto& belief) { received.push_back(belief); });
   const Time t1 = kStart + 400ms;
-  const auto mocap = world_.publish(bus::kVicon, frame_at(t1 - 10ms, {{"Q1", {1.0, 2.0, 0.5}}}));
+  const auto mocap = sent_ref(world_, bus::kVicon, frame_at(t1 - 10ms, {{"Q1", {1.0, 2.0, 0.5}}}));
   const auto seen =
-      world_.publish(bus::measurement_channel("Q2"), look("Q2", t1, {0.0, -1.0, 0.3}));
+      sent_ref(world_, bus::measurement_channel("Q2"), look("Q2", t1, {0.0, -1.0, 0.3}));
   world_.publish(bus::measurement_channel("Q2"), look("Q1", t1, {}));  // wrong channel
   deliver();
   run_until(t1 + 60ms, {&node});
@@ -234,14 +241,8 @@ TEST_F(NodeTest, KeepsTheNewestInputs) {
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
                                         [&](const auto& belief) { received.push_back(belief); });
   const Time t1 = kStart + 400ms;
-  const auto counters = [&] {
-    std::map<std::string, std::int64_t> counts;
-    for (const models::NamedCount& count : node.counters()) {
-      counts[count.name] = count.count;
-    }
-    return counts;
-  };
-  const auto pose = world_.publish(bus::kVicon, frame_at(t1 - 10ms, {{"Q1", {1.0, 2.0, 0.5}}}));
+  const auto counters = [&] { return counts_of(node); };
+  const auto pose = sent_ref(world_, bus::kVicon, frame_at(t1 - 10ms, {{"Q1", {1.0, 2.0, 0.5}}}));
   for (int i = 0; i < 255; ++i) {
     world_.publish(bus::kVicon, frame_at(t1 + 10ms + i * 1ms, {{"Q1", {9.0, 9.0, 0.5}}}));
     deliver();
@@ -249,11 +250,11 @@ TEST_F(NodeTest, KeepsTheNewestInputs) {
   std::vector<InputRef> looks;
   for (int i = 0; i < 2 * 64; ++i) {
     looks.push_back(
-        world_.publish(bus::measurement_channel("Q2"), look("Q2", t1 - Duration{i}, {})));
+        sent_ref(world_, bus::measurement_channel("Q2"), look("Q2", t1 - Duration{i}, {})));
     deliver();
   }
   EXPECT_EQ(counters().count("looks_overflowed"), 0U);
-  looks.push_back(world_.publish(bus::measurement_channel("Q2"), look("Q2", t1, {})));
+  looks.push_back(sent_ref(world_, bus::measurement_channel("Q2"), look("Q2", t1, {})));
   deliver();
   EXPECT_EQ(counters()["looks_overflowed"], 1);
   run_until(t1 + 60ms, {&node});

@@ -12,11 +12,13 @@
 #include "planner/app/replay_node.hpp"
 #include "planner/robot/external_answer.hpp"
 #include "test/planner/app/node_fixture.hpp"
+#include "test/support/sent_ref.hpp"
 
 namespace vantage::planner {
 namespace {
 
 using namespace std::chrono_literals;
+using vantage::test::sent_ref;
 
 constexpr Duration kClosing = 20ms;  // time reserved at the end of a slot of 100 ms or more
 
@@ -44,7 +46,7 @@ class ExternalTest : public test::PlannerNodeTest {
           questions_.push_back(question);
           asked_at_ = clock_.now();
           for (const models::RobotPlan& each : answer(question)) {
-            answers_.push_back(world_.publish(bus::external_plan_channel("Q1"), each));
+            answers_.push_back(sent_ref(world_, bus::external_plan_channel("Q1"), each));
           }
         });
     world_.subscribe<models::RobotPlan>(bus::plan_channel("Q1"),

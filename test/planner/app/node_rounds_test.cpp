@@ -10,6 +10,7 @@
 #include "planner/app/replay_node.hpp"
 #include "scenario/node_budget.hpp"
 #include "test/planner/app/node_fixture.hpp"
+#include "test/support/sent_ref.hpp"
 
 // Tests of the times at which a planner node works, the inputs that its plans name, and its
 // counters.
@@ -20,6 +21,7 @@ namespace {
 using namespace std::chrono_literals;
 using models::InputRef;
 using test::PlannerNodeTest;
+using vantage::test::sent_ref;
 
 bool names_channel(const models::RobotPlan& plan, const std::string& channel) {
   return std::any_of(plan.inputs.begin(), plan.inputs.end(),
@@ -116,7 +118,7 @@ TEST_F(PlannerNodeTest, NamesItsOwnPlanAndProposalAsInputs) {
   std::vector<models::PlanProposal> proposals;
   world_.subscribe<models::PlanProposal>(bus::proposal_channel("Q1"),
                                          [&](const auto& each) { proposals.push_back(each); });
-  const InputRef belief = world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  const InputRef belief = sent_ref(world_, bus::belief_channel("Q1"), *inputs_.belief);
   const InputRef mocap{"VICON", 100, 0};
   for (std::int64_t k = 0; k < 3; ++k) {
     round();
@@ -354,7 +356,7 @@ TEST_F(PlannerNodeTest, NamesInputsAndBaseOfProposal) {
   std::vector<models::TeamProposal> said;
   world_.subscribe<models::TeamProposal>(bus::team_proposal_channel("Q1"),
                                          [&](const auto& each) { said.push_back(each); });
-  const InputRef belief = world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  const InputRef belief = sent_ref(world_, bus::belief_channel("Q1"), *inputs_.belief);
   std::size_t before = 0;
   for (std::int64_t k = 0; k < 2; ++k) {
     round();

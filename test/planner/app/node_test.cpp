@@ -8,12 +8,14 @@
 #include <gtest/gtest.h>
 
 #include "test/planner/app/node_fixture.hpp"
+#include "test/support/sent_ref.hpp"
 
 namespace vantage::planner {
 namespace {
 
 using namespace std::chrono_literals;
 using test::PlannerNodeTest;
+using vantage::test::sent_ref;
 
 bool names(const models::RobotPlan& plan, const models::InputRef& input) {
   return std::find(plan.inputs.begin(), plan.inputs.end(), input) != plan.inputs.end();
@@ -23,12 +25,12 @@ TEST_F(PlannerNodeTest, RefusesMessageWhoseRobotDiffersFromChannel) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
   start(scenario);
-  const auto own = world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  const auto own = sent_ref(world_, bus::belief_channel("Q1"), *inputs_.belief);
   models::RobotBelief other = *inputs_.belief;
   other.robot = "Q2";
   other.targets.clear();
   world_.publish(bus::belief_channel("Q1"), other);
-  const auto mate = world_.publish(bus::plan_channel("Q2"), plan_of("Q2"));
+  const auto mate = sent_ref(world_, bus::plan_channel("Q2"), plan_of("Q2"));
   for (const char* robot : {"Q1", "Q3", "Q9"}) {
     world_.publish(bus::plan_channel("Q2"), plan_of(robot));
   }
@@ -51,7 +53,7 @@ TEST_F(PlannerNodeTest, DropsAttackNoticeAfterThreeSeconds) {
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   deliver();
   const Time heard = clock_.now();
-  const auto attack = world_.publish(bus::kAttack, models::AttackNotice{{heard, 0, 0}, {"Q2"}});
+  const auto attack = sent_ref(world_, bus::kAttack, models::AttackNotice{{heard, 0, 0}, {"Q2"}});
   deliver();
   for (int k = 0; k < 6; ++k) {
     round();
@@ -102,9 +104,9 @@ TEST_F(PlannerNodeTest, SurvivesInvalidTeammatePlans) {
   };
   start(test::lab_scenario());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
-  const auto good = world_.publish(bus::plan_channel("Q2"), plan_of("Q2"));
+  const auto good = sent_ref(world_, bus::plan_channel("Q2"), plan_of("Q2"));
   for (int kind = 0; kind <= 7; ++kind) {
-    const auto bad = world_.publish(bus::plan_channel("Q2"), spoil(kind));
+    world_.publish(bus::plan_channel("Q2"), spoil(kind));
     deliver();
     EXPECT_EQ(count("PLAN_Q2.refused") + count("unusable_plans"), kind + 1);
   }

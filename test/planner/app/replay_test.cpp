@@ -11,9 +11,12 @@
 #include "models/mapping/cell_counts.hpp"
 #include "planner/app/replay_node.hpp"
 #include "test/planner/app/node_fixture.hpp"
+#include "test/support/sent_ref.hpp"
 
 namespace vantage::planner {
 namespace {
+
+using vantage::test::sent_ref;
 
 /// A replay of Q1 that receives all messages from and to a planner of Q1.
 class ReplayTest : public test::PlannerNodeTest {
@@ -298,8 +301,8 @@ TEST_F(ReplayTest, ReportsDifferentPlans) {
 // After a search that ended too late, the robot continues its committed motion.
 TEST_F(ReplayTest, ReproducesFallbacksOfLateSearches) {
   start_without_planner(test::lab_scenario());
-  const auto belief = world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
-  const auto mocap = world_.publish(bus::kVicon, *inputs_.mocap);
+  const auto belief = sent_ref(world_, bus::belief_channel("Q1"), *inputs_.belief);
+  const auto mocap = sent_ref(world_, bus::kVicon, *inputs_.mocap);
   RobotPlanner planner(scenario_, "Q1");
   models::RobotPlan shifted = *planner.plan_without_search(inputs_);
   shifted.inputs = {belief, mocap};
@@ -324,7 +327,7 @@ TEST_F(ReplayTest, PlansInTheLoggedSlot) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.slots = 2;
   start_without_planner(scenario);
-  const auto mocap = world_.publish(bus::kVicon, *inputs_.mocap);
+  const auto mocap = sent_ref(world_, bus::kVicon, *inputs_.mocap);
   const RoundSchedule schedule(scenario.planner, 0, 3);
   std::vector<Time> begins;
   for (const int place : {1, 0}) {
