@@ -7,6 +7,7 @@
 #include "bus/auth/authenticator.hpp"
 #include "bus/node/command_claim.hpp"
 #include "core/deadline.hpp"
+#include "models/exchange/counts.hpp"
 
 namespace vantage::bus {
 namespace {
@@ -15,12 +16,6 @@ namespace {
 /// memory. Further channels share one entry.
 constexpr std::size_t kCountedChannelsMax = 1024;
 constexpr const char* kOtherChannels = "(other)";
-
-void add_nonzero(std::vector<models::NamedCount>& counts, std::string name, std::int64_t count) {
-  if (count != 0) {
-    counts.push_back({std::move(name), count});
-  }
-}
 
 /// Maximum number of streams reported individually. If there are more, one sum per kind ("PLAN_*")
 /// is reported, so that the report does not grow with the team.
@@ -245,43 +240,43 @@ std::map<std::string, StreamCounts> Bus::stream_counts() const {
 }
 
 std::vector<models::NamedCount> Bus::counters() const {
-  std::vector<models::NamedCount> counts;
   const TransportStats stats = transport_.stats();
-  add_nonzero(counts, "transport.messages_sent", stats.messages_sent);
-  add_nonzero(counts, "transport.messages_received", stats.messages_received);
-  add_nonzero(counts, "transport.send_errors", stats.send_errors);
-  add_nonzero(counts, "transport.network_losses", stats.network_losses);
-  add_nonzero(counts, "transport.malformed_datagrams", stats.malformed_datagrams);
-  add_nonzero(counts, "transport.incomplete_messages", stats.incomplete_messages);
-  add_nonzero(counts, "transport.queue_overflows", stats.queue_overflows);
-  add_nonzero(counts, "transport.oversized_messages", stats.oversized_messages);
-  add_nonzero(counts, "transport.duplicate_fragments", stats.duplicate_fragments);
-  add_nonzero(counts, "transport.kernel_drops", stats.kernel_drops);
-  add_nonzero(counts, "transport.receive_buffer_short_bytes", stats.receive_buffer_short_bytes);
-  add_nonzero(counts, "bus.streams_refused", streams_refused_);
+  std::vector<models::NamedCount> counts{
+      {"transport.messages_sent", stats.messages_sent},
+      {"transport.messages_received", stats.messages_received},
+      {"transport.send_errors", stats.send_errors},
+      {"transport.network_losses", stats.network_losses},
+      {"transport.malformed_datagrams", stats.malformed_datagrams},
+      {"transport.incomplete_messages", stats.incomplete_messages},
+      {"transport.queue_overflows", stats.queue_overflows},
+      {"transport.oversized_messages", stats.oversized_messages},
+      {"transport.duplicate_fragments", stats.duplicate_fragments},
+      {"transport.kernel_drops", stats.kernel_drops},
+      {"transport.receive_buffer_short_bytes", stats.receive_buffer_short_bytes},
+      {"bus.streams_refused", streams_refused_}};
   for (const auto& [name, count] : decode_errors_) {
-    add_nonzero(counts, name + ".decode_errors", count);
+    counts.push_back({name + ".decode_errors", count});
   }
   for (const auto& [name, count] : refused_) {
-    add_nonzero(counts, name + ".refused", count);
+    counts.push_back({name + ".refused", count);
   }
   if (authenticator_) {
-    authenticator_->count(counts);
+      authenticator_->count(counts);
   }
   const auto add_stream = [&](const std::string& name, const StreamCounts& stream) {
-    add_nonzero(counts, name + ".fresh", stream.fresh);
-    add_nonzero(counts, name + ".lost", stream.lost);
-    add_nonzero(counts, name + ".duplicates", stream.duplicates);
-    add_nonzero(counts, name + ".reordered", stream.reordered);
-    add_nonzero(counts, name + ".old_runs", stream.old_runs);
-    add_nonzero(counts, name + ".too_far_ahead", stream.too_far_ahead);
+      counts.push_back({name + ".fresh", stream.fresh});
+      counts.push_back({name + ".lost", stream.lost});
+      counts.push_back({name + ".duplicates", stream.duplicates});
+      counts.push_back({name + ".reordered", stream.reordered});
+      counts.push_back({name + ".old_runs", stream.old_runs});
+      counts.push_back({name + ".too_far_ahead", stream.too_far_ahead});
   };
   for (const auto& [name, stream] : reported(stream_counts())) {
-    add_stream(name, stream);
-    add_nonzero(counts, name + ".restarts", std::max<std::int64_t>(0, stream.runs - 1));
+      add_stream(name, stream);
+      counts.push_back({name + ".restarts", std::max<std::int64_t>(0, stream.runs - 1)});
   }
   add_stream("left", unsubscribed_counts_);
-  return counts;
-}
+  return models::nonzero(std::move(counts));
+  }
 
 }  // namespace vantage::bus

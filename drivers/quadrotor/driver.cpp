@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
+#include "models/exchange/counts.hpp"
 #include "wire/mavlink/constants.hpp"
 
 namespace vantage::drivers {
@@ -348,12 +349,8 @@ std::vector<models::NamedCount> QuadrotorDriver::counters() const {
   for (models::NamedCount& counter : guard_.counters()) {
     out.push_back(std::move(counter));
   }
-  if (poses_unseen_ > 0) {
-    out.push_back({"quadrotor.poses_unseen", poses_unseen_});
-  }
-  if (poses_refused_ > 0) {
-    out.push_back({"quadrotor.poses_refused", poses_refused_});
-  }
+  models::append_nonzero(out, {{"quadrotor.poses_unseen", poses_unseen_},
+                               {"quadrotor.poses_refused", poses_refused_}});
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include "core/check.hpp"
 #include "core/serial_line.hpp"
 #include "drivers/vehicle/port.hpp"
+#include "models/exchange/counts.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -62,14 +63,7 @@ class SerialPort : public Port {
   }
 
   [[nodiscard]] std::vector<models::NamedCount> counters() const override {
-    std::vector<models::NamedCount> out;
-    if (dropped_ > 0) {
-      out.push_back({"port.messages_dropped", dropped_});
-    }
-    if (losses_ > 0) {
-      out.push_back({"port.losses", losses_});
-    }
-    return out;
+    return models::nonzero({{"port.messages_dropped", dropped_}, {"port.losses", losses_}});
   }
 
  private:

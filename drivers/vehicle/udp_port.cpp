@@ -8,6 +8,7 @@
 #include "core/address.hpp"
 #include "core/check.hpp"
 #include "drivers/vehicle/port.hpp"
+#include "models/exchange/counts.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -100,14 +101,7 @@ class UdpPort : public Port {
   }
 
   [[nodiscard]] std::vector<models::NamedCount> counters() const override {
-    std::vector<models::NamedCount> out;
-    if (send_errors_ > 0) {
-      out.push_back({"port.send_errors", send_errors_});
-    }
-    if (strangers_ > 0) {
-      out.push_back({"port.strangers", strangers_});
-    }
-    return out;
+    return models::nonzero({{"port.send_errors", send_errors_}, {"port.strangers", strangers_}});
   }
 
  private:

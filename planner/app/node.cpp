@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "models/exchange/attack_timeout.hpp"
+#include "models/exchange/counts.hpp"
 #include "planner/robot/trajectory_tools.hpp"
 
 namespace vantage::planner {
@@ -214,9 +215,7 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
                                       {"external_late", state_.answers_late},
                                       {"external_unasked", state_.answers_unasked},
                                       {"external_refused", counts.answers_refused}};
-  if (counts.bodies_dropped > 0) {
-    all.push_back({"bodies_dropped", counts.bodies_dropped});
-  }
+  models::append_nonzero(all, {{"bodies_dropped", counts.bodies_dropped}});
   if (schedule_.is_shared()) {
     all.push_back({"yielded_rounds", counts.yielded_rounds});
   }

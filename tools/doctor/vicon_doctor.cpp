@@ -16,6 +16,7 @@
 #include "drivers/vicon/driver.hpp"
 #include "drivers/vicon/session_table.hpp"
 #include "drivers/vicon/socket_link.hpp"
+#include "models/exchange/counts.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -75,7 +76,7 @@ void probe(sockaddr_in address, ViconPort& port, const Stop& stop) {
 void note_errors(const drivers::vicon::ViconDriver& driver, Observation& observed) {
   const auto& frame = driver.frame_counts();
   const auto& wire = driver.wire_counts();
-  const std::map<std::string, std::int64_t> all{
+  std::vector<models::NamedCount> all{
       {"broken_streams", wire.broken_streams}, {"broken_blocks", wire.broken_blocks},
       {"unnamed_bodies", wire.unnamed_bodies}, {"frames_lost", frame.frames_lost},
       {"frames_late", frame.frames_late},      {"frames_queued", frame.frames_queued},
@@ -84,10 +85,8 @@ void note_errors(const drivers::vicon::ViconDriver& driver, Observation& observe
       {"poses_zero", frame.poses_zero},        {"poses_outlying", frame.poses_outlying},
       {"poses_flipped", frame.poses_flipped},  {"latencies_refused", frame.latencies_refused},
       {"names_refused", frame.names_refused}};
-  for (const auto& [name, count] : all) {
-    if (count != 0) {
-      observed.errors[name] = count;
-    }
+  for (const models::NamedCount& each : models::nonzero(std::move(all))) {
+    observed.errors[each.name] = each.count;
   }
 }
 
