@@ -11,6 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/index.hpp"
+
 namespace vantage {
 namespace {
 
@@ -118,7 +120,7 @@ LivenessReceiver::Report LivenessReceiver::take() {
   while (read_ >= 0 && (count = ::read(read_, bytes.data(), bytes.size())) > 0) {
     out.any = true;
     for (ssize_t i = 0; i < count; ++i) {
-      const char byte = bytes[static_cast<std::size_t>(i)];
+      const char byte = bytes[index(i)];
       out.in_flight = byte == kFlightByte   ? InFlight::kYes
                       : byte == kGroundByte ? InFlight::kNo
                                             : out.in_flight;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/index.hpp"
 #include "core/utf8.hpp"
 
 namespace vantage::bus::parts {
@@ -75,12 +76,12 @@ std::optional<SmallMatrix> definite_from(const Rows& rows, int dim) {
   }
   SmallMatrix M(dim, dim);
   for (int i = 0; i < dim; ++i) {
-    const std::vector<double>& row = rows[static_cast<std::size_t>(i)];
+    const std::vector<double>& row = rows[index(i)];
     if (!is_count(dim, row.size())) {
       return std::nullopt;
     }
     for (int j = 0; j < dim; ++j) {
-      M(i, j) = row[static_cast<std::size_t>(j)];
+      M(i, j) = row[index(j)];
     }
   }
   const double largest = M.cwiseAbs().maxCoeff();
@@ -100,7 +101,7 @@ Rows rows_to(const SmallMatrix& M, int dim) {
   Rows rows(side, std::vector<double>(side, std::numeric_limits<double>::quiet_NaN()));
   for (int i = 0; i < dim && i < M.rows(); ++i) {
     for (int j = 0; j < dim && j < M.cols(); ++j) {
-      rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = M(i, j);
+      rows[index(i)][index(j)] = M(i, j);
     }
   }
   return rows;

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/index.hpp"
+
 namespace vantage::bus {
 namespace {
 
@@ -31,8 +33,7 @@ class Walker {
       std::uint64_t count = 1;
       std::uint64_t rows = 1;
       for (const WireDim& dim : field.dims) {
-        const std::int64_t length =
-            dim.field < 0 ? dim.constant : integers[static_cast<std::size_t>(dim.field)];
+        const std::int64_t length = dim.field < 0 ? dim.constant : integers[index(dim.field)];
         if (length < 0) {
           return false;
         }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/index.hpp"
 #include "core/utf8.hpp"
 
 namespace vantage::drivers::vicon {
@@ -263,7 +264,7 @@ void FrameFilter::find_swaps(Duration now) {
   double as_assigned_m = 0.0;
   int changed = 0;
   for (std::size_t row = 0; row < rows; ++row) {
-    as_assigned_m += cost_m_[row * compared_.size() + static_cast<std::size_t>(columns[row])];
+    as_assigned_m += cost_m_[row * compared_.size() + index(columns[row])];
     changed += columns[row] == static_cast<int>(row) ? 0 : 1;
   }
   if (changed == 0 || as_named_m - as_assigned_m <= kSwapGain_m * changed) {

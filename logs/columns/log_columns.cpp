@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bus/auth/trailer.hpp"
+#include "core/index.hpp"
 #include "logs/file/log_event.hpp"
 #include "logs/file/wire_check.hpp"
 
@@ -54,12 +55,11 @@ class LogColumns::Reader {
       std::size_t count = 1;
       for (std::size_t d = 0; d < static_cast<std::size_t>(field.wire->rank); ++d) {
         const bus::WireDim& dim = field.wire->dims[d];
-        count *= dim.field < 0 ? static_cast<std::size_t>(dim.constant)
-                               : integers[static_cast<std::size_t>(dim.field)];
+        count *=
+            dim.field < 0 ? static_cast<std::size_t>(dim.constant) : integers[index(dim.field)];
       }
       if (field.list >= 0) {
-        std::vector<std::int64_t>& offsets =
-            to_.lists_[static_cast<std::size_t>(field.list)].offsets;
+        std::vector<std::int64_t>& offsets = to_.lists_[index(field.list)].offsets;
         offsets.push_back(offsets.back() + static_cast<std::int64_t>(count));
       }
       for (std::size_t n = 0; n < count; ++n) {
@@ -75,7 +75,7 @@ class LogColumns::Reader {
       read(field.nested);
       return 0;
     }
-    LogColumn::Values& values = to_.columns_[static_cast<std::size_t>(field.column)].values;
+    LogColumn::Values& values = to_.columns_[index(field.column)].values;
     if (field.wire->kind == WireKind::kString) {
       const std::size_t length = take(4);
       const auto text = left_.first(length - 1);  // without the NUL

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bus/auth/trailer.hpp"
+#include "core/index.hpp"
 #include "logs/file/log_event.hpp"
 #include "logs/file/wire_check.hpp"
 
@@ -35,8 +36,8 @@ class Reader {
       std::array<std::size_t, bus::kWireDims> counts{};
       for (std::size_t d = 0; d < counts.size(); ++d) {
         const bus::WireDim& dim = field.dims[d];
-        counts[d] = dim.field < 0 ? static_cast<std::size_t>(dim.constant)
-                                  : integers[static_cast<std::size_t>(dim.field)];
+        counts[d] =
+            dim.field < 0 ? static_cast<std::size_t>(dim.constant) : integers[index(dim.field)];
       }
       Json value = read_field(field, counts, 0);
       if (field.rank == 0 && value.is_number_integer() && value.get<std::int64_t>() >= 0) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/index.hpp"
+
 namespace vantage::logs {
 namespace {
 
@@ -30,7 +32,7 @@ Consistency NeesSums::result() const {
   out.coverage_95 = static_cast<double>(inside_) / samples;
   double below = 0.0;
   for (int i = 0; i < kBins; ++i) {
-    const auto here = static_cast<double>(bins_[static_cast<std::size_t>(i)]);
+    const auto here = static_cast<double>(bins_[index(i)]);
     if (below + here >= 0.5 * samples) {
       const double place = i + (0.5 * samples - below) / here;
       out.median_nees = std::pow(10.0, kLeastExponent + place / kBinsPerDecade);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/index.hpp"
 #include "logs/metrics/team_estimate.hpp"
 #include "logs/metrics/truth_history.hpp"
 
@@ -48,7 +49,7 @@ void RobotSums::add(const std::string& robot, Time time, double since_start_s,
     if (!estimate || belief.target_id < 0 || belief.target_id >= targets_) {
       continue;
     }
-    auto& first_s = sums.first_known_s[static_cast<std::size_t>(belief.target_id)];
+    auto& first_s = sums.first_known_s[index(belief.target_id)];
     first_s = first_s.value_or(since_start_s);
     ++known;
     entropy_nats += estimate->entropy_nats;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/index.hpp"
 #include "logs/metrics/set_means.hpp"
 #include "logs/metrics/track_names.hpp"
 #include "scenario/energy_cost.hpp"
@@ -54,7 +55,7 @@ void TrialMetrics::discover(int target_id, Time time) {
     return;
   }
   const double time_s = to_seconds(time - start_);
-  std::optional<double>& first_s = targets_[static_cast<std::size_t>(target_id)].discovered_s;
+  std::optional<double>& first_s = targets_[index(target_id)].discovered_s;
   first_s = std::min(first_s.value_or(time_s), time_s);
 }
 

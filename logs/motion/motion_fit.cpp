@@ -7,6 +7,7 @@
 
 #include "core/angle.hpp"
 #include "core/check.hpp"
+#include "core/index.hpp"
 
 namespace vantage::logs {
 namespace {
@@ -131,7 +132,7 @@ void MotionSample::add(const TargetCourse& course, std::int64_t begin, std::int6
       for (Eigen::Index axis = 0; axis < 2; ++axis) {
         const Eigen::Vector3d each(later->second(axis) - center_m(axis),
                                    now->second(axis) - center_m(axis), velocity_mps(axis));
-        MotionMoments& sums = moments[static_cast<std::size_t>(axis)][h];
+        MotionMoments& sums = moments[index(axis)][h];
         sums.sum += each * each.transpose();
         ++sums.samples;
       }
@@ -144,11 +145,11 @@ MotionScore judge(const models::TargetModel& model, const MotionSample& sample) 
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
     for (std::size_t h = 0; h < kHorizons; ++h) {
       const Prediction next = predict_coordinate(model, axis, kHorizons_s[h]);
-      const MotionMoments& moments = sample.moments[static_cast<std::size_t>(axis)][h];
+      const MotionMoments& moments = sample.moments[index(axis)][h];
       const double error = moments.squared_error(next.a, next.b);
       score.nats += log_likelihood(error, next.w) / static_cast<double>(kHorizons);
       score.nees[h] += error / next.w;
-      score.displacements[static_cast<std::size_t>(axis)][h] = {
+      score.displacements[index(axis)][h] = {
           moments.squared_error(1.0, 0.0),
           moments.mean_square({0.0, next.a - 1.0, next.b}) + next.w};
     }
@@ -162,8 +163,7 @@ models::TargetModel fit_free(models::TargetKind kind, const MotionSample& sample
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
     for (std::size_t h = 0; h < kHorizons; ++h) {
       const Prediction next = predict_coordinate(model, axis, kHorizons_s[h]);
-      sum +=
-          sample.moments[static_cast<std::size_t>(axis)][h].squared_error(next.a, next.b) / next.w;
+      sum += sample.moments[index(axis)][h].squared_error(next.a, next.b) / next.w;
     }
   }
   model.q = sum / (2.0 * static_cast<double>(kHorizons));
@@ -174,7 +174,7 @@ models::TargetModel fit_oscillator(const MotionSample& sample) {
   models::TargetModel fitted{models::TargetKind::kDampedOscillator};
   fitted.oscillator.center_m = sample.center_m;
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
-    const auto& moments = sample.moments[static_cast<std::size_t>(axis)];
+    const auto& moments = sample.moments[index(axis)];
     const auto cost = [&](const Point& logarithms) {
       const models::TargetModel model = oscillator(logarithms, axis);
       double sum = 0.0;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 
 namespace vantage::models {
 namespace {
@@ -17,7 +18,7 @@ std::int16_t limited(int count) {
 }  // namespace
 
 void count_scan(CellCounts& counts, int cell, bool is_hit) {
-  std::int16_t& count = counts[static_cast<std::size_t>(cell)];
+  std::int16_t& count = counts[index(cell)];
   count = limited(count + (is_hit ? 1 : -1));
 }
 
@@ -40,7 +41,7 @@ OccupancyBelief belief_of(const GridGeometry& geometry, std::span<const std::int
   OccupancyBelief belief(geometry, log_odds_of(spec.settled_probability));
   const double hit_log_odds = log_odds_of(spec.look_probability);
   for (int cell = 0; cell < geometry.size(); ++cell) {
-    const std::int16_t count = counts[static_cast<std::size_t>(cell)];
+    const std::int16_t count = counts[index(cell)];
     if (count != 0) {
       belief.add_log_odds(cell, count * hit_log_odds);
     }

@@ -19,17 +19,17 @@ double binary_entropy_nats(double probability) {
 OccupancyBelief::OccupancyBelief(const GridGeometry& geometry, double clamp_log_odds)
     : geometry_(geometry),
       clamp_log_odds_(clamp_log_odds),
-      log_odds_(at(geometry.size()), 0.0),
-      occupancy_(at(geometry.size()), 0.5) {
+      log_odds_(index(geometry.size()), 0.0),
+      occupancy_(index(geometry.size()), 0.5) {
   require(clamp_log_odds > 0.0, "the clamp of the log-odds must be > 0");
 }
 
 void OccupancyBelief::add_log_odds(int cell, double delta) {
-  const double sum = std::clamp(log_odds_[at(cell)] + delta, -clamp_log_odds_, clamp_log_odds_);
-  log_odds_[at(cell)] = sum;
-  occupancy_[at(cell)] = sum >= clamp_log_odds_    ? 1.0
-                         : sum <= -clamp_log_odds_ ? 0.0
-                                                   : probability_of(sum);
+  const double sum = std::clamp(log_odds_[index(cell)] + delta, -clamp_log_odds_, clamp_log_odds_);
+  log_odds_[index(cell)] = sum;
+  occupancy_[index(cell)] = sum >= clamp_log_odds_    ? 1.0
+                            : sum <= -clamp_log_odds_ ? 0.0
+                                                      : probability_of(sum);
 }
 
 double OccupancyBelief::entropy_nats(int cell) const {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/index.hpp"
 #include "models/world/grid.hpp"
 
 namespace vantage::models {
@@ -28,9 +29,9 @@ class OccupancyBelief {
   /// until the clamp is reached.
   void add_log_odds(int cell, double delta);
 
-  [[nodiscard]] double log_odds(int cell) const { return log_odds_[at(cell)]; }
+  [[nodiscard]] double log_odds(int cell) const { return log_odds_[index(cell)]; }
   /// Returns the probability that `cell` is occupied, in [0, 1]; exactly 0 or 1 when it is settled.
-  [[nodiscard]] double occupancy(int cell) const { return occupancy_[at(cell)]; }
+  [[nodiscard]] double occupancy(int cell) const { return occupancy_[index(cell)]; }
   [[nodiscard]] bool is_settled(int cell) const {
     return occupancy(cell) == 0.0 || occupancy(cell) == 1.0;
   }
@@ -42,8 +43,6 @@ class OccupancyBelief {
   [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
 
  private:
-  static std::size_t at(int cell) { return static_cast<std::size_t>(cell); }
-
   GridGeometry geometry_;
   double clamp_log_odds_ = 0.0;
   std::vector<double> log_odds_;

@@ -7,13 +7,12 @@
 #include <utility>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 
 namespace vantage::models {
 namespace {
 
 constexpr double kSlack_m = 1e-9;  // tolerance for rounding in sums of cell sizes
-
-std::size_t at_index(int index) { return static_cast<std::size_t>(index); }
 
 // Cells [first, last] on one axis that [low_m, high_m] overlaps; first > last: none.
 struct CellSpan {
@@ -45,21 +44,21 @@ class Thinner {
         bucket_m_(std::max(spacing_m, geometry.resolution_m)),
         columns_(static_cast<int>(geometry.columns * geometry.resolution_m / bucket_m_) + 1),
         rows_(static_cast<int>(geometry.rows * geometry.resolution_m / bucket_m_) + 1),
-        newest_(at_index(columns_ * rows_), -1) {}
+        newest_(index(columns_ * rows_), -1) {}
 
   void offer(const Eigen::Vector2d& p_m) {
     const int column = static_cast<int>((p_m.x() - origin_m_.x()) / bucket_m_);
     const int row = static_cast<int>((p_m.y() - origin_m_.y()) / bucket_m_);
     for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
       for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c) {
-        for (int k = newest_[at_index(r * columns_ + c)]; k >= 0; k = older_[at_index(k)]) {
-          if ((kept_[at_index(k)] - p_m).norm() < spacing_m_) {
+        for (int k = newest_[index(r * columns_ + c)]; k >= 0; k = older_[index(k)]) {
+          if ((kept_[index(k)] - p_m).norm() < spacing_m_) {
             return;
           }
         }
       }
     }
-    int& newest = newest_[at_index(row * columns_ + column)];
+    int& newest = newest_[index(row * columns_ + column)];
     older_.push_back(newest);
     newest = static_cast<int>(kept_.size());
     kept_.push_back(p_m);
@@ -90,8 +89,8 @@ GridGeometry GridGeometry::covering(const Rectangle& bounds, double resolution_m
           std::max(1, static_cast<int>(std::ceil(cells.y() - kSlack_m)))};
 }
 
-Eigen::Vector2d GridGeometry::centre_m(int index) const {
-  return origin_m + resolution_m * Eigen::Vector2d(index % columns + 0.5, index / columns + 0.5);
+Eigen::Vector2d GridGeometry::centre_m(int cell) const {
+  return origin_m + resolution_m * Eigen::Vector2d(cell % columns + 0.5, cell / columns + 0.5);
 }
 
 int GridGeometry::index_of(const Eigen::Vector2d& p_m) const {
@@ -142,11 +141,10 @@ bool merge_stamps(const GridGeometry& geometry, std::vector<std::int64_t>& stamp
   const int last_row = std::min(geometry.rows, place->y() + their_geometry.rows);
   for (int row = first_row; row < last_row; ++row) {
     for (int column = first_column; column < last_column; ++column) {
-      std::int64_t& own = stamps_utime[at_index(row * geometry.columns + column)];
-      own =
-          std::max(own, std::min(theirs_utime[at_index((row - place->y()) * their_geometry.columns +
-                                                       column - place->x())],
-                                 limit_utime));
+      std::int64_t& own = stamps_utime[index(row * geometry.columns + column)];
+      own = std::max(own, std::min(theirs_utime[index((row - place->y()) * their_geometry.columns +
+                                                      column - place->x())],
+                                   limit_utime));
     }
   }
   return true;
@@ -155,7 +153,7 @@ bool merge_stamps(const GridGeometry& geometry, std::vector<std::int64_t>& stamp
 OccupancyGrid rasterise(const World& world, double resolution_m) {
   OccupancyGrid grid{GridGeometry::covering(world.bounds, resolution_m), {}};
   const GridGeometry& geometry = grid.geometry;
-  grid.occupied.assign(at_index(geometry.size()), 0);
+  grid.occupied.assign(index(geometry.size()), 0);
   for (const Obstacle& obstacle : world.obstacles) {
     const Rectangle& box = obstacle.footprint;
     const CellSpan x = span_of(box.min_m.x(), box.max_m.x(), geometry.origin_m.x(), resolution_m,
@@ -164,7 +162,7 @@ OccupancyGrid rasterise(const World& world, double resolution_m) {
         span_of(box.min_m.y(), box.max_m.y(), geometry.origin_m.y(), resolution_m, geometry.rows);
     for (int row = y.first; row <= y.last; ++row) {
       for (int column = x.first; column <= x.last; ++column) {
-        grid.occupied[at_index(row * geometry.columns + column)] = 1;
+        grid.occupied[index(row * geometry.columns + column)] = 1;
       }
     }
   }
@@ -174,17 +172,17 @@ OccupancyGrid rasterise(const World& world, double resolution_m) {
 DistanceField::DistanceField(const World& world, double resolution_m)
     : geometry_(GridGeometry::covering(world.bounds, resolution_m)) {
   const double half_diagonal_m = resolution_m * std::sqrt(0.5) + kSlack_m;
-  distance_m_.reserve(at_index(geometry_.size()));
-  for (int index = 0; index < geometry_.size(); ++index) {
+  distance_m_.reserve(index(geometry_.size()));
+  for (int cell = 0; cell < geometry_.size(); ++cell) {
     // clearance_m is 1-Lipschitz, so it is at least this value everywhere in the cell.
-    const double least_m = clearance_m(world, geometry_.centre_m(index)) - half_diagonal_m;
+    const double least_m = clearance_m(world, geometry_.centre_m(cell)) - half_diagonal_m;
     distance_m_.push_back(rounded_down(least_m));
   }
 }
 
 double DistanceField::lower_bound_m(const Eigen::Vector2d& p_m) const {
-  const int index = geometry_.index_of(p_m);
-  return index < 0 ? -1.0 : static_cast<double>(distance_m_[at_index(index)]);
+  const int cell = geometry_.index_of(p_m);
+  return cell < 0 ? -1.0 : static_cast<double>(distance_m_[index(cell)]);
 }
 
 VisibilityGrid::VisibilityGrid(const World& world, double resolution_m, double memory_s)
@@ -193,10 +191,10 @@ VisibilityGrid::VisibilityGrid(const World& world, double resolution_m, double m
 VisibilityGrid::VisibilityGrid(const World& world, const GridGeometry& geometry, double memory_s)
     : geometry_(geometry),
       memory_s_(memory_s),
-      free_(at_index(geometry_.size()), 0),
-      last_seen_(at_index(geometry_.size()), kNeverSeen) {
-  for (int index = 0; index < geometry_.size(); ++index) {
-    free_[at_index(index)] = clearance_m(world, geometry_.centre_m(index)) > 0.0 ? 1 : 0;
+      free_(index(geometry_.size()), 0),
+      last_seen_(index(geometry_.size()), kNeverSeen) {
+  for (int cell = 0; cell < geometry_.size(); ++cell) {
+    free_[index(cell)] = clearance_m(world, geometry_.centre_m(cell)) > 0.0 ? 1 : 0;
   }
 }
 
@@ -218,12 +216,12 @@ void VisibilityGrid::see(const SensorModel& sensor, const Viewpoint& from, const
                              geometry_.resolution_m, geometry_.rows);
   for (int row = y.first; row <= y.last; ++row) {
     for (int column = x.first; column <= x.last; ++column) {
-      const int index = row * geometry_.columns + column;
-      std::int64_t& last_seen = last_seen_[at_index(index)];
-      if (!is_free(index) || last_seen >= stamp) {
+      const int cell = row * geometry_.columns + column;
+      std::int64_t& last_seen = last_seen_[index(cell)];
+      if (!is_free(cell) || last_seen >= stamp) {
         continue;
       }
-      const Eigen::Vector2d centre_m = geometry_.centre_m(index);
+      const Eigen::Vector2d centre_m = geometry_.centre_m(cell);
       if (in_view(sensor, from, centre_m) && line_of_sight(near, p_m, centre_m)) {
         last_seen = stamp;
       }
@@ -246,8 +244,8 @@ void VisibilityGrid::merge(const std::vector<std::int64_t>& last_seen_utime,
                  });
 }
 
-bool VisibilityGrid::is_explored(int index, Time now) const {
-  const std::int64_t last_seen = last_seen_[at_index(index)];
+bool VisibilityGrid::is_explored(int cell, Time now) const {
+  const std::int64_t last_seen = last_seen_[index(cell)];
   return last_seen != kNeverSeen &&
          (memory_s_ <= 0.0 || to_seconds(now - from_utime(last_seen)) <= memory_s_);
 }
@@ -255,32 +253,32 @@ bool VisibilityGrid::is_explored(int index, Time now) const {
 double VisibilityGrid::explored_share(Time now) const {
   int free = 0;
   int explored = 0;
-  for (int index = 0; index < geometry_.size(); ++index) {
-    free += is_free(index) ? 1 : 0;
-    explored += is_free(index) && is_explored(index, now) ? 1 : 0;
+  for (int cell = 0; cell < geometry_.size(); ++cell) {
+    free += is_free(cell) ? 1 : 0;
+    explored += is_free(cell) && is_explored(cell, now) ? 1 : 0;
   }
   return free == 0 ? 1.0 : static_cast<double>(explored) / free;
 }
 
 std::vector<Eigen::Vector2d> VisibilityGrid::frontiers(Time now, double spacing_m) const {
-  const auto is_known = [&](int index) { return is_free(index) && is_explored(index, now); };
+  const auto is_known = [&](int cell) { return is_free(cell) && is_explored(cell, now); };
   bool anything_known = false;
-  for (int index = 0; index < geometry_.size() && !anything_known; ++index) {
-    anything_known = is_known(index);
+  for (int cell = 0; cell < geometry_.size() && !anything_known; ++cell) {
+    anything_known = is_known(cell);
   }
   Thinner thinner(geometry_, spacing_m);
-  for (int index = 0; index < geometry_.size(); ++index) {
-    if (!is_free(index) || is_explored(index, now)) {
+  for (int cell = 0; cell < geometry_.size(); ++cell) {
+    if (!is_free(cell) || is_explored(cell, now)) {
       continue;
     }
-    const int column = index % geometry_.columns;
-    const int row = index / geometry_.columns;
-    const bool is_next_to_known = (column > 0 && is_known(index - 1)) ||
-                                  (column + 1 < geometry_.columns && is_known(index + 1)) ||
-                                  (row > 0 && is_known(index - geometry_.columns)) ||
-                                  (row + 1 < geometry_.rows && is_known(index + geometry_.columns));
+    const int column = cell % geometry_.columns;
+    const int row = cell / geometry_.columns;
+    const bool is_next_to_known = (column > 0 && is_known(cell - 1)) ||
+                                  (column + 1 < geometry_.columns && is_known(cell + 1)) ||
+                                  (row > 0 && is_known(cell - geometry_.columns)) ||
+                                  (row + 1 < geometry_.rows && is_known(cell + geometry_.columns));
     if (is_next_to_known || !anything_known) {
-      thinner.offer(geometry_.centre_m(index));
+      thinner.offer(geometry_.centre_m(cell));
     }
   }
   return std::move(thinner).take();

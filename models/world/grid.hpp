@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "core/index.hpp"
 #include "core/time.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/world/world.hpp"
@@ -22,7 +23,7 @@ struct GridGeometry {
 
   static GridGeometry covering(const Rectangle& bounds, double resolution_m);
   [[nodiscard]] int size() const { return columns * rows; }
-  [[nodiscard]] Eigen::Vector2d centre_m(int index) const;
+  [[nodiscard]] Eigen::Vector2d centre_m(int cell) const;
   /// Returns the index of the cell that contains `p_m`, or −1 outside.
   [[nodiscard]] int index_of(const Eigen::Vector2d& p_m) const;
   /// Returns the sub-grid of the cells that overlap the square of half side `half_m` around
@@ -87,10 +88,8 @@ class VisibilityGrid {
              std::int64_t limit_utime) {
     return merge_stamps(geometry_, last_seen_, geometry, last_seen_utime, limit_utime);
   }
-  [[nodiscard]] bool is_explored(int index, Time now) const;
-  [[nodiscard]] bool is_free(int index) const {
-    return free_[static_cast<std::size_t>(index)] != 0;
-  }
+  [[nodiscard]] bool is_explored(int cell, Time now) const;
+  [[nodiscard]] bool is_free(int cell) const { return free_[index(cell)] != 0; }
   /// Returns the share of the free cells that are explored, in [0, 1].
   [[nodiscard]] double explored_share(Time now) const;
   /// Returns the centres of unexplored free cells next to an explored free cell (4 neighbours). A

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/index.hpp"
 #include "models/exchange/attack_timeout.hpp"
 #include "models/exchange/counts.hpp"
 #include "planner/robot/trajectory_tools.hpp"
@@ -111,8 +112,8 @@ void PlannerNode::use_frames() {
   PlanInputs& inputs = state_.inputs;
   inputs.mocap = *mocap_;
   inputs.mocap_before.reset();
-  const auto robot = static_cast<std::size_t>(state_.planner.robot_index());
-  if (mocap_before_ && shows_bodies_in_the_way(*workspace_, robot, *mocap_)) {
+  if (mocap_before_ &&
+      shows_bodies_in_the_way(*workspace_, index(state_.planner.robot_index()), *mocap_)) {
     inputs.mocap_before = *mocap_before_;
   }
 }
@@ -164,8 +165,8 @@ void PlannerNode::move_on(Time after) {
 
 // A robot without a driver is simulated: a busy machine delays the trial but is not dangerous.
 bool PlannerNode::is_short_of_processor() const {
-  const auto index = static_cast<std::size_t>(state_.planner.robot_index());
-  const scenario::RobotSpec& robot = workspace_->scenario().robots[index];
+  const std::vector<scenario::RobotSpec>& robots = workspace_->scenario().robots;
+  const scenario::RobotSpec& robot = robots[index(state_.planner.robot_index())];
   return robot.device != scenario::DeviceSource::kDirect && processor_wait_s_ > kProcessorWaitMaxS;
 }
 

@@ -5,14 +5,13 @@
 #include <numeric>
 #include <set>
 
+#include "core/index.hpp"
 #include "planner/decision/team_set.hpp"
 
 namespace vantage::planner {
 namespace {
 
-bool has(const Choice& choice, int robot) {
-  return choice[static_cast<std::size_t>(robot)] != kNoCandidate;
-}
+bool has(const Choice& choice, int robot) { return choice[index(robot)] != kNoCandidate; }
 
 // Calls of() for every set of exactly `count` robots of `choice`, with indices ≥ `from`, while that
 // set is removed from `team`.
@@ -30,7 +29,7 @@ void for_each_removal(const Choice& choice, int from, int count, TeamSet& team,
     removed.push_back(robot);
     for_each_removal(choice, robot + 1, count - 1, team, removed, of);
     removed.pop_back();
-    team.add(choice[static_cast<std::size_t>(robot)]);
+    team.add(choice[index(robot)]);
   }
 }
 
@@ -91,7 +90,7 @@ Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int 
     }
   }
   std::ranges::stable_sort(attack.robots, std::ranges::greater{}, [&](int robot) {
-    return oracle.individual_value(choice[static_cast<std::size_t>(robot)]);
+    return oracle.individual_value(choice[index(robot)]);
   });
   const auto count = static_cast<std::size_t>(std::max(attacks_max, 0));
   attack.robots.resize(std::min(count, attack.robots.size()));
@@ -118,7 +117,7 @@ Attack attack_on_best_together(const TeamOracle& oracle, const Choice& choice, i
       if (!has(team.choice(), robot)) {
         continue;
       }
-      const double value = taken.value_with(choice[static_cast<std::size_t>(robot)]);
+      const double value = taken.value_with(choice[index(robot)]);
       if (best < 0 || value > most) {
         most = value;
         best = robot;
@@ -127,7 +126,7 @@ Attack attack_on_best_together(const TeamOracle& oracle, const Choice& choice, i
     if (best < 0) {
       break;
     }
-    taken.add(choice[static_cast<std::size_t>(best)]);
+    taken.add(choice[index(best)]);
     team.drop(best);
     attack.robots.push_back(best);
   }

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "core/index.hpp"
+
 namespace vantage::planner {
 namespace {
 
 bool is_excluded(std::span<const char> excluded, CandidateId id) {
-  return !excluded.empty() && excluded[static_cast<std::size_t>(id)] != 0;
+  return !excluded.empty() && excluded[index(id)] != 0;
 }
 
 bool is_better(const Proposal& a, const Proposal& b) {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "planner/problem/information_at.hpp"
 #include "planner/problem/motion_table.hpp"
 #include "planner/search/crossing_index.hpp"
@@ -64,7 +65,7 @@ class CandidateMaker {
     LastBlocks blocks(static_cast<std::size_t>(beliefs_.target_count()) * kMaxPacked);
     for (int m = 0; m < beliefs_.target_count(); ++m) {
       std::copy_n(beliefs_.open_loop(m, problem_.horizon_steps), packed_size(beliefs_.layout(m)),
-                  &blocks[static_cast<std::size_t>(m) * kMaxPacked]);
+                  &blocks[index(m) * kMaxPacked]);
     }
     double gained_nats = 0.0;
     for_each_target(candidate.measurements, [&](int m, TargetCourses::Measurements measurements) {
@@ -72,7 +73,7 @@ class CandidateMaker {
       gained_nats += courses_.follow(m, before, courses_.open_loop_course(m, before),
                                      {&measurements, 1}, kept_.data());
       std::copy_n(kept_.back().block, packed_size(beliefs_.layout(m)),
-                  &blocks[static_cast<std::size_t>(m) * kMaxPacked]);
+                  &blocks[index(m) * kMaxPacked]);
     });
     if (!beliefs_.has_fixed()) {
       candidate.mutual_nats = gained_nats;
@@ -83,7 +84,7 @@ class CandidateMaker {
   // True if every block of `a`, plus εI, dominates that of `b`.
   [[nodiscard]] bool is_redundant(const LastBlocks& a, double epsilon, const LastBlocks& b) const {
     for (int m = 0; m < beliefs_.target_count(); ++m) {
-      const std::size_t at = static_cast<std::size_t>(m) * kMaxPacked;
+      const std::size_t at = index(m) * kMaxPacked;
       if (!dominates(beliefs_.layout(m), &a[at], epsilon, &b[at])) {
         return false;
       }
@@ -110,8 +111,7 @@ double energy_of(const Tree& tree, NodeId leaf, const SearchProblem& problem,
                  const EnergyModel& energy) {
   double used = 0.0;
   for (NodeId id = leaf; tree[id].parent != kNoNode; id = tree[id].parent) {
-    used += scenario::step_cost(energy, problem.world,
-                                problem.controls[static_cast<std::size_t>(tree[id].control)],
+    used += scenario::step_cost(energy, problem.world, problem.controls[index(tree[id].control)],
                                 tree[tree[id].parent].world_from_body.position_m());
   }
   return energy.price_nats * used;
@@ -138,8 +138,7 @@ double energy_used(const EnergyModel& energy, const SearchProblem& problem,
   double used = 0.0;
   Pose2 at = problem.start;
   for (std::size_t t = 0; t < controls.size(); ++t) {
-    used += scenario::step_cost(energy, problem.world,
-                                problem.controls[static_cast<std::size_t>(controls[t])],
+    used += scenario::step_cost(energy, problem.world, problem.controls[index(controls[t])],
                                 at.position_m());
     at = poses[t];
   }
@@ -156,7 +155,7 @@ Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy
   for (const int c : controls) {
     require(c >= 0 && c < static_cast<int>(problem.controls.size()),
             "candidate: controls must be indices into the problem's controls");
-    at = models::step_unicycle(at, problem.controls[static_cast<std::size_t>(c)], problem.step_s);
+    at = models::step_unicycle(at, problem.controls[index(c)], problem.step_s);
     poses.push_back(at);
   }
   return CandidateMaker(problem, energy).make(std::move(controls), std::move(poses));

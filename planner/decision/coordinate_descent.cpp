@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "planner/decision/best_addition.hpp"
 #include "planner/decision/team_set.hpp"
 
@@ -48,7 +49,7 @@ TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& 
     for (const int robot : order) {
       require(robot >= 0 && robot < oracle.robot_count(),
               "coordinate descent: robot must be in [0, robot_count)");
-      const CandidateId had = team.choice()[static_cast<std::size_t>(robot)];
+      const CandidateId had = team.choice()[index(robot)];
       const double value_before = team.value();
       if (had != kNoCandidate) {
         team.drop(robot);
@@ -63,7 +64,7 @@ TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& 
         }
         team.add(had);
       }
-      decision.adopted += team.choice()[static_cast<std::size_t>(robot)] != had ? 1 : 0;
+      decision.adopted += team.choice()[index(robot)] != had ? 1 : 0;
       ++decision.messages;
       decision.finished = !deadline.expired(team.calls());
       if (!decision.finished) {
@@ -90,10 +91,10 @@ TeamDecision greedy(const TeamOracle& oracle) {
   for (;;) {
     Proposal best;
     for (int robot = 0; robot < oracle.robot_count(); ++robot) {
-      if (team.choice()[static_cast<std::size_t>(robot)] != kNoCandidate) {
+      if (team.choice()[index(robot)] != kNoCandidate) {
         continue;
       }
-      const Proposal own = robots[static_cast<std::size_t>(robot)].find(team, {});
+      const Proposal own = robots[index(robot)].find(team, {});
       if (own.add != kNoCandidate && (best.is_nothing() || is_preferred(own, best))) {
         best = own;
       }

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 
 namespace vantage::planner {
 
@@ -26,10 +27,10 @@ bool is_preferred(const Proposal& a, const Proposal& b) {
 
 Choice adopt(const TeamOracle& oracle, Choice choice, const Proposal& proposal) {
   if (proposal.drop_robot >= 0) {
-    choice[static_cast<std::size_t>(proposal.drop_robot)] = kNoCandidate;
+    choice[index(proposal.drop_robot)] = kNoCandidate;
   }
   if (proposal.add != kNoCandidate) {
-    choice[static_cast<std::size_t>(oracle.robot_of(proposal.add))] = proposal.add;
+    choice[index(oracle.robot_of(proposal.add))] = proposal.add;
   }
   return choice;
 }

@@ -1,5 +1,6 @@
 #include "planner/decision/distributed_local_search.hpp"
 
+#include "core/index.hpp"
 #include "planner/decision/best_addition.hpp"
 #include "planner/decision/proposal_search.hpp"
 #include "planner/decision/search_rounds.hpp"
@@ -65,10 +66,10 @@ class TeamRound {
     while (decision_.finished) {
       Proposal best;
       for (int robot = 0; robot < oracle_.robot_count(); ++robot) {
-        if (team_.choice()[static_cast<std::size_t>(robot)] != kNoCandidate) {
+        if (team_.choice()[index(robot)] != kNoCandidate) {
           continue;
         }
-        const Proposal own = additions[static_cast<std::size_t>(robot)].find(team_, excluded);
+        const Proposal own = additions[index(robot)].find(team_, excluded);
         if (!own.is_nothing() && rule_.improves(team_.value(), own.value) &&
             (best.is_nothing() || is_preferred(own, best))) {
           best = own;

@@ -1,5 +1,6 @@
 #include "planner/decision/local_search.hpp"
 
+#include "core/index.hpp"
 #include "planner/decision/search_rounds.hpp"
 #include "planner/decision/team_set.hpp"
 
@@ -28,7 +29,7 @@ class OperationFinder {
       if (!has(robot)) {
         continue;
       }
-      const CandidateId dropped = team_.choice()[static_cast<std::size_t>(robot)];
+      const CandidateId dropped = team_.choice()[index(robot)];
       team_.drop(robot);
       found = find_addition(robot);
       team_.add(dropped);
@@ -37,12 +38,10 @@ class OperationFinder {
   }
 
  private:
-  [[nodiscard]] bool has(int robot) const {
-    return team_.choice()[static_cast<std::size_t>(robot)] != kNoCandidate;
-  }
+  [[nodiscard]] bool has(int robot) const { return team_.choice()[index(robot)] != kNoCandidate; }
   Proposal find_addition(int dropped_robot) {
     for (CandidateId id = 0; id < oracle_.candidate_count(); ++id) {
-      if (has(oracle_.robot_of(id)) || excluded_[static_cast<std::size_t>(id)] != 0) {
+      if (has(oracle_.robot_of(id)) || excluded_[index(id)] != 0) {
         continue;
       }
       const double value = team_.value_with(id);

@@ -201,9 +201,9 @@ models::TeamProposal LocalSearchSession::solution_of(const Choice& choice) const
   for (int robot = 0; robot < static_cast<int>(setup_.robots.size()); ++robot) {
     const CandidateId id = choice[index(robot)];
     if (id != kNoCandidate) {
-      solution.choices.push_back(
-          robot == setup_.robot ? setup_.own[static_cast<std::size_t>(id - oracle_->begin(robot))]
-                                : *held_->find(setup_.robots[index(robot)]));
+      solution.choices.push_back(robot == setup_.robot
+                                     ? setup_.own[index(id - oracle_->begin(robot))]
+                                     : *held_->find(setup_.robots[index(robot)]));
     }
   }
   if (held_) {
@@ -247,7 +247,7 @@ std::optional<models::TeamProposal> LocalSearchSession::improve(const Deadline& 
         std::fill(excluded_.begin(), excluded_.end(), 0);
       } else {
         proposal = try_proposal(best);
-        excluded_[static_cast<std::size_t>(best.add)] = 1;
+        excluded_[index(best.add)] = 1;
       }
     } else {
       const ProposalSearch::State state = search_->advance();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/index.hpp"
+
 namespace vantage::planner {
 
 ProposalSearch::ProposalSearch(const TeamOracle& oracle, const ImprovementRule& rule, int robot,
@@ -85,7 +87,7 @@ ProposalSearch::State ProposalSearch::advance() {
       if (lazy_ && oracle_->individual_value(id) < needed_ - kGainRounding_nats) {
         break;
       }
-      if (excluded_[static_cast<std::size_t>(id)] != 0 || id == chosen_by(robot_)) {
+      if (excluded_[index(id)] != 0 || id == chosen_by(robot_)) {
         continue;
       }
       const double value = team_.value_with(id);

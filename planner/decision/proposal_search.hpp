@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/index.hpp"
 #include "planner/decision/decision.hpp"
 #include "planner/decision/team_set.hpp"
 
@@ -35,9 +36,7 @@ class ProposalSearch {
   [[nodiscard]] std::int64_t calls() const { return team_.calls(); }
 
  private:
-  [[nodiscard]] CandidateId chosen_by(int robot) const {
-    return choice_[static_cast<std::size_t>(robot)];
-  }
+  [[nodiscard]] CandidateId chosen_by(int robot) const { return choice_[index(robot)]; }
   /// Advances to the next deletion d; false if there is none. Evaluates the deletion unless d =
   /// NOP.
   bool turn_to_next_deletion();

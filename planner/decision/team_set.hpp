@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/index.hpp"
 #include "planner/decision/team_oracle.hpp"
 
 namespace vantage::planner {
@@ -52,7 +53,7 @@ class TeamSet {
     TargetCourses::Measurements measurements;
   };
   [[nodiscard]] TargetCourses::Course* courses(int target) {
-    return &courses_[static_cast<std::size_t>(target) * depths_];
+    return &courses_[index(target) * depths_];
   }
   /// Returns the information gain about `target` if it is measured by the robots of S without
   /// `left_out` and with `added`. `first` is the step of the earliest changed measurement.

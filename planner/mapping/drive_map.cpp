@@ -8,21 +8,20 @@
 #include <utility>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 
 namespace vantage::planner {
 namespace {
 
 constexpr double kNoPath_m = std::numeric_limits<double>::infinity();
 
-std::size_t at(int cell) { return static_cast<std::size_t>(cell); }
-
 }  // namespace
 
 DriveMap::DriveMap(const models::OccupancyBelief& belief, const DriveOptions& options)
     : geometry_(belief.geometry()),
       options_(options),
-      occupied_(at(geometry_.size()), 0),
-      near_(at(geometry_.size()), 0) {
+      occupied_(index(geometry_.size()), 0),
+      near_(index(geometry_.size()), 0) {
   require(options.radius_m > 0.0, "a driving robot's radius must be > 0 m");
   require(options.free_up_to < options.occupied_from, "free_up_to must be below occupied_from");
   const double resolution_m = geometry_.resolution_m;
@@ -37,7 +36,7 @@ DriveMap::DriveMap(const models::OccupancyBelief& belief, const DriveOptions& op
         continue;
       }
       if (inside) {
-        occupied_[at(cell)] = 1;
+        occupied_[index(cell)] = 1;
       }
       for (int r = std::max(0, row - reach); r <= std::min(geometry_.rows - 1, row + reach); ++r) {
         for (int c = std::max(0, column - reach);
@@ -45,7 +44,7 @@ DriveMap::DriveMap(const models::OccupancyBelief& belief, const DriveOptions& op
           const double gap_m = std::hypot(std::max(0, std::abs(r - row) - 1) * resolution_m,
                                           std::max(0, std::abs(c - column) - 1) * resolution_m);
           if (gap_m < reach_m) {
-            near_[at(r * geometry_.columns + c)] = 1;
+            near_[index(r * geometry_.columns + c)] = 1;
           }
         }
       }
@@ -56,7 +55,7 @@ DriveMap::DriveMap(const models::OccupancyBelief& belief, const DriveOptions& op
 
 bool DriveMap::is_free(const Eigen::Vector2d& p_m) const {
   const int cell = geometry_.index_of(p_m);
-  return cell >= 0 && near_[at(cell)] == 0;
+  return cell >= 0 && near_[index(cell)] == 0;
 }
 
 bool DriveMap::is_free(const Pose2& from, const models::UnicycleControl& control,
@@ -69,10 +68,10 @@ bool DriveMap::is_free(const Pose2& from, const models::UnicycleControl& control
     const Eigen::Vector2d p_m =
         models::step_unicycle(from, control, duration_s * piece / pieces).position_m();
     const int cell = geometry_.index_of(p_m);
-    if (cell < 0 || occupied_[at(cell)] != 0) {
+    if (cell < 0 || occupied_[index(cell)] != 0) {
       return false;
     }
-    const bool is_near = near_[at(cell)] != 0;
+    const bool is_near = near_[index(cell)] != 0;
     if (is_near && (has_left || (p_m - from.position_m()).norm() > leave_m)) {
       return false;
     }
@@ -85,7 +84,7 @@ bool DriveMap::has_open_neighbour(int cell, const models::OccupancyBelief& belie
   const int column = cell % geometry_.columns;
   const int row = cell / geometry_.columns;
   const auto is_open = [&](int c) {
-    return near_[at(c)] == 0 && belief.occupancy(c) <= options_.free_up_to;
+    return near_[index(c)] == 0 && belief.occupancy(c) <= options_.free_up_to;
   };
   return (column > 0 && is_open(cell - 1)) ||
          (column + 1 < geometry_.columns && is_open(cell + 1)) ||
@@ -96,18 +95,18 @@ bool DriveMap::has_open_neighbour(int cell, const models::OccupancyBelief& belie
 void DriveMap::fill_distances(const models::OccupancyBelief& belief) {
   using Entry = std::pair<double, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  frontier_distance_m_.assign(at(geometry_.size()), kNoPath_m);
+  frontier_distance_m_.assign(index(geometry_.size()), kNoPath_m);
   for (int cell = 0; cell < geometry_.size(); ++cell) {
-    if (near_[at(cell)] == 0 && belief.occupancy(cell) > options_.free_up_to &&
+    if (near_[index(cell)] == 0 && belief.occupancy(cell) > options_.free_up_to &&
         has_open_neighbour(cell, belief)) {
-      frontier_distance_m_[at(cell)] = 0.0;
+      frontier_distance_m_[index(cell)] = 0.0;
       open.push({0.0, cell});
     }
   }
   while (!open.empty()) {
     const auto [path_m, cell] = open.top();
     open.pop();
-    if (path_m > frontier_distance_m_[at(cell)]) {
+    if (path_m > frontier_distance_m_[index(cell)]) {
       continue;
     }
     const int column = cell % geometry_.columns;
@@ -116,8 +115,8 @@ void DriveMap::fill_distances(const models::OccupancyBelief& belief) {
       for (int c = std::max(0, column - 1); c <= std::min(geometry_.columns - 1, column + 1); ++c) {
         const int other = r * geometry_.columns + c;
         const double step_m = geometry_.resolution_m * std::hypot(r - row, c - column);
-        if (near_[at(other)] == 0 && path_m + step_m < frontier_distance_m_[at(other)]) {
-          frontier_distance_m_[at(other)] = path_m + step_m;
+        if (near_[index(other)] == 0 && path_m + step_m < frontier_distance_m_[index(other)]) {
+          frontier_distance_m_[index(other)] = path_m + step_m;
           open.push({path_m + step_m, other});
         }
       }
@@ -127,7 +126,7 @@ void DriveMap::fill_distances(const models::OccupancyBelief& belief) {
 
 double DriveMap::frontier_distance_m(const Eigen::Vector2d& p_m) const {
   const int cell = geometry_.index_of(p_m);
-  return cell < 0 ? kNoPath_m : frontier_distance_m_[at(cell)];
+  return cell < 0 ? kNoPath_m : frontier_distance_m_[index(cell)];
 }
 
 }  // namespace vantage::planner

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "models/world/world.hpp"
 
 namespace vantage::planner {
@@ -68,8 +69,7 @@ bool MappingSearch::may_drive(const Pose2& from, int control, const Pose2& to,
   if (options_.may_drive) {
     return options_.may_drive(from, control, static_cast<int>(step));
   }
-  return drive_->is_free(from, options_.controls[static_cast<std::size_t>(control)],
-                         options_.step_s) &&
+  return drive_->is_free(from, options_.controls[index(control)], options_.step_s) &&
          is_apart(from, to, step);
 }
 
@@ -98,8 +98,7 @@ MapRoute MappingSearch::greedy_route(const Pose2& start) {
     double best_nats = -std::numeric_limits<double>::infinity();
     int best_control = -1;
     for (int c = 0; c < static_cast<int>(options_.controls.size()) && !is_over(); ++c) {
-      const Pose2 next = models::step_unicycle(at, options_.controls[static_cast<std::size_t>(c)],
-                                               options_.step_s);
+      const Pose2 next = models::step_unicycle(at, options_.controls[index(c)], options_.step_s);
       if (!may_drive(at, c, next, step) || (is_last && !may_end(next, c, step + 1))) {
         continue;
       }
@@ -116,8 +115,7 @@ MapRoute MappingSearch::greedy_route(const Pose2& start) {
       coverage_.undo_to(root);
       return {};
     }
-    at = models::step_unicycle(at, options_.controls[static_cast<std::size_t>(best_control)],
-                               options_.step_s);
+    at = models::step_unicycle(at, options_.controls[index(best_control)], options_.step_s);
     route.gain_nats += coverage_.add(views_->view(at), views_->options());
     route.controls.push_back(best_control);
     route.poses.push_back(at);
@@ -147,8 +145,7 @@ void MappingSearch::expand(const Pose2& at, double so_far_nats) {
     if (is_over()) {
       return;
     }
-    const Pose2 next =
-        models::step_unicycle(at, options_.controls[static_cast<std::size_t>(c)], options_.step_s);
+    const Pose2 next = models::step_unicycle(at, options_.controls[index(c)], options_.step_s);
     const BeamView& view = views_->view(next);
     const double end_nats = is_last ? end_cost_nats(next) : 0.0;
     if (is_last && so_far_nats + view.nats - end_nats <= best_value_nats_) {
@@ -234,8 +231,8 @@ std::vector<MapRoute> MappingSearch::coordinate_descent(std::span<const Pose2> s
   std::vector<MapRoute> routes(starts.size());
   std::vector<const MapRoute*> fixed;
   for (const int robot : order) {
-    MapRoute& route = routes[static_cast<std::size_t>(robot)];
-    route = plan(starts[static_cast<std::size_t>(robot)], fixed);
+    MapRoute& route = routes[index(robot)];
+    route = plan(starts[index(robot)], fixed);
     fixed.push_back(&route);
   }
   return routes;

@@ -5,6 +5,7 @@
 
 #include "core/angle.hpp"
 #include "core/check.hpp"
+#include "core/index.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -40,7 +41,7 @@ double MapCoverage::add(const BeamView& view, const ViewOptions& options) {
       double credited_nats = 0.0;
       for (std::uint32_t k = beam.begin; k < beam.end; ++k) {
         const BeamView::Share& share = view.shares[k];
-        credited_nats += std::min(share.nats, credited_nats_[static_cast<std::size_t>(share.cell)]);
+        credited_nats += std::min(share.nats, credited_nats_[index(share.cell)]);
       }
       if (credited_nats >= options.dependent_share * beam.nats) {
         continue;
@@ -49,7 +50,7 @@ double MapCoverage::add(const BeamView& view, const ViewOptions& options) {
     }
     for (std::uint32_t k = beam.begin; k < beam.end; ++k) {
       const BeamView::Share& share = view.shares[k];
-      double& credited_nats = credited_nats_[static_cast<std::size_t>(share.cell)];
+      double& credited_nats = credited_nats_[index(share.cell)];
       if (share.nats > credited_nats) {
         if (options.dependence == BeamDependence::kBestOfCell) {
           gained_nats += share.nats - credited_nats;
@@ -64,7 +65,7 @@ double MapCoverage::add(const BeamView& view, const ViewOptions& options) {
 
 void MapCoverage::undo_to(std::size_t mark) {
   while (undo_.size() > mark) {
-    credited_nats_[static_cast<std::size_t>(undo_.back().cell)] = undo_.back().nats;
+    credited_nats_[index(undo_.back().cell)] = undo_.back().nats;
     undo_.pop_back();
   }
 }

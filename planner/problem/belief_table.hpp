@@ -37,9 +37,7 @@ class BeliefTable {
   /// Returns 1 / open_loop_measure(m, t).
   [[nodiscard]] double open_loop_per_measure(int m, int t) const { return per_measures_[at(m, t)]; }
   /// Returns the stage cost of depth t without any measurement.
-  [[nodiscard]] double open_loop_cost(int t) const {
-    return stage_costs_[static_cast<std::size_t>(t)];
-  }
+  [[nodiscard]] double open_loop_cost(int t) const { return stage_costs_[index(t)]; }
 
   /// Predicts the block of target m from depth t − 1 to depth t, including the teammates'
   /// information at t.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/index.hpp"
+
 namespace vantage::planner {
 namespace {
 
@@ -153,7 +155,7 @@ bool MotionTable::is_open_space(const Eigen::Vector2d& p_m) const {
 
 bool MotionTable::is_free(const Pose2& from, double cos_yaw, double sin_yaw, int c,
                           int depth) const {
-  const Primitive& primitive = primitives_[static_cast<std::size_t>(c)];
+  const Primitive& primitive = primitives_[index(c)];
   if (!is_open_space(from.position_m()) &&
       !(problem_->field != nullptr ? is_clear(from, cos_yaw, sin_yaw, primitive, 0, kParts)
                                    : arc_is_clear(*problem_->world, from, primitive.control,
@@ -195,12 +197,11 @@ bool MotionTable::is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
                            const Primitive& primitive, int depth) const {
   const Eigen::Vector3d start(from.x_m, from.y_m, problem_->height_m);
   for (std::size_t i = 0; i < problem_->teammates.size(); ++i) {
-    const TeammatePiece* pieces = &teammate_pieces_[i * static_cast<std::size_t>(pieces_each_) +
-                                                    static_cast<std::size_t>(depth * kPieces)];
+    const TeammatePiece* pieces =
+        &teammate_pieces_[i * index(pieces_each_) + index(depth * kPieces)];
     // Too far apart to meet within one step: the robots move at most these distances.
     const double far_m = required_m_[i] + primitive.length_m +
-                         step_distances_m_[i * static_cast<std::size_t>(pieces_each_ / kPieces) +
-                                           static_cast<std::size_t>(depth)];
+                         step_distances_m_[i * index(pieces_each_ / kPieces) + index(depth)];
     if ((pieces[0].from_m - start).squaredNorm() > far_m * far_m) {
       continue;
     }
@@ -242,7 +243,7 @@ bool MotionTable::can_stop_at(const Pose2& at, double speed_mps, int depth) cons
     return Eigen::Vector3d(at.x_m + cos_yaw * d, at.y_m + sin_yaw * d, problem_->height_m);
   };
   for (std::size_t i = 0; i < problem_->teammates.size(); ++i) {
-    const TeammatePiece* pieces = &teammate_pieces_[i * static_cast<std::size_t>(pieces_each_)];
+    const TeammatePiece* pieces = &teammate_pieces_[i * index(pieces_each_)];
     Eigen::Vector3d a = along(0.0);
     int since = 0;
     for (int k = depth * kPieces; k < pieces_each_; ++k) {

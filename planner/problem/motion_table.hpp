@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "core/index.hpp"
 #include "core/pose.hpp"
 #include "planner/problem/problem.hpp"
 #include "planner/problem/sight.hpp"
@@ -30,7 +31,7 @@ class MotionTable {
 
   /// Returns the pose after control `c`, given the cosine and sine of the heading at `from`.
   [[nodiscard]] Pose2 child(const Pose2& from, double cos_yaw, double sin_yaw, int c) const {
-    const Primitive& p = primitives_[static_cast<std::size_t>(c)];
+    const Primitive& p = primitives_[index(c)];
     return {from.x_m + cos_yaw * p.end.x_m - sin_yaw * p.end.y_m,
             from.y_m + sin_yaw * p.end.x_m + cos_yaw * p.end.y_m,
             wrap_turn(from.yaw_rad + p.end.yaw_rad)};
@@ -40,7 +41,7 @@ class MotionTable {
   void children(const Pose2& from, double cos_yaw, double sin_yaw, Views& out) const;
   /// Returns the yaw after control `c`, rad.
   [[nodiscard]] double child_yaw_rad(const Pose2& from, int c) const {
-    return wrap_turn(from.yaw_rad + primitives_[static_cast<std::size_t>(c)].end.yaw_rad);
+    return wrap_turn(from.yaw_rad + primitives_[index(c)].end.yaw_rad);
   }
 
   /// True if control `c` from `from`, at depth `depth` before the step, collides with nothing.
@@ -50,7 +51,7 @@ class MotionTable {
   /// True if the vehicle, arriving at `at` by control `c` at depth `depth`, can brake straight
   /// ahead and then hover without collision. Always true if the problem requires no stop.
   [[nodiscard]] bool can_stop(const Pose2& at, int c, int depth) const {
-    return can_stop_at(at, primitives_[static_cast<std::size_t>(c)].control.speed_mps, depth);
+    return can_stop_at(at, primitives_[index(c)].control.speed_mps, depth);
   }
   /// As can_stop(), at the start pose with the problem's start speed.
   [[nodiscard]] bool can_stop_from_start() const {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "core/infinity.hpp"
 #include "models/target/law.hpp"
 
@@ -134,7 +135,7 @@ models::Trajectory to_trajectory(const SearchProblem& problem, std::span<const i
   trajectory.height_m = problem.height_m;
   double speed_mps = problem.start_speed_mps;
   for (const int c : controls) {
-    const models::UnicycleControl& control = problem.controls[static_cast<std::size_t>(c)];
+    const models::UnicycleControl& control = problem.controls[index(c)];
     trajectory.segments.push_back({control, problem.step_s, 0.0});
     speed_mps = control.speed_mps;
   }

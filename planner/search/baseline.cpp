@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "planner/problem/motion_table.hpp"
 
 namespace vantage::planner {
@@ -99,8 +100,7 @@ SearchResult plan_through(const SearchProblem& problem,
     const Eigen::Vector2d goal_m = aim(at);
     // Distance after this control and the best second one. Two controls suffice to turn around.
     const auto distance = [&](int c) {
-      const Pose2 one =
-          models::step_unicycle(at, problem.controls[static_cast<std::size_t>(c)], problem.step_s);
+      const Pose2 one = models::step_unicycle(at, problem.controls[index(c)], problem.step_s);
       double least = std::numeric_limits<double>::infinity();
       for (const models::UnicycleControl& second : problem.controls) {
         const Pose2 two = models::step_unicycle(one, second, problem.step_s);
@@ -113,11 +113,10 @@ SearchResult plan_through(const SearchProblem& problem,
     };
     std::vector<double> distances(controls.size());
     for (const int c : controls) {
-      distances[static_cast<std::size_t>(c)] = distance(c);
+      distances[index(c)] = distance(c);
     }
-    std::stable_sort(controls.begin(), controls.end(), [&](int a, int b) {
-      return distances[static_cast<std::size_t>(a)] < distances[static_cast<std::size_t>(b)];
-    });
+    std::stable_sort(controls.begin(), controls.end(),
+                     [&](int a, int b) { return distances[index(a)] < distances[index(b)]; });
   };
   const std::size_t start = next;
   aim(problem.start);

@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "core/index.hpp"
+
 namespace vantage::planner {
 
 CostOrder::CostOrder(std::size_t entries_max) : entries_(entries_max), other_(entries_max) {}
@@ -38,13 +40,13 @@ void CostOrder::sort_few() {  // std::stable_sort would allocate
 void CostOrder::count_digits(std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
     for (int digit = 0; digit < kDigits; ++digit) {
-      ++places_[static_cast<std::size_t>(digit)][digit_of(entries_[i].key, digit)];
+      ++places_[index(digit)][digit_of(entries_[i].key, digit)];
     }
   }
 }
 
 bool CostOrder::place(int digit) {
-  auto& places = places_[static_cast<std::size_t>(digit)];
+  auto& places = places_[index(digit)];
   if (places[digit_of(entries_[0].key, digit)] == count_) {
     return false;
   }
@@ -58,7 +60,7 @@ bool CostOrder::place(int digit) {
 }
 
 void CostOrder::scatter(int digit, std::size_t begin, std::size_t end) {
-  auto& places = places_[static_cast<std::size_t>(digit)];
+  auto& places = places_[index(digit)];
   for (std::size_t i = begin; i < end; ++i) {
     other_[places[digit_of(entries_[i].key, digit)]++] = entries_[i];
   }

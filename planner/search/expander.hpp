@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/index.hpp"
 #include "planner/problem/belief_table.hpp"
 #include "planner/problem/motion_table.hpp"
 #include "planner/problem/problem.hpp"
@@ -84,9 +85,8 @@ class Expander {
   void predict_blocks(const Blocks& blocks, int t);
   void forget_blocks();
   [[nodiscard]] const double* predicted(int m, int t) const {
-    const std::int32_t slot = slot_of_[static_cast<std::size_t>(m)];
-    return slot < 0 ? beliefs_.open_loop(m, t)
-                    : &predicted_[kMaxPacked * static_cast<std::size_t>(slot)];
+    const std::int32_t slot = slot_of_[index(m)];
+    return slot < 0 ? beliefs_.open_loop(m, t) : &predicted_[kMaxPacked * index(slot)];
   }
   /// Returns the stage cost of depth t with the predicted blocks and no measurement.
   [[nodiscard]] double predicted_cost(int t) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/index.hpp"
 #include "core/infinity.hpp"
 
 namespace vantage::planner {
@@ -146,7 +147,7 @@ void GeodesicTable::reset(const models::World* world,
   for (int p = 0; p < point_count(); ++p) {
     double* paths = point_paths_.data() + static_cast<std::ptrdiff_t>(p * corner_count_);
     for (int c = 0; c < corner_count_; ++c) {
-      const Eigen::Vector2d& point = points_[static_cast<std::size_t>(p)];
+      const Eigen::Vector2d& point = points_[index(p)];
       if (!sees(point, corners_[c])) {
         continue;
       }
@@ -166,7 +167,7 @@ bool GeodesicTable::is_blocked(const Eigen::Vector2d& p_m) const {
 
 double GeodesicTable::path_between_m(int i, int j) const {
   VisibleCorners visible;
-  find_visible_corners(points_[static_cast<std::size_t>(i)], visible);
+  find_visible_corners(points_[index(i)], visible);
   return path_m(visible, j);
 }
 
@@ -182,7 +183,7 @@ void GeodesicTable::find_visible_corners(const Eigen::Vector2d& from_m, VisibleC
 }
 
 double GeodesicTable::path_m(const VisibleCorners& visible, int point) const {
-  const Eigen::Vector2d& to_m = points_[static_cast<std::size_t>(point)];
+  const Eigen::Vector2d& to_m = points_[index(point)];
   if (sees(visible.from_m, to_m)) {
     return (to_m - visible.from_m).norm();
   }

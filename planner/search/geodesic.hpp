@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "core/index.hpp"
 #include "models/world/world.hpp"
 
 namespace vantage::planner {
@@ -49,7 +50,7 @@ class GeodesicTable {
  private:
   [[nodiscard]] bool sees(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) const;
   [[nodiscard]] double& corner_path(int i, int j) {
-    return corner_paths_[static_cast<std::size_t>(i * corner_count_ + j)];
+    return corner_paths_[index(i * corner_count_ + j)];
   }
   [[nodiscard]] const double* point_paths(int point) const {
     return point_paths_.data() + static_cast<std::ptrdiff_t>(point * corner_count_);

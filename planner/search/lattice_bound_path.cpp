@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/angle.hpp"
+#include "core/index.hpp"
 #include "planner/search/lattice_bound.hpp"
 
 // Finds the gain of the best path over the lattice, and the path itself.
@@ -185,9 +186,7 @@ double LatticeBound::best_first_step() const {
   for (std::size_t u = 0; u < reach_.ends().size(); ++u) {
     const int n = reach_.turn(u);
     const ReachLattice::Shift to = first_cell(u);
-    most = std::max(
-        most,
-        states_[begin_of(1, 0, n) + static_cast<std::size_t>(layout_->plane(1, n).at(to.x, to.y))]);
+    most = std::max(most, states_[begin_of(1, 0, n) + index(layout_->plane(1, n).at(to.x, to.y))]);
   }
   return most;
 }

@@ -8,6 +8,7 @@
 
 #include "bus/convert/external_channels.hpp"
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "drivers/sensor/pose_sensor.hpp"
 #include "models/belief/gaussian.hpp"
 
@@ -149,7 +150,7 @@ py::dict PythonPlannerNode::request_dict(const models::RobotPlan& request) const
   out["step_s"] = step_s;
   Eigen::Matrix<double, Eigen::Dynamic, 2> controls(std::ssize(robot.primitives), 2);
   for (Eigen::Index i = 0; i < controls.rows(); ++i) {
-    const auto& control = robot.primitives[static_cast<std::size_t>(i)];
+    const auto& control = robot.primitives[index(i)];
     controls.row(i) << control.speed_mps, control.yaw_rate_radps;
   }
   out["controls"] = matrix_array(controls);

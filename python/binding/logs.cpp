@@ -7,6 +7,7 @@
 #include <pybind11/stl.h>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "logs/columns/log_columns.hpp"
 #include "logs/file/log_index.hpp"
 #include "logs/file/wire_check.hpp"
@@ -138,9 +139,8 @@ class Log {
     }
     for (const logs::LogColumn& column : columns->columns()) {
       parents[py::str(column.name)] =
-          column.list < 0
-              ? py::object(py::none())
-              : py::object(py::str(columns->lists()[static_cast<std::size_t>(column.list)].name));
+          column.list < 0 ? py::object(py::none())
+                          : py::object(py::str(columns->lists()[index(column.list)].name));
     }
     for (logs::LogList& list : columns->lists()) {
       offsets[py::str(list.name)] =

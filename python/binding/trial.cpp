@@ -11,6 +11,7 @@
 #include <pybind11/stl.h>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "drivers/sensor/app/node.hpp"
 #include "estimator/app/node.hpp"
 #include "python/binding/bind.hpp"
@@ -214,7 +215,7 @@ py::dict belief_dict(const models::RobotBelief& belief, Time start) {
   auto mean_view = means.mutable_unchecked<2>();
   auto covariance_view = covariances.mutable_unchecked<3>();
   for (py::ssize_t k = 0; k < count; ++k) {
-    const auto at = static_cast<std::size_t>(k);
+    const auto at = index(k);
     id_array.mutable_at(k) = ids[at];
     seen_array.mutable_at(k) = last_seen_s[at];
     for (py::ssize_t i = 0; i < dim; ++i) {

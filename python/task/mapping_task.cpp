@@ -6,7 +6,8 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
-#include "experiments/mapping/mapping_worlds.hpp"
+#include "core/index.hpp"
+#include "experiments/mapping_worlds.hpp"
 #include "python/task/observation.hpp"
 
 namespace vantage::python {
@@ -54,7 +55,7 @@ void MappingTask::on_reset(std::uint64_t seed) {
 double MappingTask::on_step(std::span<const std::int64_t> actions) {
   const double before_nats = entropy_nats_;
   for (std::size_t robot = 0; robot < actions.size(); ++robot) {
-    ground_->drive(robot, setup_.search.controls[static_cast<std::size_t>(actions[robot])]);
+    ground_->drive(robot, setup_.search.controls[index(actions[robot])]);
   }
   update_beliefs();
   return before_nats - entropy_nats_;
@@ -63,7 +64,7 @@ double MappingTask::on_step(std::span<const std::int64_t> actions) {
 void MappingTask::update_beliefs() {
   attacked_.clear();
   for (int robot = 0; robot < robots(); ++robot) {
-    if (jammed()[static_cast<std::size_t>(robot)] != 0) {
+    if (jammed()[index(robot)] != 0) {
       attacked_.push_back(robot);
     }
   }
@@ -88,7 +89,7 @@ double MappingTask::learn_around(std::size_t robot) {
     for (int column = cell_of(at_m.x() - reach_m, grid.columns);
          column <= cell_of(at_m.x() + reach_m, grid.columns); ++column) {
       const int cell = row * grid.columns + column;
-      const auto at = static_cast<std::size_t>(cell);
+      const auto at = index(cell);
       if (map.log_odds(cell) == cell_log_odds_[at]) {
         continue;
       }
@@ -103,7 +104,7 @@ double MappingTask::learn_around(std::size_t robot) {
 }
 
 void MappingTask::observe(int robot, std::span<float> out) const {
-  const auto self = static_cast<std::size_t>(robot);
+  const auto self = index(robot);
   const auto head = static_cast<std::size_t>(kSelfEntries + kTeammateEntries * (robots() - 1));
   ObservationWriter writer(out);
   const std::vector<Pose2>& poses = ground_->poses();

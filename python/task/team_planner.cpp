@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "planner/problem/fixed_information.hpp"
 
 namespace vantage::python {
@@ -39,7 +40,7 @@ class TrackingPlanner final : public TeamPlanner {
     std::vector<planner::FixedTeammate> before;
     std::vector<std::vector<std::int64_t>> plans;
     for (int robot = 0; robot < task.robots(); ++robot) {
-      problem_.start = task.poses()[static_cast<std::size_t>(robot)];
+      problem_.start = task.poses()[index(robot)];
       problem_.fixed_information = planner::fixed_information(problem_, before);
       const planner::SearchResult& result = solver_.solve(problem_).result;
       before.push_back({planner::to_trajectory(problem_, result), sensor, false});

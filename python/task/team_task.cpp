@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "sim/random.hpp"
 
 namespace vantage::python {
@@ -77,7 +78,7 @@ void TeamTask::choose_jammed() {
                      [&](std::size_t a, std::size_t b) { return seen_[a] > seen_[b]; });
   }
   for (int i = 0; i < jammer_.attacks; ++i) {
-    jammed_[order[static_cast<std::size_t>(i)]] = 1;
+    jammed_[order[index(i)]] = 1;
   }
   std::fill(seen_.begin(), seen_.end(), 0.0);
 }

@@ -7,6 +7,8 @@
 #include <queue>
 #include <utility>
 
+#include "core/index.hpp"
+
 namespace vantage::sim {
 namespace {
 
@@ -47,9 +49,9 @@ std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
   // A disc may start closer to obstacles than a route allows; near the start, less clearance is
   // required.
   const double departure_m = std::max(kDepartureM, 1.5 * geometry_.resolution_m);
-  const auto is_open = [&](int index) {
-    const Eigen::Vector2d centre_m = geometry_.centre_m(index);
-    const double clearance_m = clearance_m_[static_cast<std::size_t>(index)];
+  const auto is_open = [&](int cell) {
+    const Eigen::Vector2d centre_m = geometry_.centre_m(cell);
+    const double clearance_m = clearance_m_[index(cell)];
     if (clearance_m < needed_m &&
         (clearance_m < radius_m || (centre_m - from_m).norm() > departure_m)) {
       return false;
@@ -58,7 +60,7 @@ std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
       return (centre_m - disc.centre_m).norm() < disc.radius_m;
     });
   };
-  if (clearance_m_[static_cast<std::size_t>(goal)] < needed_m || !is_open(goal)) {
+  if (clearance_m_[index(goal)] < needed_m || !is_open(goal)) {
     return {};
   }
 
@@ -67,10 +69,10 @@ std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
   std::vector<int> parent(cells, -1);
   using Entry = std::pair<double, int>;  // (cost + remaining distance, cell)
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  const auto to_go = [&](int index) {
-    return (geometry_.centre_m(index) - geometry_.centre_m(goal)).norm();
+  const auto to_go = [&](int cell) {
+    return (geometry_.centre_m(cell) - geometry_.centre_m(goal)).norm();
   };
-  cost[static_cast<std::size_t>(start)] = 0.0;
+  cost[index(start)] = 0.0;
   open.emplace(to_go(start), start);
   while (!open.empty()) {
     const auto [priority, cell] = open.top();
@@ -78,7 +80,7 @@ std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
     if (cell == goal) {
       break;
     }
-    const double here = cost[static_cast<std::size_t>(cell)];
+    const double here = cost[index(cell)];
     if (priority > here + to_go(cell) + 1e-9) {
       continue;  // obsolete entry: a cheaper entry replaced it
     }
@@ -95,19 +97,19 @@ std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
         const int next = y * geometry_.columns + x;
         const double reached =
             here + geometry_.resolution_m * (dx != 0 && dy != 0 ? std::numbers::sqrt2 : 1.0);
-        if (reached < cost[static_cast<std::size_t>(next)] - 1e-12 && is_open(next)) {
-          cost[static_cast<std::size_t>(next)] = reached;
-          parent[static_cast<std::size_t>(next)] = cell;
+        if (reached < cost[index(next)] - 1e-12 && is_open(next)) {
+          cost[index(next)] = reached;
+          parent[index(next)] = cell;
           open.emplace(reached + to_go(next), next);
         }
       }
     }
   }
-  if (goal != start && parent[static_cast<std::size_t>(goal)] < 0) {
+  if (goal != start && parent[index(goal)] < 0) {
     return {};
   }
   std::vector<Eigen::Vector2d> path{to_m};
-  for (int cell = goal; cell != start; cell = parent[static_cast<std::size_t>(cell)]) {
+  for (int cell = goal; cell != start; cell = parent[index(cell)]) {
     path.push_back(geometry_.centre_m(cell));
   }
   std::reverse(path.begin(), path.end());

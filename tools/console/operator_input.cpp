@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "core/index.hpp"
+
 namespace vantage::tools {
 namespace {
 
@@ -148,7 +150,7 @@ std::optional<OperatorRequest> KeyInput::on_key(std::string_view key,
       break;
   }
   if (letter >= '1' && letter <= '9' && letter - '1' < std::ssize(robots)) {
-    return select(robots[static_cast<std::size_t>(letter - '1')]);
+    return select(robots[index(letter - '1')]);
   }
   return std::nullopt;
 }

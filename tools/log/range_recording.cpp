@@ -215,7 +215,7 @@ RangeRecording recording_of(const logs::IndexedLog& log, const std::string& robo
     logs::visit_message(*event, [&]<class Message>(const Message& message) {
       if constexpr (std::is_same_v<Message, models::RobotMeasurement>) {
         for (const models::Detection& each : message.detections) {
-          const auto target = static_cast<std::size_t>(each.target_id);
+          const auto target = index(each.target_id);
           if (!rangers.contains(message.robot) || target >= scenario.targets.size()) {
             continue;  // not a selected robot, or a range without a target's id
           }

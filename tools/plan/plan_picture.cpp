@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include "core/index.hpp"
 #include "logs/picture/layout.hpp"
 #include "logs/picture/map_layer.hpp"
 #include "logs/picture/svg.hpp"
@@ -83,7 +84,7 @@ void draw_path(logs::Svg& svg, const logs::Layout& layout, const planner::Search
   Points path_px{layout.page_from_world(problem.start.position_m())};
   Pose2 from = problem.start;
   for (std::size_t t = 0; t < result.controls.size(); ++t) {
-    const auto& control = problem.controls[static_cast<std::size_t>(result.controls[t])];
+    const auto& control = problem.controls[index(result.controls[t])];
     for (int k = 1; k <= kPieces; ++k) {
       const Pose2 at = models::step_unicycle(from, control, problem.step_s * k / kPieces);
       path_px.push_back(layout.page_from_world(at.position_m()));

@@ -1,5 +1,7 @@
 #include "trial/observe/observer.hpp"
 
+#include "core/index.hpp"
+
 namespace vantage::trial {
 
 TrialObserver::TrialObserver(bus::Bus& bus, const scenario::Scenario& scenario, Time start)
@@ -56,7 +58,7 @@ logs::Scene TrialObserver::scene() const {
   logs::Scene scene = recorder_.scene();
   for (auto& [id, target] : scene.targets) {
     if (id >= 0 && id < std::ssize(metrics_.targets())) {
-      target.estimate = metrics_.targets()[static_cast<std::size_t>(id)].estimate;
+      target.estimate = metrics_.targets()[index(id)].estimate;
     }
   }
   return scene;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 
 namespace vantage::sim::vicon {
 namespace {
@@ -17,7 +18,7 @@ bool CirclingBodies::fill(double time_s, EmulatedFrame& frame) {
   frame.bodies.resize(static_cast<std::size_t>(count_));
   for (int i = 0; i < count_; ++i) {
     const double angle_rad = time_s + i;
-    EmulatedBody& body = frame.bodies[static_cast<std::size_t>(i)];
+    EmulatedBody& body = frame.bodies[index(i)];
     body.name = "BODY" + std::to_string(i);
     const Eigen::Vector2d centre_m(kCircleSpacing_m * (i % kCirclesPerRow),
                                    kCircleSpacing_m * std::floor(i / kCirclesPerRow));

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "planner/decision/exhaustive.hpp"
 #include "planner/decision/team_set.hpp"
 #include "test/planner/decision/team_instance.hpp"
@@ -19,12 +20,10 @@ namespace {
 
 constexpr std::uint64_t kInstances = 200;
 
-std::size_t at(int robot) { return static_cast<std::size_t>(robot); }
-
 std::vector<int> robots_of(const Choice& choice) {
   std::vector<int> robots;
   for (int robot = 0; robot < std::ssize(choice); ++robot) {
-    if (choice[at(robot)] != kNoCandidate) {
+    if (choice[index(robot)] != kNoCandidate) {
       robots.push_back(robot);
     }
   }
@@ -33,7 +32,7 @@ std::vector<int> robots_of(const Choice& choice) {
 
 double left_by(const TeamOracle& oracle, Choice choice, const std::vector<int>& attacked) {
   for (const int robot : attacked) {
-    choice[at(robot)] = kNoCandidate;
+    choice[index(robot)] = kNoCandidate;
   }
   TeamSet team(oracle);
   team.become(choice);
@@ -144,11 +143,11 @@ TEST(AttackOnBestAlone, PrefersLowerIndexAndAttacksNoneForZeroAttacks) {
   for_each_team([](const TeamOracle& oracle, const Choice& choice) {
     std::vector<int> ranked = robots_of(choice);
     std::ranges::sort(ranked, {}, [&](int robot) {
-      return std::pair(-oracle.individual_value(choice[at(robot)]), robot);
+      return std::pair(-oracle.individual_value(choice[index(robot)]), robot);
     });
     for (int attacks = -2; attacks <= oracle.robot_count() + 1; ++attacks) {
       std::vector<int> taken = ranked;
-      taken.resize(std::min(taken.size(), at(std::max(0, attacks))));
+      taken.resize(std::min(taken.size(), index(std::max(0, attacks))));
       std::ranges::sort(taken);
       const Attack attack = attack_by(Attacker::kBestAlone, oracle, choice, attacks);
       EXPECT_EQ(attack.robots, taken);
@@ -181,9 +180,9 @@ TEST(AttackOnBestTogether, PrefersLowerIndexAndCountsOracleCalls) {
         ++calls;
         Choice with(choice.size(), kNoCandidate);
         for (const int each : taken) {
-          with[at(each)] = choice[at(each)];
+          with[index(each)] = choice[index(each)];
         }
-        with[at(robot)] = choice[at(robot)];
+        with[index(robot)] = choice[index(robot)];
         const double value = left_by(oracle, with, {});
         if (best < 0 || value > most) {
           best = robot;
@@ -239,7 +238,7 @@ TEST(ExhaustiveOptimum, ReturnsTheFirstBestChoice) {
       for (auto robot = robots.rbegin(); robot != robots.rend(); ++robot) {
         const int count = oracle.end(*robot) - oracle.begin(*robot) + 1;
         const auto drawn = static_cast<CandidateId>(rest % count);
-        choice[at(*robot)] = drawn == 0 ? kNoCandidate : oracle.begin(*robot) + drawn - 1;
+        choice[index(*robot)] = drawn == 0 ? kNoCandidate : oracle.begin(*robot) + drawn - 1;
         rest /= count;
       }
       const double value = left_by(oracle, choice, {});
@@ -284,7 +283,7 @@ TEST(ExhaustiveMaxMin, MaximisesValueAfterWorstAttack) {
         std::int64_t rest = code;
         for (const int robot : able) {
           const int count = oracle.end(robot) - oracle.begin(robot);
-          choice[at(robot)] = oracle.begin(robot) + static_cast<CandidateId>(rest % count);
+          choice[index(robot)] = oracle.begin(robot) + static_cast<CandidateId>(rest % count);
           rest /= count;
         }
         double least = left_by(oracle, choice, {});

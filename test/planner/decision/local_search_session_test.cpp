@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "planner/decision/distributed_local_search.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
@@ -20,8 +21,6 @@ constexpr std::uint64_t kInstances = 400;
 constexpr double kRounding = 1e-9;
 constexpr std::int64_t kRound = 7;
 constexpr Time kActivation{Duration{1'000'000}};
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Returns the choice of candidate `id`. Candidates of a random team have no motion, so start.x_m
 // contains the id.
