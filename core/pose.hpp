@@ -25,12 +25,6 @@ Eigen::Vector2d operator*(const Pose2& a_from_b, const Eigen::Vector2d& p_b);
 /// Returns b_from_a.
 Pose2 inverse(const Pose2& a_from_b);
 
-/// Returns the pose after the twist ξ = (v_x, v_y, ω) for unit time: exp of se(2). Source: Solà,
-/// Deray, Atchuthan, A micro Lie theory (2018), eq. 156–158.
-Pose2 exp_se2(const Eigen::Vector3d& twist);
-/// Returns the twist of a pose, with |ω| ≤ π: inverse of exp_se2(). Source: the same, eq. 159–161.
-Eigen::Vector3d log_se2(const Pose2& a_from_b);
-
 /// Rigid motion in space, SE(3): pose of frame b in frame a, named `a_from_b`.
 struct Pose3 {
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
@@ -40,12 +34,6 @@ struct Pose3 {
 Pose3 operator*(const Pose3& a_from_b, const Pose3& b_from_c);
 Eigen::Vector3d operator*(const Pose3& a_from_b, const Eigen::Vector3d& p_b);
 Pose3 inverse(const Pose3& a_from_b);
-
-/// Returns the pose after the twist (ρ, θ) for unit time: exp of se(3). ρ is the translational and
-/// θ the rotational part. Source: Solà et al., eq. 172–174.
-Pose3 exp_se3(const Eigen::Matrix<double, 6, 1>& twist);
-/// Returns the twist of a pose, with ‖θ‖ ≤ π: inverse of exp_se3().
-Eigen::Matrix<double, 6, 1> log_se3(const Pose3& a_from_b);
 
 /// Returns the pose with the position and yaw of `world_from_body` at `height_m`, with zero roll
 /// and pitch.

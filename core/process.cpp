@@ -58,7 +58,6 @@ void unblock_stop_signals() {
 
 bool stop_requested() { return stop_count > 0; }
 int stop_requests() { return stop_count; }
-void request_stop() { ++stop_count; }
 
 DefaultSignalScope::DefaultSignalScope() {
   for (const int signal : kStopSignals) {

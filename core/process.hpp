@@ -22,8 +22,6 @@ bool stop_requested();
 /// Returns the number of stop requests. A caller may treat a second Ctrl-C as an urgent stop. Safe
 /// to call from any thread.
 int stop_requests();
-/// Requests a stop of the process, as SIGTERM does.
-void request_stop();
 
 /// Scope in which SIGINT, SIGTERM and SIGHUP end the process immediately, as without a handler. A
 /// signal received before the scope has the same effect. Use this scope for work that can be

@@ -29,7 +29,6 @@ class DataStreamSession : public Session {
   [[nodiscard]] const std::optional<Echo>& echo() const { return echo_; }
   [[nodiscard]] double rate_hz() const { return stream_.rate_hz(); }
   [[nodiscard]] bool is_y_up() const;
-  [[nodiscard]] const std::vector<std::uint32_t>& offered() const { return offered_.types; }
 
  private:
   struct Subject {

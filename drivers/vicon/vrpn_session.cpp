@@ -95,16 +95,6 @@ const std::string* VrpnSession::find(const std::vector<Name>& names, std::int32_
   return known == names.end() ? nullptr : &known->name;
 }
 
-std::vector<std::string> VrpnSession::senders() const {
-  std::vector<std::string> names;
-  for (const Name& sender : senders_) {
-    if (sender.name != kControlSender) {
-      names.push_back(sender.name);
-    }
-  }
-  return names;
-}
-
 void VrpnSession::on_message(Moment arrival, const wire::vicon::VrpnHeader& header,
                              wire::vicon::Bytes payload) {
   if (has_pose_type_ && header.type == pose_type_) {

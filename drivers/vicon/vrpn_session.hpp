@@ -26,8 +26,6 @@ class VrpnSession : public Session {
   [[nodiscard]] std::vector<BodyRate> rates() const override { return trackers_.rates(); }
 
   [[nodiscard]] std::optional<wire::vicon::VrpnVersion> version() const { return version_; }
-  /// Returns the names announced by the server.
-  [[nodiscard]] std::vector<std::string> senders() const;
 
  private:
   static constexpr std::size_t kNamesMax = 1024;

@@ -59,7 +59,6 @@ void Stream::on(const models::ScenarioNotice& notice, Time received_at) {
   try {
     scenario_ = scenario::parse_scenario(notice.yaml, "SCENARIO");
   } catch (const StartupError& error) {
-    ++scenarios_refused_;
     put_event(Event{received_at, LogLevel::kError, "scenario", error.what()}, received_at);
     return;
   }

@@ -81,13 +81,6 @@ class Stream {
   /// Processes an operator command; heartbeats are ignored.
   void on(const models::OperatorCommand& command, Time received_at);
 
-  /// Adds the publisher of a message of any type, before a Bus chooses between two publishers.
-  /// Makes an event when a channel has two.
-  void on_publisher(std::string_view channel, std::int64_t run_id, Time received_at);
-
-  /// Returns the number of scenarios that could not be read.
-  [[nodiscard]] std::int64_t scenarios_refused() const { return scenarios_refused_; }
-
  private:
   using Track = std::deque<std::pair<Time, Eigen::Vector3d>>;
 
@@ -137,7 +130,6 @@ class Stream {
   std::vector<std::int64_t> last_seen_utime_;
   std::int64_t grid_step_ = -1;
   std::int64_t newest_step_ = -1;
-  std::int64_t scenarios_refused_ = 0;
 };
 
 }  // namespace vantage::logs::foxglove

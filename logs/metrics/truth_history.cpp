@@ -11,7 +11,6 @@ namespace vantage::logs {
 
 void TruthHistory::add(const models::TruthFrame& frame) {
   if (!frames_.empty() && frame.stamp.time <= frames_.back().time) {
-    ++frames_ignored_;
     return;
   }
   Frame next;

@@ -19,7 +19,7 @@ class TruthHistory {
  public:
   explicit TruthHistory(double memory_s = 10.0) : memory_s_(memory_s) {}
 
-  /// Adds a frame. A frame that is not newer than the newest one is ignored and counted.
+  /// Adds a frame. A frame that is not newer than the newest one is ignored.
   void add(const models::TruthFrame& frame);
 
   /// Returns the position of a target at `time`, interpolated linearly between frames; nullopt
@@ -30,8 +30,6 @@ class TruthHistory {
   /// between frames is assumed linear, so that no near miss between frames is overlooked. Returns
   /// nullopt until two robots have been seen.
   [[nodiscard]] std::optional<double> min_separation_m() const;
-
-  [[nodiscard]] std::int64_t frames_ignored() const { return frames_ignored_; }
 
  private:
   struct Frame {
@@ -45,7 +43,6 @@ class TruthHistory {
   models::NearPairs near_;
   std::deque<Frame> frames_;
   double min_separation_m_ = std::numeric_limits<double>::infinity();
-  std::int64_t frames_ignored_ = 0;
 };
 
 }  // namespace vantage::logs

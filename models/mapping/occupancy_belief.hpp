@@ -32,9 +32,6 @@ class OccupancyBelief {
   [[nodiscard]] double log_odds(int cell) const { return log_odds_[index(cell)]; }
   /// Returns the probability that `cell` is occupied, in [0, 1]; exactly 0 or 1 when it is settled.
   [[nodiscard]] double occupancy(int cell) const { return occupancy_[index(cell)]; }
-  [[nodiscard]] bool is_settled(int cell) const {
-    return occupancy(cell) == 0.0 || occupancy(cell) == 1.0;
-  }
   /// Returns the entropy of one cell from its log-odds, nats; a settled cell has the entropy of the
   /// clamp value.
   [[nodiscard]] double entropy_nats(int cell) const;

@@ -31,17 +31,6 @@ Pose2 step_unicycle(const Pose2& world_from_body, const UnicycleControl& control
           wrap_to_pi(world_from_body.yaw_rad + control.yaw_rate_radps * duration_s)};
 }
 
-Eigen::Matrix3d unicycle_jacobian(const Pose2& world_from_body, const UnicycleControl& control,
-                                  double duration_s) {
-  const double half_turn_rad = 0.5 * control.yaw_rate_radps * duration_s;
-  const double chord_m = control.speed_mps * duration_s * sinc(half_turn_rad);
-  const double heading_rad = world_from_body.yaw_rad + half_turn_rad;
-  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-  F(0, 2) = -chord_m * std::sin(heading_rad);
-  F(1, 2) = chord_m * std::cos(heading_rad);
-  return F;
-}
-
 std::vector<UnicycleControl> standard_primitives() { return primitives_of({1.0, 3.0}); }
 std::vector<UnicycleControl> lab_primitives() { return primitives_of({1.0}); }
 

@@ -2,8 +2,6 @@
 
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "core/pose.hpp"
 
 namespace vantage::models {
@@ -20,10 +18,6 @@ struct UnicycleControl {
 /// Source: Schlotfeldt, dissertation, eq. 2.37 with the τ that 3.5 and 4.12 drop.
 Pose2 step_unicycle(const Pose2& world_from_body, const UnicycleControl& control,
                     double duration_s);
-
-/// Returns ∂x'/∂x of step_unicycle for x = (x, y, yaw), 3×3.
-Eigen::Matrix3d unicycle_jacobian(const Pose2& world_from_body, const UnicycleControl& control,
-                                  double duration_s);
 
 /// Returns {1, 3} m/s × {0, ±1, ±3} rad/s in that order: the ten primitives of the simulations.
 std::vector<UnicycleControl> standard_primitives();

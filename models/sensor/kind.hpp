@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string_view>
 
@@ -32,7 +31,5 @@ class SensorKind {
 /// Returns all kinds that scenarios may name, in display order. A new kind needs a file in
 /// models/sensor/kinds and a line in kinds.cpp.
 std::span<const SensorKind> all_sensor_kinds();
-/// Returns the kind with that scenario name; nullopt if unknown.
-std::optional<SensorKind> find_sensor_kind(std::string_view name);
 
 }  // namespace vantage::models

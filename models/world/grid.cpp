@@ -250,16 +250,6 @@ bool VisibilityGrid::is_explored(int cell, Time now) const {
          (memory_s_ <= 0.0 || to_seconds(now - from_utime(last_seen)) <= memory_s_);
 }
 
-double VisibilityGrid::explored_share(Time now) const {
-  int free = 0;
-  int explored = 0;
-  for (int cell = 0; cell < geometry_.size(); ++cell) {
-    free += is_free(cell) ? 1 : 0;
-    explored += is_free(cell) && is_explored(cell, now) ? 1 : 0;
-  }
-  return free == 0 ? 1.0 : static_cast<double>(explored) / free;
-}
-
 std::vector<Eigen::Vector2d> VisibilityGrid::frontiers(Time now, double spacing_m) const {
   const auto is_known = [&](int cell) { return is_free(cell) && is_explored(cell, now); };
   bool anything_known = false;

@@ -90,8 +90,6 @@ class VisibilityGrid {
   }
   [[nodiscard]] bool is_explored(int cell, Time now) const;
   [[nodiscard]] bool is_free(int cell) const { return free_[index(cell)] != 0; }
-  /// Returns the share of the free cells that are explored, in [0, 1].
-  [[nodiscard]] double explored_share(Time now) const;
   /// Returns the centres of unexplored free cells next to an explored free cell (4 neighbours). A
   /// centre nearer than `spacing_m` to a selected centre is skipped, in index order, so the result
   /// is deterministic. While no cell is explored, every free cell counts as a frontier.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 #include <numeric>
-#include <set>
 
 #include "core/index.hpp"
 #include "planner/decision/team_set.hpp"
@@ -166,16 +165,6 @@ std::vector<int> random_attack(int robot_count, int attacks, std::mt19937_64& rn
   robots.resize(static_cast<std::size_t>(attacks));
   std::sort(robots.begin(), robots.end());
   return robots;
-}
-
-std::vector<int> scripted_attack(const std::vector<AttackInterval>& script, std::int64_t step) {
-  std::set<int> robots;
-  for (const AttackInterval& interval : script) {
-    if (step >= interval.begin_step && step < interval.end_step) {
-      robots.insert(interval.robots.begin(), interval.robots.end());
-    }
-  }
-  return {robots.begin(), robots.end()};
 }
 
 }  // namespace vantage::planner

@@ -51,15 +51,4 @@ Attack attack_by(Attacker attacker, const TeamOracle& oracle, const Choice& choi
 /// likely. The result is the same on every machine. Precondition: 0 ≤ attacks ≤ robot_count.
 std::vector<int> random_attack(int robot_count, int attacks, std::mt19937_64& rng);
 
-/// One line of an attack script: `robots` are attacked in steps [begin, end).
-struct AttackInterval {
-  std::int64_t begin_step = 0;
-  std::int64_t end_step = 0;
-  std::vector<int> robots;
-};
-
-/// Returns the robots attacked at `step` by any interval of `script`, ascending, without
-/// duplicates.
-std::vector<int> scripted_attack(const std::vector<AttackInterval>& script, std::int64_t step);
-
 }  // namespace vantage::planner

@@ -133,11 +133,6 @@ TEST(RunProcess, KeepsIgnoredHangups) {
       ::testing::ExitedWithCode(10), "");
 }
 
-TEST(RequestStop, ActsLikeASignal) {
-  request_stop();
-  EXPECT_TRUE(stop_requested());
-}
-
 TEST(RunProcess, SurvivesAWriteToAClosedPipe) {
   EXPECT_EQ(exit_code_of([] {
               std::raise(SIGPIPE);

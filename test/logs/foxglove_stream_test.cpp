@@ -259,13 +259,12 @@ TEST(Stream, PublishesTheAgeOfTheMeasurementBehindEachAction) {
   EXPECT_EQ(latency_s(3.5, 8), -1.0) << "nobody knows what that was made from";
 }
 
-TEST(Stream, CountsUnreadableScenarios) {
+TEST(Stream, ReportsUnreadableScenarios) {
   Notebook notebook;
   Stream stream(notebook);
   models::ScenarioNotice notice;
   notice.yaml = "name: [";
   stream.on(notice, Time{});
-  EXPECT_EQ(stream.scenarios_refused(), 1);
   EXPECT_EQ(notebook.of("/events").size(), 1U);
   EXPECT_TRUE(notebook.of("/scenario").empty());
 }

@@ -28,6 +28,12 @@ class Random {
     return {uniform(-half_side_m, half_side_m), uniform(-half_side_m, half_side_m),
             uniform(-kPi, kPi)};
   }
+  Pose3 pose3(double half_side_m) {
+    Pose3 pose;
+    pose.translation_m = vector<3>(-half_side_m, half_side_m);
+    pose.rotation.coeffs() = vector<4>(-1.0, 1.0).normalized();
+    return pose;
+  }
   /// Returns A Aᵀ + floor I with entries of A in [-1, 1]: symmetric, positive definite.
   Eigen::MatrixXd spd(int n, double floor) {
     const Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return uniform(-1, 1); });

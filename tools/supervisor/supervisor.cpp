@@ -304,12 +304,6 @@ int Supervisor::restarts() const {
   return total;
 }
 
-bool Supervisor::any_given_up() const {
-  return std::any_of(processes_.begin(), processes_.end(), [](const Supervised& process) {
-    return process.phase == SupervisedPhase::kGivenUp;
-  });
-}
-
 std::optional<std::string> Supervisor::lost_essential() const {
   for (const Supervised& process : processes_) {
     if (process.spec.is_essential && process.phase == SupervisedPhase::kGivenUp) {

@@ -85,7 +85,6 @@ class Supervisor {
 
   [[nodiscard]] std::vector<SupervisedStatus> status(Nanoseconds monotonic_ns) const;
   [[nodiscard]] int restarts() const;
-  [[nodiscard]] bool any_given_up() const;
   /// Returns the name of an essential process that was given up; nullopt if there is none.
   [[nodiscard]] std::optional<std::string> lost_essential() const;
   /// Returns the process of that name; nullptr while it is not running.

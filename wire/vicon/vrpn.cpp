@@ -12,7 +12,6 @@ using BigWriter = Writer<std::endian::big>;
 constexpr std::string_view kCookieStart = "vrpn: ver. ";
 constexpr std::size_t kAlignment = 8;
 constexpr std::size_t kPosePayloadBytes = 64;
-constexpr std::size_t kVelocityPayloadBytes = 72;
 constexpr std::size_t kCallbackBytesMax = 80;
 
 std::size_t padded(std::size_t bytes) { return (bytes + kAlignment - 1) / kAlignment * kAlignment; }
@@ -36,17 +35,6 @@ void vector_to(const Vector& vector, BigWriter& to) {
   }
 }
 
-/// Reads the common first fields of poses and velocities: sensor, padding, three numbers,
-/// quaternion.
-template <class Linear, class Quaternion>
-void sensed_from(BigReader& from, std::int32_t& sensor, Linear& linear,
-                 Quaternion& quaternion_xyzw) {
-  sensor = from.i32();
-  from.i32();
-  linear = vector_from<Linear>(from);
-  quaternion_xyzw = vector_from<Quaternion>(from);
-}
-
 void header_to(const VrpnHeader& header, std::size_t payload_bytes, BigWriter& to) {
   to.u32(static_cast<std::uint32_t>(kVrpnHeaderBytes + payload_bytes));
   to.u32(header.seconds);
@@ -54,16 +42,6 @@ void header_to(const VrpnHeader& header, std::size_t payload_bytes, BigWriter& t
   to.i32(header.sender);
   to.i32(header.type);
   to.u32(0);  // sequence number; receivers ignore it
-}
-
-template <class Linear, class Quaternion>
-void sensed_to(const VrpnHeader& header, std::size_t payload_bytes, std::int32_t sensor,
-               const Linear& linear, const Quaternion& quaternion_xyzw, BigWriter& to) {
-  header_to(header, payload_bytes, to);
-  to.i32(sensor);
-  to.i32(0);
-  vector_to(linear, to);
-  vector_to(quaternion_xyzw, to);
 }
 
 }  // namespace
@@ -146,33 +124,21 @@ std::optional<VrpnPose> decode_vrpn_pose(Bytes payload) {
   }
   BigReader reader(payload);
   VrpnPose pose;
-  sensed_from(reader, pose.sensor, pose.position_m, pose.quaternion_xyzw);
+  pose.sensor = reader.i32();
+  reader.i32();  // padding
+  pose.position_m = vector_from<Eigen::Vector3d>(reader);
+  pose.quaternion_xyzw = vector_from<decltype(pose.quaternion_xyzw)>(reader);
   return pose;
 }
 
 void append_vrpn_pose(std::vector<std::uint8_t>& out, const VrpnHeader& header,
                       const VrpnPose& pose) {
   BigWriter writer(out);
-  sensed_to(header, kPosePayloadBytes, pose.sensor, pose.position_m, pose.quaternion_xyzw, writer);
-}
-
-std::optional<VrpnVelocity> decode_vrpn_velocity(Bytes payload) {
-  if (payload.size() != kVelocityPayloadBytes) {
-    return std::nullopt;
-  }
-  BigReader reader(payload);
-  VrpnVelocity velocity;
-  sensed_from(reader, velocity.sensor, velocity.velocity_mps, velocity.quaternion_xyzw);
-  velocity.interval_s = reader.f64();
-  return velocity;
-}
-
-void append_vrpn_velocity(std::vector<std::uint8_t>& out, const VrpnHeader& header,
-                          const VrpnVelocity& velocity) {
-  BigWriter writer(out);
-  sensed_to(header, kVelocityPayloadBytes, velocity.sensor, velocity.velocity_mps,
-            velocity.quaternion_xyzw, writer);
-  writer.f64(velocity.interval_s);
+  header_to(header, kPosePayloadBytes, writer);
+  writer.i32(pose.sensor);
+  writer.i32(0);
+  vector_to(pose.position_m, writer);
+  vector_to(pose.quaternion_xyzw, writer);
 }
 
 std::optional<VrpnCallback> decode_vrpn_callback(Bytes datagram) {

@@ -82,17 +82,6 @@ std::optional<VrpnPose> decode_vrpn_pose(Bytes payload);
 void append_vrpn_pose(std::vector<std::uint8_t>& out, const VrpnHeader& header,
                       const VrpnPose& pose);
 
-/// Velocity; 72 bytes. The quaternion is the rotation during `interval_s`.
-struct VrpnVelocity {
-  std::int32_t sensor = 0;
-  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
-  Eigen::Matrix<double, 4, 1, kUnaligned> quaternion_xyzw{0.0, 0.0, 0.0, 1.0};
-  double interval_s = 0.0;
-};
-std::optional<VrpnVelocity> decode_vrpn_velocity(Bytes payload);
-void append_vrpn_velocity(std::vector<std::uint8_t>& out, const VrpnHeader& header,
-                          const VrpnVelocity& velocity);
-
 /// Datagram by which a client requests a server to connect to the client: "<ip> <port>" and a NUL.
 struct VrpnCallback {
   std::string address;

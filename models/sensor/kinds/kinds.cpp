@@ -22,13 +22,6 @@ std::span<const SensorKind> all_sensor_kinds() {
   return kAll;
 }
 
-std::optional<SensorKind> find_sensor_kind(std::string_view name) {
-  const auto all = all_sensor_kinds();
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](SensorKind kind) { return kind.name() == name; });
-  return found == all.end() ? std::nullopt : std::optional(*found);
-}
-
 std::string_view SensorKind::name() const { return law_->name; }
 
 namespace sensor_kinds {

@@ -18,7 +18,6 @@ TEST(OccupancyBelief, StartsAtOneBitPerCell) {
   const OccupancyBelief belief(kGrid, 4.0);
   EXPECT_NEAR(belief.entropy_nats(), 24.0 * std::log(2.0), 1e-12);
   EXPECT_EQ(belief.occupancy(5), 0.5);
-  EXPECT_FALSE(belief.is_settled(5));
 }
 
 TEST(OccupancyBelief, AddsLogOddsByBayesRule) {
@@ -54,7 +53,7 @@ TEST(OccupancyBelief, SaturatesAtTheClampReversibly) {
   EXPECT_EQ(belief.occupancy(0), 1.0);
   EXPECT_NEAR(belief.entropy_nats(0), binary_entropy_nats(probability_of(2.0)), 1e-12);
   belief.add_log_odds(0, -1.0);
-  EXPECT_FALSE(belief.is_settled(0));
+  EXPECT_EQ(belief.occupancy(0), probability_of(1.0));
   belief.add_log_odds(0, -9.0);
   EXPECT_EQ(belief.occupancy(0), 0.0);
 }

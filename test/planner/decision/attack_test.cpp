@@ -196,15 +196,6 @@ TEST(AttackOnBestTogether, PrefersLowerIndexAndCountsOracleCalls) {
   });
 }
 
-TEST(ScriptedAttack, ListsEachRobotOnce) {
-  const std::vector<AttackInterval> script = {{0, 3, {2, 0}}, {1, 2, {0, 2, 2}}, {5, 5, {1}}};
-  EXPECT_EQ(scripted_attack(script, 0), (std::vector<int>{0, 2}));
-  EXPECT_EQ(scripted_attack(script, 1), (std::vector<int>{0, 2}));
-  EXPECT_EQ(scripted_attack(script, 3), (std::vector<int>{}));
-  EXPECT_EQ(scripted_attack(script, 5), (std::vector<int>{})) << "which ends as it begins";
-  EXPECT_EQ(scripted_attack({}, 0), (std::vector<int>{}));
-}
-
 TEST(RandomAttack, DrawsNothingForZeroAttacks) {
   std::mt19937_64 rng(3);
   std::mt19937_64 untouched(3);

@@ -369,14 +369,5 @@ TEST(Attack, AtRandomIsUniform) {
   EXPECT_EQ(random_attack(3, 3, rng), (std::vector<int>{0, 1, 2}));
 }
 
-TEST(ScriptedAttack, LastsFromBeginToEnd) {
-  const std::vector<AttackInterval> script = {{2, 5, {1, 0}}, {4, 6, {1, 3}}};
-  EXPECT_EQ(scripted_attack(script, 1), (std::vector<int>{}));
-  EXPECT_EQ(scripted_attack(script, 2), (std::vector<int>{0, 1}));
-  EXPECT_EQ(scripted_attack(script, 4), (std::vector<int>{0, 1, 3}));
-  EXPECT_EQ(scripted_attack(script, 5), (std::vector<int>{1, 3}));
-  EXPECT_EQ(scripted_attack(script, 6), (std::vector<int>{}));
-}
-
 }  // namespace
 }  // namespace vantage::planner

@@ -166,7 +166,6 @@ TEST(Supervisor, AbandonsAProcessAfterTheStatedRestarts) {
   EXPECT_EQ(last[0].text,
             "brief ended (exit 1) and is given up: 2 restarts within 60 s did not help; the trial "
             "cannot continue without it");
-  EXPECT_TRUE(supervisor.any_given_up());
   EXPECT_EQ(supervisor.lost_essential(), "brief");
   EXPECT_EQ(supervisor.restarts(), 2);
   EXPECT_EQ(supervisor.status(now_ns)[0].last_end, "exit 1");
@@ -178,7 +177,7 @@ TEST(Supervisor, TreatsNoProcessAsEssentialByDefault) {
   supervisor.start({"brief", {"false"}}, 0);
   ASSERT_TRUE(supervisor.find("brief")->wait(kLong));
   supervisor.poll(0);
-  EXPECT_TRUE(supervisor.any_given_up());
+  EXPECT_EQ(supervisor.status(0)[0].phase, SupervisedPhase::kGivenUp);
   EXPECT_FALSE(supervisor.lost_essential());
 }
 
@@ -315,9 +314,9 @@ TEST(Supervisor, NeverAbandonsADriverOfAFlyingVehicle) {
     Watched watched(RestartPolicy{.backoff_first_s = 0.0, .restarts_max = 1});
     const std::string byte = is_in_flight ? "b'f'" : "b'g'";
     watched.supervisor.start(driver("sign(" + byte + ")"), watched.now_ns);
-    EXPECT_TRUE(watched.until(
-        [&] { return watched.supervisor.any_given_up() || watched.count(Kind::kStarted) >= 4; }));
-    EXPECT_EQ(watched.supervisor.any_given_up(), !is_in_flight);
+    const auto is_given_up = [&] { return watched.status().phase == SupervisedPhase::kGivenUp; };
+    EXPECT_TRUE(watched.until([&] { return is_given_up() || watched.count(Kind::kStarted) >= 4; }));
+    EXPECT_EQ(is_given_up(), !is_in_flight);
     EXPECT_EQ(watched.status().in_flight, is_in_flight ? InFlight::kYes : InFlight::kNo);
   }
 }

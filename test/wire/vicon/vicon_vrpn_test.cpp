@@ -84,6 +84,7 @@ TEST(VrpnMessage, PoseMatchesTheReferenceBytes) {
   EXPECT_EQ(pose->position_m, Eigen::Vector3d(1.0, -2.0, 0.5));
   EXPECT_EQ(pose->quaternion_xyzw, Eigen::Vector4d(0.0, 0.0, 0.6, 0.8));
   EXPECT_FALSE(decode_vrpn_pose(framed.body.first(56)));
+  EXPECT_FALSE(decode_vrpn_pose(std::vector<std::uint8_t>(72))) << "that is a velocity";
 }
 
 TEST(VrpnMessage, LengthOfANameExcludesItsPadding) {
@@ -103,20 +104,13 @@ TEST(VrpnMessage, LengthOfANameExcludesItsPadding) {
   EXPECT_FALSE(decode_vrpn_name(from_hex("00000007 717561"))) << "longer than its message";
 }
 
-TEST(VrpnMessage, VelocityAndPlainMessagesRoundTrip) {
+TEST(VrpnMessage, PlainMessagesRoundTrip) {
   std::vector<std::uint8_t> bytes;
-  append_vrpn_velocity(bytes, {1, 2, 3, 4}, {0, {0.1, 0.2, 0.3}, {0, 0, 0, 1}, 0.01});
   append_vrpn_message(bytes, {0, 0, 1, 2}, {});
   append_vrpn_message(bytes, {0, 0, 1, 3}, from_hex("abcdef"));
   VrpnHeader header;
   Bytes rest(bytes);
   Framed framed = next_vrpn_message(rest, header);
-  const auto velocity = decode_vrpn_velocity(framed.body);
-  ASSERT_TRUE(velocity);
-  EXPECT_EQ(velocity->interval_s, 0.01);
-  EXPECT_EQ(velocity->velocity_mps.y(), 0.2);
-  rest = rest.subspan(framed.bytes);
-  framed = next_vrpn_message(rest, header);
   EXPECT_EQ(framed.bytes, 24u);
   EXPECT_TRUE(framed.body.empty());
   rest = rest.subspan(framed.bytes);
@@ -174,21 +168,6 @@ TEST(VrpnMessage, PlainMessageMatchesTheReferenceBytes) {
   append_vrpn_message(bytes, {1, 2, 3, -4}, from_hex("abcdef"));
   EXPECT_EQ(bytes, from_hex("EE 0000001b 00000001 00000002 00000003 fffffffc 00000000"
                             "abcdef 0000000000"));
-}
-
-TEST(VrpnMessage, VelocityRoundTrips) {
-  std::vector<std::uint8_t> bytes;
-  append_vrpn_velocity(bytes, {1, 2, 3, 4}, {5, {0.1, -0.2, 0.3}, {0.5, -0.1, 0.7, 0.2}, 0.01});
-  ASSERT_EQ(bytes.size(), 24U + 72U);
-  const Bytes payload = Bytes(bytes).subspan(24);
-  const auto velocity = decode_vrpn_velocity(payload);
-  ASSERT_TRUE(velocity);
-  EXPECT_EQ(velocity->sensor, 5);
-  EXPECT_EQ(velocity->velocity_mps, Eigen::Vector3d(0.1, -0.2, 0.3));
-  EXPECT_EQ(velocity->quaternion_xyzw, Eigen::Vector4d(0.5, -0.1, 0.7, 0.2));
-  EXPECT_EQ(velocity->interval_s, 0.01);
-  EXPECT_FALSE(decode_vrpn_velocity(payload.first(64))) << "that is a pose";
-  EXPECT_FALSE(decode_vrpn_pose(payload)) << "that is a velocity";
 }
 
 TEST(VrpnCallback, RequiresAValidPort) {
