@@ -67,7 +67,6 @@ class Reassembler {
   void expire(std::int64_t now_ns);
 
   [[nodiscard]] const ReassemblyCounts& counts() const { return counts_; }
-  [[nodiscard]] const ReassemblyLimits& limits() const { return limits_; }
   /// Returns the refused messages by channel, for the first kOversizedKept channels.
   [[nodiscard]] const std::map<std::string, OversizedChannel, std::less<>>& oversized() const {
     return oversized_;

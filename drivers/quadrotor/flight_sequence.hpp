@@ -54,8 +54,6 @@ class FlightSequence {
   /// True if the autopilot left the mode that the goal requires, for example by a failsafe or a
   /// pilot's switch.
   [[nodiscard]] bool is_mode_lost() const { return is_mode_lost_; }
-  /// True if the motors have run and stopped: the goal has ended.
-  [[nodiscard]] bool is_over() const { return is_over_; }
   /// Returns a text that names the awaited event; nullopt if the goal is reached.
   [[nodiscard]] std::optional<std::string> waiting_for() const { return waiting_for_; }
 
@@ -82,7 +80,7 @@ class FlightSequence {
   /// true: the mode of any goal was reached since kGrounded or retake_mode()
   bool had_mode_ = false;
   bool is_mode_lost_ = false;
-  bool is_over_ = false;
+  bool is_over_ = false;  ///< the motors have run and stopped: the goal has ended
   std::optional<std::string> waiting_for_;
 };
 

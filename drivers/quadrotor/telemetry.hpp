@@ -78,7 +78,6 @@ class Telemetry {
 
   /// Returns the newest text of severity warning or worse if it arrived within the last `age`.
   [[nodiscard]] std::optional<std::string> newest_warning(Time now, Duration age) const;
-  [[nodiscard]] const std::deque<AutopilotText>& texts() const { return texts_; }
 
  private:
   void take_heartbeat(const wire::mavlink::Heartbeat& heartbeat, Time now);

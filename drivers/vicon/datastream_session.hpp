@@ -25,8 +25,6 @@ class DataStreamSession : public Session {
   void on_time(Moment now) override;
   [[nodiscard]] Duration next_wake() const override { return next_wake_; }
 
-  /// Returns the newest answer to a ping on this connection.
-  [[nodiscard]] const std::optional<Echo>& echo() const { return echo_; }
   [[nodiscard]] double rate_hz() const { return stream_.rate_hz(); }
   [[nodiscard]] bool is_y_up() const;
 

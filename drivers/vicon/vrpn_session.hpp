@@ -25,8 +25,6 @@ class VrpnSession : public Session {
   [[nodiscard]] Duration next_wake() const override;
   [[nodiscard]] std::vector<BodyRate> rates() const override { return trackers_.rates(); }
 
-  [[nodiscard]] std::optional<wire::vicon::VrpnVersion> version() const { return version_; }
-
  private:
   static constexpr std::size_t kNamesMax = 1024;
   struct Name {

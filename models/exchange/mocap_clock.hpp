@@ -30,9 +30,8 @@ class MocapClock {
   /// `frame` itself unless the stamping clock was set.
   [[nodiscard]] std::shared_ptr<const MocapFrame> on_our_clock(
       const std::shared_ptr<const MocapFrame>& frame, Time now);
-  /// Returns the latency of the newest frame. If the first frame's latency is invalid, because the
-  /// clocks differ, it counts as 0.
-  [[nodiscard]] Duration latency() const { return latency_; }
+  /// Returns the latency of the newest frame, s. An initial clock offset that cannot be a latency
+  /// counts as 0.
   [[nodiscard]] double latency_s() const { return to_seconds(latency_); }
   /// Returns the capture time of the newest frame by this host's clock. It equals the stamp unless
   /// the stamping clock was set.

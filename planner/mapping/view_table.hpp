@@ -92,7 +92,6 @@ class ViewTable {
 
   [[nodiscard]] const ViewOptions& options() const { return options_; }
   [[nodiscard]] const models::OccupancyBelief& belief() const { return *belief_; }
-  [[nodiscard]] const models::BeamSensor& sensor() const { return sensor_; }
   [[nodiscard]] std::int64_t beam_cells() const { return beam_cells_; }
   [[nodiscard]] std::int64_t views() const { return static_cast<std::int64_t>(views_.size()); }
 

@@ -5,11 +5,8 @@ namespace vantage::tools {
 using models::OperatorAction;
 
 void Station::on_command(const models::OperatorCommand& command, Time now) {
-  if (command.stamp.run_id == run_id_ || command.action != OperatorAction::kHeartbeat) {
-    return;
-  }
-  if (!is_current(command.stamp.time, now)) {
-    ++ignored_;
+  if (command.stamp.run_id == run_id_ || command.action != OperatorAction::kHeartbeat ||
+      !is_current(command.stamp.time, now)) {
     return;
   }
   other_heartbeat_ = now;

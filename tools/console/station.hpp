@@ -42,8 +42,6 @@ class Station {
   [[nodiscard]] static bool is_current(Time stamp, Time now) {
     return std::abs(to_seconds(now - stamp)) <= kFreshS;
   }
-  /// Returns the number of heartbeats ignored because they were not recent.
-  [[nodiscard]] std::int64_t ignored() const { return ignored_; }
   [[nodiscard]] Role role() const { return role_; }
   [[nodiscard]] bool sends_heartbeat() const { return role_ == Role::kInCharge; }
   [[nodiscard]] bool may_send(models::OperatorAction action) const;
@@ -55,7 +53,6 @@ class Station {
   Role role_ = Role::kListening;
   std::optional<Time> other_heartbeat_;
   std::int64_t other_run_id_ = 0;
-  std::int64_t ignored_ = 0;
 };
 
 /// Returns the sentence that explains a role to the operator.

@@ -47,8 +47,6 @@ class Solver {
   /// @throws UsageError if `problem` violates a rule of planner::require_valid.
   const PlanOutcome& solve(const planner::SearchProblem& problem, bool (*is_cancelled)() = nullptr);
 
-  [[nodiscard]] const PlanRequest& request() const { return request_; }
-
  private:
   PlanRequest request_;
   const planner::Algorithm* algorithm_ = nullptr;

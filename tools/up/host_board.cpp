@@ -64,7 +64,6 @@ std::optional<std::string> HostBoard::on_report(const models::HostReport& report
                                ": all its processes run twice; end one of the two");
   }
   if (!hosts_.contains(report.host) && hosts_.size() >= hosts_max_) {
-    ++ignored_;
     return std::nullopt;
   }
   HostState& host = hosts_[report.host];

@@ -52,14 +52,12 @@ class HostBoard {
             Time start);
 
   /// Stores a report. Returns a sentence if the host is new, was restarted, reports again after
-  /// silence, or uses the name of this host. Ignores and counts reports of hosts beyond the limit.
+  /// silence, or uses the name of this host. Ignores reports of hosts beyond the limit.
   std::optional<std::string> on_report(const models::HostReport& report, Time now);
   /// Returns one sentence for each host that has become silent since the last call.
   std::vector<std::string> fallen_silent(Time now);
   /// Returns a heading, one line per process, and one line per host without a recent report.
   [[nodiscard]] std::vector<std::string> table(Time now) const;
-  /// Returns the number of reports ignored because their hosts were beyond the limit.
-  [[nodiscard]] std::int64_t ignored() const { return ignored_; }
   /// Returns the number of running and of all processes per host: "LAB 7/7, AIR silent for 4 s".
   /// Empty if there is one host and all its processes run.
   [[nodiscard]] std::string line(Time now) const;
@@ -75,7 +73,6 @@ class HostBoard {
   bool has_duplicate_ = false;
   std::map<std::string, HostState> hosts_;
   std::size_t hosts_max_ = 0;
-  std::int64_t ignored_ = 0;
 };
 
 }  // namespace vantage::tools

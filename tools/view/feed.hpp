@@ -33,7 +33,6 @@ class Feed {
   /// Waits up to `timeout` and handles all messages that have arrived. Returns their number, or
   /// bus::kSourceEnded.
   int handle(std::chrono::microseconds timeout) { return bus_.handle(timeout); }
-  [[nodiscard]] const bus::Bus& bus() const { return bus_; }
 
  private:
   template <class Message>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <condition_variable>
 #include <cstdlib>
 #include <cstring>
@@ -163,7 +162,6 @@ struct WebServer::State {
   bool has_page = false;
   int port = 0;
   std::mutex series_mutex;
-  std::atomic<std::int64_t> refused = 0;
 
   std::mutex connections_mutex;
   ConnectionTable connections;
@@ -221,7 +219,6 @@ struct WebServer::State {
       return refuse(socket, 405, "Method Not Allowed", "this server is read-only");
     }
     if (!is_permitted(socket, of(socket).options)) {
-      ++of(socket).refused;
       return refuse(socket, 403, "Forbidden",
                     "host name or page origin not allowed; allow a name with --host, an origin "
                     "with --origin");
@@ -459,15 +456,11 @@ WebServer::~WebServer() {
   mg_exit_library();
 }
 
-int WebServer::port() const { return state_->port; }
-
 std::string WebServer::url() const {
   const std::string& bind = state_->options.bind;
   const std::string host = bind == "0.0.0.0" ? "127.0.0.1" : bind == "::" ? "::1" : bind;
   return fmt::format("http://{}:{}", in_brackets(host), state_->port);
 }
-
-std::int64_t WebServer::refused() const { return state_->refused; }
 
 bool WebServer::has_page() const { return state_->has_page; }
 

@@ -45,12 +45,9 @@ class WebServer {
   WebServer(WebServer&&) = delete;
   WebServer& operator=(WebServer&&) = delete;
 
-  [[nodiscard]] int port() const;
   /// Returns the address of the page, such as "http://127.0.0.1:8765".
   [[nodiscard]] std::string url() const;
   [[nodiscard]] bool has_page() const;
-  /// Returns the number of connections refused because of their Host or Origin since the start.
-  [[nodiscard]] std::int64_t refused() const;
 
  private:
   struct State;

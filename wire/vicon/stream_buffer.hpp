@@ -36,7 +36,6 @@ class StreamBuffer {
     }
   }
   void clear() { begin_ = end_ = 0; }
-  [[nodiscard]] std::size_t capacity() const { return buffer_.size(); }
 
  private:
   static std::ptrdiff_t offset(std::size_t index) { return static_cast<std::ptrdiff_t>(index); }
