@@ -258,25 +258,25 @@ std::vector<models::NamedCount> Bus::counters() const {
     counts.push_back({name + ".decode_errors", count});
   }
   for (const auto& [name, count] : refused_) {
-    counts.push_back({name + ".refused", count);
+    counts.push_back({name + ".refused", count});
   }
   if (authenticator_) {
-      authenticator_->count(counts);
+    authenticator_->count(counts);
   }
   const auto add_stream = [&](const std::string& name, const StreamCounts& stream) {
-      counts.push_back({name + ".fresh", stream.fresh});
-      counts.push_back({name + ".lost", stream.lost});
-      counts.push_back({name + ".duplicates", stream.duplicates});
-      counts.push_back({name + ".reordered", stream.reordered});
-      counts.push_back({name + ".old_runs", stream.old_runs});
-      counts.push_back({name + ".too_far_ahead", stream.too_far_ahead});
+    counts.push_back({name + ".fresh", stream.fresh});
+    counts.push_back({name + ".lost", stream.lost});
+    counts.push_back({name + ".duplicates", stream.duplicates});
+    counts.push_back({name + ".reordered", stream.reordered});
+    counts.push_back({name + ".old_runs", stream.old_runs});
+    counts.push_back({name + ".too_far_ahead", stream.too_far_ahead});
   };
   for (const auto& [name, stream] : reported(stream_counts())) {
-      add_stream(name, stream);
-      counts.push_back({name + ".restarts", std::max<std::int64_t>(0, stream.runs - 1)});
+    add_stream(name, stream);
+    counts.push_back({name + ".restarts", std::max<std::int64_t>(0, stream.runs - 1)});
   }
   add_stream("left", unsubscribed_counts_);
   return models::nonzero(std::move(counts));
-  }
+}
 
 }  // namespace vantage::bus
