@@ -52,7 +52,8 @@ set(vantage_estimator_libraries estimator)
 set(vantage_estimator_needs scenario)
 set(vantage_estimator_packages)
 set(vantage_estimator_public
-  estimator/central_filter estimator/distributed_filter estimator/occupancy estimator/team_map)
+  estimator/filter/central_filter estimator/filter/distributed_filter
+  estimator/occupancy/occupancy estimator/occupancy/team_map)
 
 set(vantage_scenario_reader_libraries scenario_reader)
 set(vantage_scenario_reader_needs scenario)

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "estimator/occupancy/occupancy.hpp"
-#include "experiments/mapping_attack.hpp"
+#include "experiments/mapping/mapping_attack.hpp"
 #include "models/mapping/beam.hpp"
 #include "models/mapping/occupancy_belief.hpp"
 #include "models/world/world.hpp"

@@ -8,7 +8,7 @@
 #include "core/index.hpp"
 #include "estimator/filter/distributed_filter.hpp"
 #include "estimator/tracks/labelled/multi_target.hpp"
-#include "experiments/team_task.hpp"
+#include "experiments/team/team_task.hpp"
 #include "logs/metrics/set_means.hpp"
 #include "models/world/world.hpp"
 #include "sim/random.hpp"

@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "logs/export/csv_file.hpp"
 #include "logs/file/wire_check.hpp"
 #include "logs/json/wire_json.hpp"
 
@@ -12,22 +13,11 @@ using Json = nlohmann::ordered_json;
 using bus::WireField;
 using bus::WireSchema;
 
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) {
-    return text;
-  }
-  std::string out = "\"";
-  for (const char c : text) {
-    out += c == '"' ? "\"\"" : std::string(1, c);
-  }
-  return out + '"';
-}
-
 std::string cell(const Json& value) {
   if (value.is_null()) {
     return "";
   }
-  return quoted(value.is_string() ? value.get<std::string>() : dumped(value));
+  return csv_cell(value.is_string() ? value.get<std::string>() : dumped(value));
 }
 
 bool has_constant_size(const WireField& field) {

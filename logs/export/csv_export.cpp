@@ -1,11 +1,7 @@
 #include "logs/export/csv_export.hpp"
 
-#include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <system_error>
 #include <tuple>
@@ -13,42 +9,20 @@
 
 #include "core/check.hpp"
 #include "logs/export/csv.hpp"
+#include "logs/export/csv_file.hpp"
 #include "logs/file/wire_check.hpp"
 
 namespace vantage::logs {
 namespace {
 
-/// One table that is being written.
+/// The table of one channel.
 struct Table {
-  Table(const bus::WireSchema& schema, std::string to)
-      : csv(schema), path(std::move(to)), out(path, std::ios::binary) {
-    if (!out) {
-      throw StartupError(path + ": cannot be written: " + std::strerror(errno));
-    }
-    out << csv.header();
-  }
-  [[nodiscard]] std::string failure() const {
-    return path + ": cannot be written: " + std::strerror(errno);
-  }
+  Table(const bus::WireSchema& schema, std::string path)
+      : csv(schema), file(std::move(path), csv.header()) {}
 
   CsvTable csv;
-  std::string path;
-  std::ofstream out;
+  CsvFile file;
 };
-
-/// Truncates the file to its last complete line.
-void cut_to_last_line(const std::string& path) {
-  std::error_code error;
-  auto size = std::filesystem::file_size(path, error);
-  std::ifstream in(path, std::ios::binary);
-  for (char last = '\0'; !error && size > 0; --size) {
-    in.seekg(static_cast<std::streamoff>(size) - 1);
-    if (!in.get(last) || last == '\n') {
-      break;
-    }
-  }
-  std::filesystem::resize_file(path, size, error);
-}
 
 }  // namespace
 
@@ -105,21 +79,16 @@ ExportCounts export_csv(const IndexedLog& log, const std::string& folder, Channe
       ++counts.left_out[name];
       continue;
     }
-    if (table->second.out << lines) {
+    if (table->second.file.write(lines)) {
       ++counts.messages;
     } else {
-      counts.failure = table->second.failure();
+      counts.failure = table->second.file.failure();
     }
   }
   for (auto& [name, table] : tables) {
-    if (!table.out.flush() && counts.failure.empty()) {
-      counts.failure = table.failure();
-    }
-  }
-  for (auto& [name, table] : tables) {
-    table.out.close();
-    if (!counts.failure.empty()) {
-      cut_to_last_line(table.path);
+    table.file.close();
+    if (counts.failure.empty()) {
+      counts.failure = table.file.failure();
     }
   }
   if (progress) {

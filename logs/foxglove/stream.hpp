@@ -80,6 +80,9 @@ class Stream {
   void on(const models::AttackNotice& attack, Time received_at);
   /// Processes an operator command; heartbeats are ignored.
   void on(const models::OperatorCommand& command, Time received_at);
+  /// Adds the publisher of a message of any type, before a Bus chooses between two publishers.
+  /// Makes an event when a channel has two.
+  void on_publisher(std::string_view channel, std::int64_t run_id, Time received_at);
 
  private:
   using Track = std::deque<std::pair<Time, Eigen::Vector3d>>;

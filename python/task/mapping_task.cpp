@@ -7,7 +7,7 @@
 
 #include "core/check.hpp"
 #include "core/index.hpp"
-#include "experiments/mapping_worlds.hpp"
+#include "experiments/mapping/mapping_worlds.hpp"
 #include "python/task/observation.hpp"
 
 namespace vantage::python {

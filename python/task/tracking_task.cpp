@@ -80,8 +80,9 @@ double TrackingTask::on_step(std::span<const std::int64_t> actions) {
   for (std::size_t robot = 0; robot < poses_.size(); ++robot) {
     Pose2& pose = poses_[robot];
     const models::UnicycleControl& control = spec_.controls[index(actions[robot])];
-    const Pose2 next = models::step_unicycle(pose, control, spec_.step_s);
-    if (planner::arc_is_clear(world_, pose, control, spec_.step_s, spec_.radius_m)) {
+    const double step_s = spec_.targets.step_s;
+    const Pose2 next = models::step_unicycle(pose, control, step_s);
+    if (planner::arc_is_clear(ground_.world, pose, control, step_s, spec_.radius_m)) {
       pose = next;
     } else {
       pose.yaw_rad = next.yaw_rad;
@@ -114,7 +115,7 @@ double TrackingTask::entropy_nats() const {
 void TrackingTask::observe(int robot, std::span<float> out) const {
   ObservationWriter writer(out);
   const auto self = index(robot);
-  add_team(writer, world_.bounds, poses_, self, jammed()[self] != 0);
+  add_team(writer, ground_.world.bounds, poses_, self, jammed()[self] != 0);
   const Pose2 body_from_world = inverse(poses_[self]);
   const double diagonal_m = std::sqrt(2.0) * spec_.side_m;
   const Pose2 body_from_north{0.0, 0.0, body_from_world.yaw_rad};

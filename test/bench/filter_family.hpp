@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "estimator/distributed_filter.hpp"
+#include "estimator/filter/distributed_filter.hpp"
 
 namespace vantage::bench {
 

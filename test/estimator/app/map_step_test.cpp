@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "bus/transport/transport.hpp"
-#include "test/estimator/mapping_scenario.hpp"
+#include "test/estimator/occupancy/mapping_scenario.hpp"
 #include "test/support/sent_ref.hpp"
 
 namespace vantage::estimator {
@@ -205,12 +205,12 @@ TEST_F(MapPublisherTest, MergesMapsWithinRadioRange) {
   models::RobotBelief belief;
   belief.stamp.time = time_of(0);
   belief.viewpoint = {{0.4, 0.0, 0.0}, 0.0};
-  far.step(belief, {"BELIEF_Q1", 1, 0});
+  far.step(belief);
   publish(10, 1, -4);
   far_bus.handle(0us);
   belief.stamp.time = time_of(1);
   belief.viewpoint = {{0.6, 0.0, 0.0}, 0.0};
-  far.step(belief, {"BELIEF_Q1", 1, 1});
+  far.step(belief);
   deliver();
   ASSERT_EQ(made.size(), 2U);
   EXPECT_EQ(made[0].team_looks[0], -3);

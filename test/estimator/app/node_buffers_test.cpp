@@ -13,7 +13,7 @@
 #include "estimator/app/node.hpp"
 #include "estimator/app/replay_node.hpp"
 #include "test/estimator/filter_support.hpp"
-#include "test/estimator/mapping_scenario.hpp"
+#include "test/estimator/occupancy/mapping_scenario.hpp"
 #include "test/support/sent_ref.hpp"
 
 // Tests the capacities of the message buffers of the estimator nodes.
