@@ -91,6 +91,18 @@ json 'abs(d["range_scale"] - 1.1) < 3 * d["range_scale_sigma"] < 0.25 and len(d[
 "$vantage" trial "$scenario" --duration-s 6 --nodes 200 --log trial.lcmlog > trial.txt
 "$vantage" log replay trial.lcmlog --node planner:Q1 --node estimator:Q2
 exits_with 2 "$vantage" log replay trial.lcmlog --node planner:Q9
+"$vantage" log export flight.lcmlog --to csv --out results > /dev/null
+[[ $(ls results) == $'contacts.csv\nestimates.csv\nplans.csv\nposes.csv\nvehicles.csv' ]] || fail "result tables"
+python3 - results/estimates.csv "$("$vantage" log metrics flight.lcmlog --json)" << 'END' || fail "estimates.csv"
+import csv, json, sys
+rows = list(csv.DictReader(open(sys.argv[1])))
+rmse_m = json.loads(sys.argv[2])["per_robot"]["rmse"]
+errors = [float(row["error_m"]) for row in rows if row["error_m"]]
+times = [float(row["t_s"]) for row in rows]
+assert len(errors) > 0.9 * len(rows) and 0 <= min(times) and max(times) < 61, (len(rows), len(errors))
+mean_square_m = (sum(error**2 for error in errors) / len(errors)) ** 0.5
+assert 0.5 * rmse_m < mean_square_m < 2 * rmse_m, (mean_square_m, rmse_m)
+END
 "$vantage" log export flight.lcmlog --to csv --out csv --channels 'PLAN_.*'
 [[ $(ls csv) == $'PLAN_Q1.csv\nPLAN_Q2.csv\nPLAN_Q3.csv' ]] || fail "csv"
 "$vantage" log export flight.lcmlog --to mcap --out flight.mcap

@@ -9,9 +9,11 @@
 #include "core/write_file.hpp"
 #include "logs/export/csv_export.hpp"
 #include "logs/export/mcap_export.hpp"
+#include "logs/export/result_tables.hpp"
 #include "tools/command_line/numbers.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
+#include "tools/log/log_scenario.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -23,6 +25,7 @@ struct ExportArguments {
   std::vector<std::string> include;
   std::string profile = "foxglove";
   bool messages_only = false;
+  bool is_raw = false;
   bool force = false;
 };
 
@@ -82,6 +85,11 @@ int run(const ExportArguments& arguments) {
     throw StartupError(arguments.output +
                        ": exists already; choose another name, or overwrite it with --force");
   }
+  if (arguments.format == "csv" && !arguments.is_raw && arguments.include.empty()) {
+    return report(log, arguments,
+                  logs::export_results(log, scenario_of(log), arguments.output,
+                                       progress_line("writing"), stop_requested));
+  }
   if (arguments.format == "csv") {
     return report(log, arguments,
                   logs::export_csv(log, arguments.output, channels, progress_line("writing"),
@@ -108,13 +116,12 @@ void add_log_export_command(CLI::App& log, Runner& chosen) {
   command->add_option("--to", arguments->format, "output format: csv or mcap")
       ->required()
       ->check(one_of({"csv", "mcap"}));
-  command
-      ->add_option("--out", arguments->output,
-                   "csv: folder for the tables CHANNEL.csv; mcap: file to write")
+  command->add_option("--out", arguments->output, "csv: folder for the tables; mcap: file to write")
       ->required();
   command->add_option(
       "--channels", arguments->include,
-      "channels to export; regular expressions that match whole names; default: all");
+      "channels to export; regular expressions that match whole names; default: all. With csv: "
+      "as --raw");
   command
       ->add_option(
           "--profile", arguments->profile,
@@ -122,18 +129,24 @@ void add_log_export_command(CLI::App& log, Runner& chosen) {
           "see docs/guide/ros2.md)")
       ->check(one_of({"foxglove", "ros2"}))
       ->capture_default_str();
+  command->add_flag(
+      "--raw", arguments->is_raw,
+      "csv: a table CHANNEL.csv with every field of every message, instead of results");
   command->add_flag("--messages-only", arguments->messages_only,
                     "mcap: leave out the drawings and events in Foxglove's schemas");
   command->add_flag("--force", arguments->force, "overwrite existing files");
   command->footer(
-      "CSV: a message with a list (bodies, targets, …) becomes one row per element. MCAP: JSON\n"
+      "CSV: estimates.csv (t_s, robot, target, x_m, y_m, sigma_m, error_m), plans.csv,\n"
+      "vehicles.csv, poses.csv and contacts.csv; t_s counts from the begin of the log. With --raw\n"
+      "a message with a list (bodies, targets, …) becomes one row per element. MCAP: JSON\n"
       "messages with their schemas, for Foxglove, Lichtblick and PlotJuggler. Details:\n"
       "docs/guide/logs.md.\n"
       "Ctrl-C ends the export at once; the files are valid, but incomplete.\n"
       "Exit code 1: interrupted, or the disk is full, or events that are not messages of this\n"
       "version were left out (their channels are listed).\n"
       "Examples:\n"
-      "  vantage log export flight.lcmlog --to csv --out flight-csv --channels 'PLAN_.*'\n"
+      "  vantage log export flight.lcmlog --to csv --out flight-csv\n"
+      "  vantage log export flight.lcmlog --to csv --out raw-csv --channels 'PLAN_.*'\n"
       "  vantage log export flight.lcmlog --to mcap --out flight.mcap\n"
       "  vantage log export flight.lcmlog --to mcap --profile ros2 --out flight-ros2.mcap");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
