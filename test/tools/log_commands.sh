@@ -96,7 +96,7 @@ exits_with 2 "$vantage" log replay trial.lcmlog --node planner:Q9
 python3 - results/estimates.csv "$("$vantage" log metrics flight.lcmlog --json)" << 'END' || fail "estimates.csv"
 import csv, json, sys
 rows = list(csv.DictReader(open(sys.argv[1])))
-rmse_m = json.loads(sys.argv[2])["per_robot"]["rmse"]
+rmse_m = json.loads(sys.argv[2])["per_robot"]["rmse_m"]
 errors = [float(row["error_m"]) for row in rows if row["error_m"]]
 times = [float(row["t_s"]) for row in rows]
 assert len(errors) > 0.9 * len(rows) and 0 <= min(times) and max(times) < 61, (len(rows), len(errors))
