@@ -109,7 +109,7 @@ IndexedLog::IndexedLog(const std::string& path, const std::function<void(double)
     return;
   }
   survey_ = survey_log(bytes(), progress);
-  if (survey_.scan.events > 0) {  // not next to a file that is no log
+  if (survey_.scan.events > 0) {  // a file without events is not a log
     static_cast<void>(save_index(path, bytes(), survey_));
   }
 }
