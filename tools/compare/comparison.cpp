@@ -41,7 +41,7 @@ std::string row(const std::string& name, const std::vector<std::string>& cells) 
 /// Adds the rows of groups `begin` … `end`, with differences to `base`.
 void add_block(const std::vector<TrialGroup>& groups, std::size_t begin, std::size_t end,
                std::vector<std::string>& lines) {
-  const std::vector<Quantity>& names = groups.front().trials.front().quantities;
+  const std::vector<ComparedValue>& names = groups.front().trials.front().quantities;
   const auto add_row = [&](const std::string& name, std::size_t first, const auto& cell) {
     std::vector<std::string> cells;
     for (std::size_t g = first; g < end; ++g) {
@@ -90,18 +90,18 @@ nlohmann::ordered_json json_of(const experiments::Sample& sample) {
 
 }  // namespace
 
-std::vector<Quantity> quantities_of(const logs::TrialSummary& summary) {
+std::vector<ComparedValue> quantities_of(const logs::TrialSummary& summary) {
   const logs::RobotMeans& robot = summary.per_robot;
-  std::vector<Quantity> out = {{"RMSE of a robot, m", robot.rmse_m},
-                               {"RMSE of the team, m", summary.rmse_m},
-                               {"entropy of a robot's beliefs, nat", robot.entropy_nats},
-                               {"entropy of the team, nat", summary.entropy_nats},
-                               {"targets found", summary.discovered},
-                               {"time until found, s", robot.discovery_time_s},
-                               {"share of time unknown", robot.undiscovered_share},
-                               {"NEES of a robot", robot.consistency.mean_nees},
-                               {"median NEES of a robot", robot.consistency.median_nees},
-                               {"share in the 95 % ellipse", robot.consistency.coverage_95}};
+  std::vector<ComparedValue> out = {{"RMSE of a robot, m", robot.rmse_m},
+                                    {"RMSE of the team, m", summary.rmse_m},
+                                    {"entropy of a robot's beliefs, nat", robot.entropy_nats},
+                                    {"entropy of the team, nat", summary.entropy_nats},
+                                    {"targets found", summary.discovered},
+                                    {"time until found, s", robot.discovery_time_s},
+                                    {"share of time unknown", robot.undiscovered_share},
+                                    {"NEES of a robot", robot.consistency.mean_nees},
+                                    {"median NEES of a robot", robot.consistency.median_nees},
+                                    {"share in the 95 % ellipse", robot.consistency.coverage_95}};
   for (std::size_t i = 0; i < logs::kAgeClasses; ++i) {
     out.push_back(
         {"NEES if unseen for " + logs::age_name(i) + " s", robot.consistency_by_age[i].mean_nees});
@@ -114,8 +114,8 @@ std::vector<Quantity> quantities_of(const logs::TrialSummary& summary) {
   return out;
 }
 
-std::vector<Quantity> quantities_of(const logs::LogAnalysis& analysis) {
-  std::vector<Quantity> out = quantities_of(analysis.summary);
+std::vector<ComparedValue> quantities_of(const logs::LogAnalysis& analysis) {
+  std::vector<ComparedValue> out = quantities_of(analysis.summary);
   const auto set = [&](const auto& member) {
     return analysis.sets ? std::optional<double>(member(*analysis.sets)) : std::nullopt;
   };
@@ -172,7 +172,7 @@ nlohmann::ordered_json comparison_json(const std::vector<TrialGroup>& groups) {
     for (const ComparedTrial& trial : group.trials) {
       one["seeds"].push_back(trial.seed);
     }
-    const std::vector<Quantity>& names = group.trials.front().quantities;
+    const std::vector<ComparedValue>& names = group.trials.front().quantities;
     for (std::size_t i = 0; i < names.size(); ++i) {
       nlohmann::ordered_json& quantity = one["quantities"][names[i].name];
       quantity = {{"all", json_of(sample_of(group, i))},

@@ -14,20 +14,20 @@
 namespace vantage::tools {
 
 /// One value of a trial that is compared between trials.
-struct Quantity {
+struct ComparedValue {
   std::string name;             ///< with its unit
   std::optional<double> value;  ///< nullopt: the trial has none
 };
 
 /// Returns the compared values of a trial, in the order of printing.
-std::vector<Quantity> quantities_of(const logs::TrialSummary& summary);
+std::vector<ComparedValue> quantities_of(const logs::TrialSummary& summary);
 /// Returns those of a log, which include OSPA and swaps.
-std::vector<Quantity> quantities_of(const logs::LogAnalysis& analysis);
+std::vector<ComparedValue> quantities_of(const logs::LogAnalysis& analysis);
 
 /// One trial of a group.
 struct ComparedTrial {
   std::uint64_t seed = 0;
-  std::vector<Quantity> quantities;
+  std::vector<ComparedValue> quantities;
 };
 
 /// Trials that differ only by their seed.

@@ -96,7 +96,7 @@ void draw_axis(Svg& svg, const Axis& axis, double y_px) {
 
 std::string comparison_figure(const std::vector<TrialGroup>& groups, const std::string& title) {
   require(!groups.empty(), "comparison: needs a group of trials");
-  const std::vector<Quantity>& names = groups.front().trials.front().quantities;
+  const std::vector<ComparedValue>& names = groups.front().trials.front().quantities;
   const double panel_px = kHead_px + kRow_px * static_cast<double>(groups.size()) + kFoot_px;
   Svg svg(kWidth_px, kTop_px + panel_px * static_cast<double>(kDrawn.size()) + 24.0);
   svg.open_group(R"(font-family="sans-serif" font-size="13")");
@@ -106,7 +106,7 @@ std::string comparison_figure(const std::vector<TrialGroup>& groups, const std::
   double top_px = kTop_px;
   for (const char* drawn : kDrawn) {
     const auto found = std::find_if(names.begin(), names.end(),
-                                    [&](const Quantity& each) { return each.name == drawn; });
+                                    [&](const ComparedValue& each) { return each.name == drawn; });
     const auto i = static_cast<std::size_t>(found - names.begin());
     const std::optional<Axis> axis = found == names.end() ? std::nullopt : axis_of(groups, i);
     svg.text({20.0, top_px + 16.0}, drawn, R"(font-weight="bold" fill="#222")");

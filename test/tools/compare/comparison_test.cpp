@@ -88,7 +88,7 @@ TEST(Comparison, NamesTheSameQuantitiesForEverySummary) {
   full.map_entropy_nats = 10.0;
   const auto names = [](const logs::TrialSummary& summary) {
     std::vector<std::string> out;
-    for (const Quantity& each : quantities_of(summary)) {
+    for (const ComparedValue& each : quantities_of(summary)) {
       out.push_back(each.name);
     }
     return out;
