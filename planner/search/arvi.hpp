@@ -76,8 +76,8 @@ class ReducedValueIteration : private TreeSearch {
   Progress open_level(int t, double epsilon, double delta_m);
   /// Sets `pruned` if an opened node makes `id` redundant; kDeadline or kMemory end the search.
   Progress is_pruned(NodeId id, double epsilon, double delta_m, const Level& level, bool& pruned);
-  /// Makes child `i` of `parent`, of depth T, the plan if it is the best so far and can stop safely.
-  /// False if the arena is full.
+  /// Makes child `i` of `parent`, of depth T, the plan if it is the best so far and can stop
+  /// safely. False if the arena is full.
   bool offer_leaf(int i, NodeId parent);
   /// Sets the plan if no depth-T node can stop safely: stop at the deepest safe node and hover.
   void fall_back_to_hover();

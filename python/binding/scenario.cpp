@@ -64,7 +64,8 @@ raises StartupError with line, key, rule, value and a probable correction.)")
           py::arg("planner") = py::none(), py::arg("communication_range_m") = py::none(),
           py::arg("node_budget") = py::none(),
           py::arg("keys") = std::map<std::string, std::string>(),
-          "Returns a copy with these options changed, as the flags of `vantage trial` do. `keys` maps "
+          "Returns a copy with these options changed, as the flags of `vantage trial` do. `keys` "
+          "maps "
           "full paths of other keys to values in YAML: "
           "{\"robot_defaults.sensor.range_sigma_m\": \"0.3\"}.")
       .def_property_readonly("name", [](const Scenario& self) { return self.value.name; })

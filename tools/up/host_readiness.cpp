@@ -65,8 +65,7 @@ std::optional<double> free_processors(const ProcessorTimes& before, const Proces
 }
 
 std::optional<std::string> host_fault(const HostReadiness& host) {
-  if (host.has_priority || !host.free_processors ||
-      *host.free_processors >= kFreeProcessorsMin) {
+  if (host.has_priority || !host.free_processors || *host.free_processors >= kFreeProcessorsMin) {
     return std::nullopt;
   }
   return fmt::format(
