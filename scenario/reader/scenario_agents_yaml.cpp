@@ -76,7 +76,9 @@ void check_sensor(Mapping& from, const SensorModel& sensor) {
   }
 }
 
-void read_sensor(Mapping& from, SensorModel& sensor, models::DetectionModel& detection) {
+void read_sensor(Mapping& from, RobotSpec& robot) {
+  SensorModel& sensor = robot.sensor;
+  read_publisher(from, robot.sensor_publisher);
   from.choice("kind", sensor.kind, models::all_sensor_kinds());
   from.number("range_max_m", sensor.range_max_m, above_to(0.0, kLengthMaxM));
   from.number("range_min_m", sensor.range_min_m, at_least(0.0));
@@ -95,7 +97,7 @@ void read_sensor(Mapping& from, SensorModel& sensor, models::DetectionModel& det
     calibration.number("range_bias_m", sensor.calibration.range_bias_m, any_number());
   });
   check_sensor(from, sensor);
-  read_detection(from, sensor, detection);
+  read_detection(from, sensor, robot.detection);
 }
 
 void read_limits(Mapping& from, models::VehicleLimits& limits) {
@@ -305,10 +307,7 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   from.section("limits", [&](Mapping& limits) { read_limits(limits, robot.limits); });
   read_primitives(from, robot.limits, robot.primitives);
   from.require("sensor");
-  from.section("sensor", [&](Mapping& sensor) {
-    read_publisher(sensor, robot.sensor_publisher);
-    read_sensor(sensor, robot.sensor, robot.detection);
-  });
+  from.section("sensor", [&](Mapping& sensor) { read_sensor(sensor, robot); });
   from.section("energy",
                [&](Mapping& energy) { read_energy(energy, scenario.world, robot.energy); });
   read_device(from, robot.device);
