@@ -41,6 +41,24 @@ double intersection_weight(const models::StateMatrix& A, const models::StateMatr
   return 0.5 * (low + high);
 }
 
+/// Largest position σ at which a target counts as located, as a share of the sensor's range.
+constexpr double kLocatedShare = 0.2;
+
+/// Returns the number of targets that may be pending: 0 if one detection of any robot locates a
+/// target.
+int pending_max(const FilterSpec& spec) {
+  const bool all_locate =
+      can_discover(spec.sensor) &&
+      std::all_of(spec.team.begin(), spec.team.end(),
+                  [](const ObservationSource& source) { return can_discover(source.sensor); });
+  return all_locate ? 0 : spec.target_count;
+}
+
+bool is_reported(const Observation& observation, int target_id) {
+  return std::any_of(observation.detections.begin(), observation.detections.end(),
+                     [&](const auto& detection) { return detection.target_id == target_id; });
+}
+
 /// Adds a belief to the weighted sum of the beliefs received of its target.
 void add_weighted(ReceivedTable& all_received, const models::TargetBelief& target,
                   const models::Information& now, double weight) {
@@ -63,9 +81,11 @@ GaussianTracks::GaussianTracks(const FilterSpec& spec)
     : spec_(spec),
       free_space_(inset(spec.world, spec.target_radius_m)),
       tracks_(spec.target_count),
+      pending_(pending_max(spec)),
       history_(static_cast<std::size_t>(spec.history_steps)) {
   for (Record& each : history_) {  // a copied table has no reserved capacity
     each.before = TrackTable(spec.target_count);
+    each.pending = PendingTable(pending_max(spec));
     each.received_at_start = ReceivedTable(spec.target_count);
     each.received_at_end = ReceivedTable(spec.target_count);
   }
@@ -95,9 +115,20 @@ void GaussianTracks::start(const Step& step) {
   record(step.slot).has_belief_of_end = false;
 }
 
-void GaussianTracks::save(int slot) { record(slot).before = tracks_; }
+void GaussianTracks::save(int slot) {
+  record(slot).before = tracks_;
+  record(slot).pending = pending_;
+}
 
-void GaussianTracks::restore(int slot) { tracks_ = record(slot).before; }
+void GaussianTracks::restore(int slot) {
+  tracks_ = record(slot).before;
+  pending_ = record(slot).pending;
+}
+
+void GaussianTracks::add_track(int target_id, const Track& track) {
+  tracks_.put({target_id, track});
+  pending_.erase_if([&](const PendingTarget& each) { return each.target_id == target_id; });
+}
 
 std::optional<models::Information> GaussianTracks::kept_inside(
     const models::Information& information) const {
@@ -165,7 +196,7 @@ void GaussianTracks::fuse_all(const ReceivedTable& all_received) {
     if (KnownTrack* const known = tracks_.find(target_id)) {
       fuse_track(*known, theirs);
     } else {
-      tracks_.put({target_id, theirs});
+      add_track(target_id, theirs);
     }
   }
 }
@@ -208,6 +239,11 @@ void GaussianTracks::propagate(Time from, Time to, FilterCounters& count) {
     predict_track(each, from, to, count);
   }
   tracks_.erase_if([](const KnownTrack& each) { return !each.track.known; });
+  for (PendingTarget& each : pending_) {
+    if (from < to) {
+      each.hypotheses.predict(spec_.estimator.target_model, to_seconds(to - from));
+    }
+  }
 }
 
 void GaussianTracks::predict_track(KnownTrack& known, Time from, Time to, FilterCounters& count) {
@@ -225,6 +261,37 @@ void GaussianTracks::predict_track(KnownTrack& known, Time from, Time to, Filter
 void GaussianTracks::confine(FilterCounters& count) {
   for (KnownTrack& each : tracks_) {
     confine_track(each, count);
+  }
+  for (PendingTarget& each : pending_) {
+    each.hypotheses.confine(free_space_);
+  }
+}
+
+std::optional<models::Information> GaussianTracks::locate(int target_id,
+                                                          const Observation& observation,
+                                                          const models::SensorModel& sensor,
+                                                          const models::Measurement& measurement) {
+  PendingTarget* pending = pending_.find(target_id);
+  const bool is_used =
+      pending != nullptr && pending->hypotheses.measure(sensor, observation.from, measurement);
+  if (!is_used) {  // the first detection, or one that contradicts the earlier ones
+    PendingTarget begun{target_id, {}};
+    if (!begun.hypotheses.start(spec_.estimator, free_space_, sensor, observation.from,
+                                measurement)) {
+      return std::nullopt;
+    }
+    pending = &pending_.put(begun);
+  }
+  const auto located = pending->hypotheses.located(kLocatedShare * sensor.range_max_m);
+  return located ? models::to_information(*located) : std::nullopt;
+}
+
+void GaussianTracks::miss_pending(const Observation& observation, const models::SensorModel& sensor,
+                                  double detection_probability) {
+  for (PendingTarget& each : pending_) {
+    if (!is_reported(observation, each.target_id)) {
+      each.hypotheses.miss(spec_.world, sensor, observation.from, detection_probability);
+    }
   }
 }
 
@@ -247,8 +314,10 @@ void GaussianTracks::use(const Observation& observation, const ObservationSource
     if (KnownTrack* const known = tracks_.find(target_id)) {
       measure_track(*known, observation, source.sensor, measurement, count);
     } else if (const auto found = discover(spec, source.sensor, observation.from, measurement)) {
-      tracks_.put({target_id, {true, *found, observation.time}});
-    } else {
+      add_track(target_id, {true, *found, observation.time});
+    } else if (const auto located = locate(target_id, observation, source.sensor, measurement)) {
+      add_track(target_id, {true, *located, observation.time});
+    } else if (pending_.find(target_id) == nullptr) {
       ++count.undiscoverable;
     }
   }
@@ -258,12 +327,11 @@ void GaussianTracks::use(const Observation& observation, const ObservationSource
     return;
   }
   for (KnownTrack& each : tracks_) {
-    const bool reported = std::any_of(detections.begin(), detections.end(),
-                                      [&](const auto& d) { return d.target_id == each.target_id; });
-    if (!reported) {
+    if (!is_reported(observation, each.target_id)) {
       miss_track(each, observation, source.sensor, detection_probability, count);
     }
   }
+  miss_pending(observation, source.sensor, detection_probability);
 }
 
 bool GaussianTracks::measure_track(KnownTrack& known, const Observation& observation,
@@ -316,6 +384,7 @@ std::vector<models::TargetBelief> GaussianTracks::beliefs() const {
 
 void GaussianTracks::rebase(std::span<const models::TargetBelief> targets, FilterCounters& count) {
   tracks_.clear();
+  pending_.clear();
   for (const models::TargetBelief& target : targets) {
     if (target.target_id < 0 || target.target_id >= spec_.target_count) {
       ++count.unknown_ids;

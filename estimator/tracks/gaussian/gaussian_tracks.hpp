@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "estimator/tracks/gaussian/position_hypotheses.hpp"
 #include "estimator/tracks/gaussian/track_table.hpp"
 #include "estimator/tracks/track_store.hpp"
 
@@ -17,6 +18,10 @@ namespace vantage::estimator {
 ///
 /// Tracks are kept in information form, because a detection and a fusion then add matrices without
 /// an inversion, and a published belief is exactly the track (docs/decisions/0027).
+///
+/// A target that a detection does not locate, such as one seen by a range finder, is not a track
+/// until several detections of any robot locate it (PositionHypotheses). rebase() forgets these
+/// detections.
 class GaussianTracks : public TrackStore {
  public:
   explicit GaussianTracks(const FilterSpec& spec);
@@ -68,10 +73,18 @@ class GaussianTracks : public TrackStore {
   virtual bool fuse_track(KnownTrack& known, const Track& received);
 
  private:
+  /// Detections of a target that is not yet located.
+  struct PendingTarget {
+    int target_id = 0;
+    PositionHypotheses hypotheses;
+  };
+  using PendingTable = TargetTable<PendingTarget>;
+
   /// Beliefs of a step: own and received. Received beliefs of instants ≤ `from` are predicted to
   /// `from`, others to `to`.
   struct Record {
     TrackTable before;
+    PendingTable pending;
     ReceivedTable received_at_start;
     ReceivedTable received_at_end;
     /// True if a received belief is of instant `to`. Such a belief contains the observations of
@@ -87,10 +100,20 @@ class GaussianTracks : public TrackStore {
   [[nodiscard]] std::optional<models::Information> kept_inside(
       const models::Information& information) const;
   void fuse_all(const ReceivedTable& all_received);
+  void add_track(int target_id, const Track& track);
+  /// Uses the detection of a target that it does not locate; returns the belief if all detections
+  /// so far locate the target.
+  std::optional<models::Information> locate(int target_id, const Observation& observation,
+                                            const models::SensorModel& sensor,
+                                            const models::Measurement& measurement);
+  /// Uses an observation for the pending targets that it did not report.
+  void miss_pending(const Observation& observation, const models::SensorModel& sensor,
+                    double detection_probability);
 
   FilterSpec spec_;
   models::World free_space_;  ///< free space of the targets' centres
   TrackTable tracks_;
+  PendingTable pending_;
   std::vector<Record> history_;
 };
 

@@ -272,13 +272,13 @@ TEST(DistributedFilter, DiscoversWithTheNoiseOfTheFirstMeasurement) {
       is_near(g.covariance.bottomRightCorner(2, 2), 0.25 * Eigen::Matrix2d::Identity(), 1e-9));
 }
 
-TEST(DistributedFilter, CountsRangesThatCannotDiscoverATarget) {
+TEST(DistributedFilter, WaitsForMoreRangesBeforeADiscovery) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRange);
   std::mt19937_64 rng(3);
   DistributedFilter filter(open_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1));
   const auto look = look_at(sensor, instant(0), at(0, 0), {Eigen::Vector2d(4.0, 6.0)}, rng);
   EXPECT_TRUE(take_step(filter, instant(0), at(0, 0), {look}).targets.empty());
-  EXPECT_EQ(filter.counters().undiscoverable, 1);
+  EXPECT_EQ(filter.counters().undiscoverable, 0);
 }
 
 TEST(DistributedFilter, CountsEveryUnusedInput) {
