@@ -347,8 +347,10 @@ std::optional<std::string> discovery_obstacle(const Scenario& scenario) {
   if (!tracks_targets(scenario) || scenario.targets.empty() || scenario.robots.empty()) {
     return std::nullopt;
   }
-  const auto finds = [](const RobotSpec& robot) {
-    return robot.sensor.kind.law().position_from != nullptr;
+  // Several detections locate a planar target (estimator::PositionHypotheses).
+  const bool is_planar = scenario.estimator.target_model.position_dim == 2;
+  const auto finds = [is_planar](const RobotSpec& robot) {
+    return is_planar || robot.sensor.kind.law().position_from != nullptr;
   };
   if (std::any_of(scenario.robots.begin(), scenario.robots.end(), finds)) {
     return std::nullopt;
@@ -360,8 +362,8 @@ std::optional<std::string> discovery_obstacle(const Scenario& scenario) {
     }
   }
   return fmt::format(
-      "no target can be found: no robot's sensor determines a position (robot {}: sensor.kind {}); "
-      "give at least one robot a sensor of kind {}",
+      "no target can be found: target_model.position_dim is 3, and no robot's sensor determines a "
+      "position (robot {}: sensor.kind {}); set position_dim: 2 or give at least one robot a sensor of kind {}",
       scenario.robots.front().name, scenario.robots.front().sensor.kind.name(), kinds);
 }
 

@@ -23,10 +23,14 @@ void PrintTo(const Row& row, std::ostream* out) { *out << row.name; }
 
 const Row kRows[] = {
     {"RangeOnly",
-     {{"kind: range_bearing", "kind: range"}},
-     "no target can be found: no robot's sensor determines a position"},
+     {{"kind: range_bearing", "kind: range"},
+      {"kind: damped_oscillator", "kind: random_walk"},
+      {"position_dim: 2", "position_dim: 3"}},
+     "no target can be found: target_model.position_dim is 3"},
     {"BearingOnly",
-     {{"kind: range_bearing", "kind: bearing"}},
+     {{"kind: range_bearing", "kind: bearing"},
+      {"kind: damped_oscillator", "kind: random_walk"},
+      {"position_dim: 2", "position_dim: 3"}},
      "give at least one robot a sensor of kind position, range_bearing, camera"},
     {"SeesOnlyItself",
      {{"range_max_m: 1 ", "range_max_m: 0.11 "}},
