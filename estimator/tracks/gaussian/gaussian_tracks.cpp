@@ -42,7 +42,7 @@ double intersection_weight(const models::StateMatrix& A, const models::StateMatr
 }
 
 /// Largest position σ at which a target counts as located, as a share of the sensor's range.
-constexpr double kLocatedShare = 0.2;
+constexpr double kLocatedShare = 0.5;
 
 /// Returns the number of targets that may be pending: 0 if one detection of any robot locates a
 /// target.

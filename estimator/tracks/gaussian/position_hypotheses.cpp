@@ -19,9 +19,11 @@ using models::MeasurementMatrix;
 using models::MeasurementVector;
 using models::PositionVector;
 
-constexpr int kBearings = 36;            ///< cells of the first grid around a full circle
-constexpr int kRanges = 16;              ///< cells of the first grid along the range
-constexpr double kCellOverlap = 1.2;     ///< σ of a cell, relative to that of a uniform density
+constexpr int kBearings = 36;         ///< cells of the first grid around a full circle
+constexpr int kRanges = 16;           ///< cells of the first grid along the range
+constexpr double kCellOverlap = 1.2;  ///< σ of a cell, relative to that of a uniform density
+/// Largest variance of all hypotheses, relative to the mean variance of one, with one mode.
+constexpr double kOneMode = 2.0;
 constexpr double kWeightMin = 1e-4;      ///< share below which a hypothesis is dropped
 constexpr double kMergeDistance = 0.7;   ///< σ; hypotheses whose means are nearer are merged
 constexpr double kContradiction = 1e-6;  ///< likelihood, relative to that of a perfect match
@@ -83,10 +85,9 @@ std::optional<Updated> unscented_update(const Gaussian& belief, const models::Se
   return out;
 }
 
-double widest_sigma_m(const Gaussian& belief) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
-      Eigen::Matrix2d(belief.covariance.topLeftCorner<2, 2>()), Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()(1)));
+double largest_eigenvalue(const Eigen::Matrix2d& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(symmetric, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()(1);
 }
 
 /// Returns the distance from `p_m` to the farthest point of `area`, m.
@@ -290,14 +291,19 @@ std::optional<Gaussian> PositionHypotheses::located(double sigma_max_m) const {
   if (size_ == 0) {
     return std::nullopt;
   }
-  double weight = hypotheses_[0].weight;
+  double weight = 0.0;
   Gaussian out = hypotheses_[0].belief;
-  for (int i = 1; i < size_; ++i) {
+  Eigen::Matrix2d within = Eigen::Matrix2d::Zero();
+  for (int i = 0; i < size_; ++i) {
     const Hypothesis& each = hypotheses_[index(i)];
     out = moments_of(weight, out, each.weight, each.belief);
     weight += each.weight;
+    within += each.weight * each.belief.covariance.topLeftCorner<2, 2>();
   }
-  return widest_sigma_m(out) <= sigma_max_m ? std::optional(out) : std::nullopt;
+  const double total_m2 = largest_eigenvalue(out.covariance.topLeftCorner<2, 2>());
+  const bool is_one_mode = total_m2 <= kOneMode * largest_eigenvalue(within / weight);
+  const double sigma_allowed_m = is_one_mode ? sigma_max_m : kNearModes * sigma_max_m;
+  return total_m2 <= sigma_allowed_m * sigma_allowed_m ? std::optional(out) : std::nullopt;
 }
 
 }  // namespace vantage::estimator

@@ -49,8 +49,10 @@ class PositionHypotheses {
   void confine(const models::World& world);
 
   /// Returns the mean and covariance of all hypotheses if the position's largest σ is at most
-  /// `sigma_max_m`. Hypotheses that are far apart have a larger σ, so the result has one mode.
+  /// `sigma_max_m` and they form one mode: their means differ by less than their own σ. Modes that
+  /// are so near that the largest σ is below kNearModes · sigma_max_m count as one.
   [[nodiscard]] std::optional<models::Gaussian> located(double sigma_max_m) const;
+  static constexpr double kNearModes = 0.4;
 
  private:
   struct Hypothesis {

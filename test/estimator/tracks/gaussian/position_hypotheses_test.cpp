@@ -57,7 +57,7 @@ Search search_for_a_target(SensorKind kind, std::uint64_t seed) {
       hypotheses.start(still_targets(), room(), sensor, from, z);
     }
     ++out.measurements;
-    out.found = hypotheses.located(1.0);
+    out.found = hypotheses.located(2.5);
   }
   return out;
 }
@@ -113,7 +113,7 @@ TEST(PositionHypotheses, BeginOnlyWhereTheTargetCanBe) {
   models::World narrow = room();
   narrow.bounds = {{-4.0, -0.5}, {0.5, 0.5}};  // leaves the part of the ring near (−3, 0)
   ASSERT_TRUE(hypotheses.start(still_targets(), narrow, sensor, from, z));
-  const auto found = hypotheses.located(1.0);
+  const auto found = hypotheses.located(2.5);
   ASSERT_TRUE(found || hypotheses.size() > 1);
   narrow.bounds = {{-1.0, -1.0}, {1.0, 1.0}};
   EXPECT_FALSE(hypotheses.start(still_targets(), narrow, sensor, from, z));
