@@ -73,7 +73,7 @@ class Tables {
   bool on(const models::MocapFrame& frame) {
     for (const models::MocapBody& body : frame.bodies) {
       if (!body.occluded) {
-        const Eigen::Vector3d& at_m = body.world_from_body.position_m;
+        const Eigen::Vector3d& at_m = body.world_from_body.translation_m;
         poses_.write(fmt::format("{:.3f},{},{:.4f},{:.4f},{:.4f},{:.2f}\n", t_s(frame.stamp.time),
                                  csv_cell(body.name), at_m.x(), at_m.y(), at_m.z(),
                                  degrees(flatten(body.world_from_body).yaw_rad)));
@@ -183,7 +183,7 @@ ExportCounts export_results(const IndexedLog& log, const scenario::Scenario& sce
       progress(static_cast<double>(event->offset) / static_cast<double>(log.bytes().size()));
     }
     visit_message(*event,
-                  [&](const auto& message) { counts.messages += tables.on(message) ? 1 : 0; });
+                  [&](const auto& message) { counts.messages += tables.on(message) ? 1U : 0U; });
   }
   tables.finish();
   counts.failure = tables.failure();
