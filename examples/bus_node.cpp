@@ -1,6 +1,5 @@
 // A node: receives beliefs, publishes its own belief every second; run_node() reports its health.
-// Needs component bus. Default URL: $LCM_DEFAULT_URL. `bus_node memq:// 3` receives its own
-// beliefs.
+// Component: bus. Default URL: $LCM_DEFAULT_URL. `bus_node memq:// 3` receives its own beliefs.
 #include <cstdio>
 #include <cstdlib>
 
