@@ -13,7 +13,7 @@ read_log() {  # checks that log $1 is whole, has no outdated type, and can be ev
   "$vantage" log check "$1" > said || { cat said; fail "$1: is damaged"; }
   "$vantage" log info "$1" --json > info.json
   "$vantage" log metrics "$1" --json > metrics.json
-  "$vantage" log export "$1" --to csv --out csv > csv.txt
+  "$vantage" log export "$1" --to csv --raw --out csv > csv.txt
   "$vantage" log export "$1" --to mcap --messages-only --out all.mcap > mcap.txt
   python3 - "$1" << 'PY'
 import csv

@@ -20,7 +20,7 @@ class Log(unittest.TestCase):
         pathlib.Path(cls.path).write_bytes(lzma.decompress((SOURCE / "logs/sample/lab_60s.lcmlog.xz").read_bytes()))
         cls.log = vantage.Log(cls.path)
         cls.tables = os.path.join(cls.folder.name, "csv")
-        command("log", "export", cls.path, "--to", "csv", "--out", cls.tables)
+        command("log", "export", cls.path, "--to", "csv", "--raw", "--out", cls.tables)
 
     @classmethod
     def tearDownClass(cls):

@@ -209,7 +209,7 @@ def main():
         whole = (folder / "flight.mcap").read_bytes()
         assert whole[:8] == whole[-8:] and not part.exists()
         code, said, warned = interrupted(
-            [vantage, "log", "export", many, "--to", "csv", "--out", folder / "csv"], folder,
+            [vantage, "log", "export", many, "--to", "csv", "--raw", "--out", folder / "csv"], folder,
             grown(folder / "csv/TRUTH.csv", 100_000), signal.SIGTERM)
         assert code == 1 and "interrupted" in warned, (code, warned)
         assert all(path.read_bytes().endswith(b"\n") for path in (folder / "csv").iterdir())

@@ -56,12 +56,12 @@ int main(int argc, char** argv) {
       return 2;
     }
     const int code = run();
-    // Output that could not be written, for example because the disk is full, is a failure. A
-    // reader that has seen enough, such as head, is none.
+    // Output that could not be written is a failure. A reader that has seen enough, such as head,
+    // needs no message.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
       pollfd out{STDOUT_FILENO, POLLOUT, 0};
       if (poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0) {
-        return code;
+        return std::max(code, 1);
       }
       std::fputs("vantage: cannot write to standard output\n", stderr);
       return std::max(code, 1);

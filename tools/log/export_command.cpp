@@ -85,7 +85,8 @@ int run(const ExportArguments& arguments) {
     throw StartupError(arguments.output +
                        ": exists already; choose another name, or overwrite it with --force");
   }
-  if (arguments.format == "csv" && !arguments.is_raw && arguments.include.empty()) {
+  if (arguments.format == "csv" && !arguments.is_raw && arguments.include.empty() &&
+      find_scenario_notice(log)) {
     return report(log, arguments,
                   logs::export_results(log, scenario_of(log), arguments.output,
                                        progress_line("writing"), stop_requested));
@@ -137,7 +138,9 @@ void add_log_export_command(CLI::App& log, Runner& chosen) {
   command->add_flag("--force", arguments->force, "overwrite existing files");
   command->footer(
       "CSV: estimates.csv (t_s, robot, target, x_m, y_m, sigma_m, error_m), plans.csv,\n"
-      "vehicles.csv, poses.csv and contacts.csv; t_s counts from the begin of the log. With --raw\n"
+      "vehicles.csv, poses.csv and contacts.csv; t_s counts from the begin of the log. With "
+      "--raw,\n"
+      "or without a SCENARIO message, each channel becomes a table CHANNEL.csv with every field;\n"
       "a message with a list (bodies, targets, …) becomes one row per element. MCAP: JSON\n"
       "messages with their schemas, for Foxglove, Lichtblick and PlotJuggler. Details:\n"
       "docs/guide/logs.md.\n"

@@ -1,6 +1,5 @@
 #include <memory>
 
-#include "core/check.hpp"
 #include "core/process.hpp"
 #include "logs/file/log_index.hpp"
 #include "tools/live/screen.hpp"
@@ -24,10 +23,6 @@ std::string flown_by(const logs::IndexedLog& log) {
 int info(const LookArguments& arguments) {
   const DefaultSignalScope reading;
   const logs::IndexedLog log(arguments.log, progress_line("reading"));
-  if (log.survey().scan.events == 0 && log.survey().size_bytes > 0) {
-    throw StartupError(arguments.log +
-                       ": contains no event of an LCM log; vantage reads LCM event logs");
-  }
   if (arguments.as_json) {
     nlohmann::ordered_json json = to_json(arguments.log, log.survey());
     json["flown_by"] = flown_by(log);
@@ -37,7 +32,9 @@ int info(const LookArguments& arguments) {
   for (const std::string& line : describe_content(arguments.log, log.survey(), flown_by(log))) {
     print_line(line);
   }
-  if (!log.survey().is_whole()) {
+  if (log.survey().scan.events == 0) {
+    print_line("contains no event of an LCM log");
+  } else if (!log.survey().is_whole()) {
     print_line("damaged; `vantage log check` lists the damage");
   }
   return 0;

@@ -19,11 +19,9 @@ using models::MeasurementMatrix;
 using models::MeasurementVector;
 using models::PositionVector;
 
-constexpr int kBearings = 36;         ///< cells of the first grid around a full circle
-constexpr int kRanges = 16;           ///< cells of the first grid along the range
-constexpr double kCellOverlap = 1.2;  ///< σ of a cell, relative to that of a uniform density
-/// Largest variance of all hypotheses, relative to the mean variance of one, with one mode.
-constexpr double kOneMode = 2.0;
+constexpr int kBearings = 36;            ///< cells of the first grid around a full circle
+constexpr int kRanges = 16;              ///< cells of the first grid along the range
+constexpr double kCellOverlap = 1.2;     ///< σ of a cell, relative to that of a uniform density
 constexpr double kWeightMin = 1e-4;      ///< share below which a hypothesis is dropped
 constexpr double kMergeDistance = 0.7;   ///< σ; hypotheses whose means are nearer are merged
 constexpr double kContradiction = 1e-6;  ///< likelihood, relative to that of a perfect match
@@ -302,8 +300,7 @@ std::optional<Gaussian> PositionHypotheses::located(double sigma_max_m) const {
   }
   const double total_m2 = largest_eigenvalue(out.covariance.topLeftCorner<2, 2>());
   const bool is_one_mode = total_m2 <= kOneMode * largest_eigenvalue(within / weight);
-  const double sigma_allowed_m = is_one_mode ? sigma_max_m : kNearModes * sigma_max_m;
-  return total_m2 <= sigma_allowed_m * sigma_allowed_m ? std::optional(out) : std::nullopt;
+  return is_one_mode && total_m2 <= sigma_max_m * sigma_max_m ? std::optional(out) : std::nullopt;
 }
 
 }  // namespace vantage::estimator

@@ -49,10 +49,10 @@ class PositionHypotheses {
   void confine(const models::World& world);
 
   /// Returns the mean and covariance of all hypotheses if the position's largest σ is at most
-  /// `sigma_max_m` and they form one mode: their means differ by less than their own σ. Modes that
-  /// are so near that the largest σ is below kNearModes · sigma_max_m count as one.
+  /// `sigma_max_m` and they form one mode: the variance of all is at most kOneMode times the mean
+  /// variance of one.
   [[nodiscard]] std::optional<models::Gaussian> located(double sigma_max_m) const;
-  static constexpr double kNearModes = 0.4;
+  static constexpr double kOneMode = 5.0;
 
  private:
   struct Hypothesis {

@@ -158,12 +158,14 @@ TEST(PurposeNotes, StateThatThereIsNothingToTrack) {
   EXPECT_EQ(notes[0].find("targets: the scenario has none"), 0U);
 }
 
-TEST(DiscoveryObstacle, NeedsOneSensorThatDeterminesAPosition) {
+TEST(DiscoveryObstacle, NeedsOneSensorThatDeterminesAPositionInSpace) {
   scenario::Scenario lab = scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab.yaml");
   EXPECT_FALSE(discovery_obstacle(lab));
   for (scenario::RobotSpec& robot : lab.robots) {
     robot.sensor.kind = models::SensorKind::kRange;
   }
+  EXPECT_FALSE(discovery_obstacle(lab)) << "several ranges locate a target on the ground";
+  lab.estimator.target_model.position_dim = 3;
   EXPECT_TRUE(discovery_obstacle(lab));
   lab.robots[1].sensor.kind = models::SensorKind::kCamera;
   EXPECT_FALSE(discovery_obstacle(lab));
