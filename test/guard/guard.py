@@ -97,7 +97,7 @@ def digest(*parts):
 def messages(vantage, log, folder):
     """Returns a digest of all messages by kind of channel, except SCENARIO, which contains the version of the
     build."""
-    run([vantage, "log", "export", log, "--to", "csv", "--out", folder])
+    run([vantage, "log", "export", log, "--to", "csv", "--raw", "--out", folder])
     kinds = {}
     for path in sorted(folder.iterdir()):
         kinds.setdefault(re.sub(r"_[A-Z]\d+$", "", path.stem), []).append(path)
