@@ -6,8 +6,7 @@
 #include <ctime>
 #include <vector>
 
-#include "estimator/filter/distributed_filter.hpp"
-#include "test/estimator/filter_support.hpp"
+#include "test/bench/filter_family.hpp"
 
 namespace {
 

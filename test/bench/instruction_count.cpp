@@ -109,8 +109,8 @@ Work bus_work(const bus::Channel<Message>& channel, const Message& message) {
     std::int64_t received = 0;
   };
   const auto ends = std::make_shared<Ends>();
-  ends->receiver.subscribe<Message>(channel,
-                                    [raw = ends.get()](const Message&) { ++raw->received; });
+  ends->receiver.template subscribe<Message>(
+      channel, [raw = ends.get()](const Message&) { ++raw->received; });
   return [ends, channel, message] {
     ends->received = 0;
     for (int i = 0; i < kMessages; ++i) {
