@@ -363,7 +363,8 @@ std::optional<std::string> discovery_obstacle(const Scenario& scenario) {
   }
   return fmt::format(
       "no target can be found: target_model.position_dim is 3, and no robot's sensor determines a "
-      "position (robot {}: sensor.kind {}); set position_dim: 2 or give at least one robot a sensor of kind {}",
+      "position (robot {}: sensor.kind {}); set position_dim: 2 or give at least one robot a "
+      "sensor of kind {}",
       scenario.robots.front().name, scenario.robots.front().sensor.kind.name(), kinds);
 }
 

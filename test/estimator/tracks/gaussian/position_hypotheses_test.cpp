@@ -156,7 +156,8 @@ TEST(PositionHypotheses, ShrinkByMissedDetections) {
 
 TEST(DistributedFilter, DiscoversTargetsByRangesOrBearingsOfATeam) {
   for (const SensorKind kind : {SensorKind::kRange, SensorKind::kBearing}) {
-    FilterSpec spec = test::open_spec({models::TargetKind::kRandomWalk, 2, 1e-4}, sensor_of(kind), 1);
+    FilterSpec spec =
+        test::open_spec({models::TargetKind::kRandomWalk, 2, 1e-4}, sensor_of(kind), 1);
     spec.sensor.range_max_m = 5.0;
     spec.estimator.grid_resolution_m = 1.0;
     spec.world = room();
