@@ -1,6 +1,7 @@
-# vantage_libm.o: musl's sin, exp, log, … as part of vantage_core. They come from Debian's package
+# vantage_libm.o: musl's sin, exp, log10, … as part of vantage_core. They come from Debian's package
 # musl-dev, which is compiled for any processor of the architecture. Results are bit-identical for
-# every compiler, flag, processor and C library of a program (docs/decisions/0014).
+# every compiler, flag, processor, architecture and C library of a program (docs/decisions/0014).
+# Only the tables of log and pow are taken: log_pow.cpp computes the functions.
 find_file(MUSL_LIBRARY libc.a
   PATHS /usr/lib/${CMAKE_SYSTEM_PROCESSOR}-linux-musl /usr/lib/musl/lib NO_DEFAULT_PATH)
 if(NOT MUSL_LIBRARY)
@@ -8,7 +9,7 @@ if(NOT MUSL_LIBRARY)
     "give identical results everywhere; -DVANTAGE_OWN_LIBM=OFF uses the system's functions")
 endif()
 set(functions
-  sin cos tan asin acos atan atan2 exp exp2 expm1 log log10 log1p pow hypot erf)
+  sin cos tan asin acos atan atan2 exp exp2 expm1 log10 log1p hypot erf)
 set(parts
   __cos __math_divzero __math_invalid __math_oflow __math_uflow __math_xflow __rem_pio2
   __rem_pio2_large __sin __tan exp_data log_data pow_data)
@@ -19,6 +20,11 @@ set(kept)
 foreach(function IN LISTS functions ITEMS erfc)
   list(APPEND renamed --redefine-sym ${function}=vantage_${function})
   list(APPEND kept --keep-global-symbol=vantage_${function})
+endforeach()
+foreach(table log=log pow_log=pow exp=exp)
+  string(REGEX MATCH "(.*)=(.*)" whole ${table})
+  list(APPEND renamed --redefine-sym __${CMAKE_MATCH_1}_data=vantage_${CMAKE_MATCH_2}_tables)
+  list(APPEND kept --keep-global-symbol=vantage_${CMAKE_MATCH_2}_tables)
 endforeach()
 set(libm_object ${CMAKE_CURRENT_BINARY_DIR}/vantage_libm.o)
 set(work ${CMAKE_CURRENT_BINARY_DIR}/libm_members)
@@ -35,4 +41,6 @@ add_custom_command(
   VERBATIM)
 set_source_files_properties(${libm_object}
   PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)
-target_sources(vantage_core PRIVATE ${libm_object})
+target_sources(vantage_core PRIVATE ${libm_object} libm/log_pow.cpp)
+# Separate, because names.h declares the functions with attributes for callers.
+set_source_files_properties(libm/log_pow.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)

@@ -6,7 +6,7 @@ status=0
 for program in "$@"; do
   if objdump --disassemble --demangle --no-show-raw-insn "$program" |
     awk '/^[0-9a-f]+ <.*>:$/ { where = $0 }
-         /\tvfn?m(add|sub)/ { if (where != said) { print where; said = where } print; found = 1 }
+         /\t(vfn?m(add|sub)|fn?m(add|sub)|fml[as])/ { if (where != said) { print where; said = where } print; found = 1 }
          END { exit !found }'; then
     echo "$program has fused products" >&2
     status=1

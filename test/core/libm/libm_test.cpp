@@ -159,6 +159,47 @@ TEST(Libm, HandlesSpecialValues) {
             std::numeric_limits<double>::denorm_min());
 }
 
+// The limits of the range, and the cases that IEEE 754 requires of pow.
+TEST(Libm, ReturnsExactValuesOfLogAndPow) {
+  const double infinity = HUGE_VAL;
+  const double nan = std::nan("");
+  const double smallest = std::numeric_limits<double>::denorm_min();
+  EXPECT_EQ(std::log(1.0), 0.0);
+  EXPECT_EQ(std::log(infinity), infinity);
+  EXPECT_EQ(std::log(smallest), -0x1.74385446d71c3p+9);
+  const struct {
+    double x, y, power;
+  } rows[] = {
+      {2.0, -1074.0, smallest},
+      {2.0, -1076.0, 0.0},
+      {2.0, 1023.0, 0x1p1023},
+      {2.0, 1024.0, infinity},
+      {-2.0, 1025.0, -infinity},
+      {-2.0, -1073.0, -2.0 * smallest},
+      {smallest, 0.5, 0x1p-537},
+      {0x1p-1030, -0.5, 0x1p515},
+      {0.0, -2.0, infinity},
+      {-0.0, -3.0, -infinity},
+      {infinity, -1.0, 0.0},
+      {-infinity, 3.0, -infinity},
+      {-infinity, 0.5, infinity},
+      {-1.0, infinity, 1.0},
+      {0.5, -infinity, infinity},
+      {2.0, -infinity, 0.0},
+      {nan, 0.0, 1.0},
+      {1.0, nan, 1.0},
+      {-3.0, 0x1p60, infinity},
+      {-1.0, 0x1p53 - 1.0, -1.0},
+      {3.0, 1e-30, 1.0},
+      {1.0 + 0x1p-52, 0x1p63, infinity},
+  };
+  for (const auto& row : rows) {
+    EXPECT_EQ(std::pow(row.x, row.y), row.power) << row.x << " to the power " << row.y;
+  }
+  EXPECT_TRUE(std::isnan(std::pow(-8.0, 1.0 / 3.0)));
+  EXPECT_TRUE(std::isnan(std::pow(2.0, nan)));
+}
+
 // A compiler that folds constants would round correctly; the library's results may differ in the
 // last bit. Constant arguments must therefore also use the library.
 TEST(Libm, IsUsedForConstantArguments) {
