@@ -26,6 +26,13 @@ endif()
 # EIGEN_DONT_VECTORIZE: without it, Eigen splits loops over matrices of run-time size by the
 # alignment of their address. The last bits of a result then depend on stack addresses, and a replay
 # is not exact. The compiler vectorises the project's own hot loops (docs/decisions/0004).
+set(is_x86_64 OFF)
+set(is_arm64 OFF)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  set(is_x86_64 ON)
+elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  set(is_arm64 ON)
+endif()
 add_library(vantage_build_flags INTERFACE)
 target_compile_features(vantage_build_flags INTERFACE cxx_std_20)
 target_compile_definitions(vantage_build_flags INTERFACE
@@ -64,11 +71,13 @@ if(VANTAGE_HARDENED)
   # (test/tools/same_bytes.sh).
   target_compile_options(vantage_build_flags INTERFACE
     -ffile-prefix-map=${PROJECT_BINARY_DIR}=build -ffile-prefix-map=${PROJECT_SOURCE_DIR}=vantage
-    -fstack-protector-strong -fstack-clash-protection -fcf-protection
+    -fstack-protector-strong -fstack-clash-protection
+    # Protection of jumps and calls, where the processor has it.
+    $<$<BOOL:${is_x86_64}>:-fcf-protection> $<$<BOOL:${is_arm64}>:-mbranch-protection=standard>
     $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE> $<$<NOT:$<CONFIG:Debug>>:-D_FORTIFY_SOURCE=2>)
   target_link_options(vantage_build_flags INTERFACE -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
 endif()
-if(NOT VANTAGE_PORTABLE AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+if(is_x86_64 AND NOT VANTAGE_PORTABLE)
   # Without FMA, because GCC 12 fuses even with -ffp-contract=off if it combines additions and
   # subtractions in one vector.
   target_compile_options(vantage_build_flags INTERFACE -march=x86-64-v3 -mno-fma)
