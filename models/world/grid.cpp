@@ -1,13 +1,15 @@
 #include "models/world/grid.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
-#include <limits>
+#include <cstdint>
 #include <utility>
 
 #include "core/check.hpp"
 #include "core/index.hpp"
+#include "models/world/border.hpp"
 
 namespace vantage::models {
 namespace {
@@ -27,11 +29,15 @@ CellSpan span_of(double low_m, double high_m, double origin_m, double resolution
           static_cast<int>(std::clamp(last, -1.0, count - 1.0))};
 }
 
+// Returns the largest float that is at most `value`, which must be finite.
 float rounded_down(double value) {
   const float nearest = static_cast<float>(value);
-  return static_cast<double>(nearest) <= value
-             ? nearest
-             : std::nextafter(nearest, -std::numeric_limits<float>::infinity());
+  if (static_cast<double>(nearest) <= value) {
+    return nearest;
+  }
+  // The next float toward minus infinity: the bits of negative floats grow with their magnitude.
+  const auto bits = std::bit_cast<std::uint32_t>(nearest);
+  return std::bit_cast<float>(nearest > 0.0F ? bits - 1 : bits + 1);
 }
 
 // Greedy thinning of points. Selected points are hashed by squares with sides of at least
@@ -172,11 +178,25 @@ OccupancyGrid rasterise(const World& world, double resolution_m) {
 DistanceField::DistanceField(const World& world, double resolution_m)
     : geometry_(GridGeometry::covering(world.bounds, resolution_m)) {
   const double half_diagonal_m = resolution_m * std::sqrt(0.5) + kSlack_m;
-  distance_m_.reserve(index(geometry_.size()));
-  for (int cell = 0; cell < geometry_.size(); ++cell) {
-    // clearance_m is 1-Lipschitz, so it is at least this value everywhere in the cell.
-    const double least_m = clearance_m(world, geometry_.centre_m(cell)) - half_diagonal_m;
-    distance_m_.push_back(rounded_down(least_m));
+  const auto outside_m = [](double low_m, double p_m, double high_m) {
+    return std::max(low_m - p_m, p_m - high_m);
+  };
+  std::vector<double> outside_x_m;
+  for (int column = 0; column < geometry_.columns; ++column) {
+    outside_x_m.push_back(
+        outside_m(world.bounds.min_m.x(), geometry_.centre_m(column).x(), world.bounds.max_m.x()));
+  }
+  distance_m_.resize(index(geometry_.size()));
+  for (int row = 0, cell = 0; row < geometry_.rows; ++row) {
+    const double outside_y_m =
+        outside_m(world.bounds.min_m.y(), geometry_.centre_m(cell).y(), world.bounds.max_m.y());
+    for (int column = 0; column < geometry_.columns; ++column, ++cell) {
+      const double clearance = world.obstacles.empty()
+                                   ? -border_distance_m(outside_x_m[index(column)], outside_y_m)
+                                   : clearance_m(world, geometry_.centre_m(cell));
+      // The clearance is 1-Lipschitz, so it is at least this value everywhere in the cell.
+      distance_m_[index(cell)] = rounded_down(clearance - half_diagonal_m);
+    }
   }
 }
 

@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/world/border.hpp"
+
 namespace vantage::models {
 namespace {
 
 // Returns the signed distance to the border of `box`: negative inside.
 double signed_distance_m(const Rectangle& box, const Eigen::Vector2d& p_m) {
-  const double out_x = std::max(box.min_m.x() - p_m.x(), p_m.x() - box.max_m.x());
-  const double out_y = std::max(box.min_m.y() - p_m.y(), p_m.y() - box.max_m.y());
-  if (out_x <= 0.0 || out_y <= 0.0) {
-    return std::max(out_x, out_y);
-  }
-  return std::hypot(out_x, out_y);
+  return border_distance_m(std::max(box.min_m.x() - p_m.x(), p_m.x() - box.max_m.x()),
+                           std::max(box.min_m.y() - p_m.y(), p_m.y() - box.max_m.y()));
 }
 
 double cross(const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
