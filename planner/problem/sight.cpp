@@ -43,6 +43,7 @@ void SightTable::reset(const SearchProblem& problem) {
     range_max_m_ = std::max(range_max_m_, model.range_max_m);
     sensors_.push_back(sensor);
   }
+  range_max_m2_ = square(range_max_m_);
   const models::World* const world = sight_world(problem);
   has_obstacles_ = world != nullptr && !world->obstacles.empty();
 }
@@ -110,60 +111,6 @@ bool SightTable::add_information(const Eigen::Vector3d& target_m, bool spatial, 
     seen = true;
   }
   return seen && (!has_obstacles_ || line_of_sight(at.position_m(), target_m.head<2>()));
-}
-
-LaneMask SightTable::visible_lanes(const Sensor& sensor, const Lanes& r2, const Lanes& along) {
-  const Lanes zero = {};
-  const LaneMask in_range = (r2 < sensor.range_max2_m2) & (r2 >= sensor.range_min2_m2);
-  if (sensor.cos_half_fov < -1.0) {
-    return sensor.is_directional ? in_range & (r2 > zero) : in_range;
-  }
-  const Lanes along2 = along * along;
-  const Lanes edge2 = sensor.cos2_half_fov * r2;
-  return sensor.cos_half_fov >= 0.0 ? in_range & (along > zero) & (along2 > edge2)
-                                    : in_range & ((along > zero) | (along2 < edge2));
-}
-
-LaneMask SightTable::compute_lanes(const Eigen::Vector3d& target_m, const Views& views, int group,
-                                   InformationLanes& out) const {
-  const Lanes zero = {};
-  const int at = kLanes * group;
-  const Lanes dx = target_m.x() - load(views.x_m + at);
-  const Lanes dy = target_m.y() - load(views.y_m + at);
-  const Lanes dx2 = dx * dx;
-  const Lanes dy2 = dy * dy;
-  const Lanes r2 = dx2 + dy2;
-  const Lanes along = dx * load(views.cos_yaw + at) + dy * load(views.sin_yaw + at);
-  LaneMask seen = {};
-  out = {zero, zero, zero};
-  for (const Sensor& sensor : sensors_) {
-    const LaneMask now = visible_lanes(sensor, r2, along);
-    if (bits(now) == 0) {
-      continue;
-    }
-    seen |= now;
-    if (!sensor.is_directional) {
-      const Lanes isotropic_per_m2 = now ? broadcast(sensor.isotropic_per_m2) : zero;
-      out.m00 += isotropic_per_m2;
-      out.m11 += isotropic_per_m2;
-      continue;
-    }
-    Lanes per_r2 = 1.0 / r2;
-    const Lanes across = sensor.across_sight * per_r2;
-    if (sensor.variance_grows) {
-      const Lanes growth = sqrt(r2) * sensor.growth_per_m;
-      const Lanes floor = broadcast(sensor.variance_floor);
-      per_r2 /= growth > floor ? growth : floor;
-    }
-    per_r2 = now ? per_r2 : zero;
-    const Lanes side = now ? across : zero;
-    const Lanes xx = dx2 * per_r2;
-    const Lanes yy = dy2 * per_r2;
-    out.m00 += sensor.along_sight * xx + side * yy;
-    out.m01 += (sensor.along_sight - side) * (dx * dy * per_r2);
-    out.m11 += sensor.along_sight * yy + side * xx;
-  }
-  return seen;
 }
 
 bool SightTable::line_of_sight(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) const {

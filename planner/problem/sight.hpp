@@ -50,9 +50,16 @@ class SightTable {
   [[nodiscard]] bool add_information(const Eigen::Vector3d& target_m, bool spatial, const Pose2& at,
                                      double cos_yaw, double sin_yaw, PackedInformation& out) const;
 
+  /// False if a planar target is certainly out of range. Precondition: has_lanes().
+  [[nodiscard]] bool may_be_in_range(const Eigen::Vector3d& target_m, const Pose2& at) const {
+    const double dx_m = target_m.x() - at.x_m;
+    const double dy_m = target_m.y() - at.y_m;
+    return dx_m * dx_m + dy_m * dy_m < range_max_m2_;
+  }
+
   /// Computes the information about a planar target from the four views of `group`, and returns the
-  /// mask of views that see it. Other views get zero. Does not check the line of sight.
-  /// Precondition: has_lanes().
+  /// mask of views that see it. Other views get zero; if no view sees it, `out` is not written.
+  /// Does not check the line of sight. Precondition: has_lanes().
   [[nodiscard]] LaneMask compute_lanes(const Eigen::Vector3d& target_m, const Views& views,
                                        int group, InformationLanes& out) const;
 
@@ -86,8 +93,69 @@ class SightTable {
   const SearchProblem* problem_ = nullptr;
   std::vector<Sensor> sensors_;
   double range_max_m_ = 0.0;
+  double range_max_m2_ = 0.0;  ///< square of range_max_m_
   bool lacks_planar_law_ = false;
   bool has_obstacles_ = false;
 };
+
+inline LaneMask SightTable::visible_lanes(const Sensor& sensor, const Lanes& r2,
+                                          const Lanes& along) {
+  const Lanes zero = {};
+  const LaneMask in_range = (r2 < sensor.range_max2_m2) & (r2 >= sensor.range_min2_m2);
+  if (sensor.cos_half_fov < -1.0) {
+    return sensor.is_directional ? in_range & (r2 > zero) : in_range;
+  }
+  const Lanes along2 = along * along;
+  const Lanes edge2 = sensor.cos2_half_fov * r2;
+  return sensor.cos_half_fov >= 0.0 ? in_range & (along > zero) & (along2 > edge2)
+                                    : in_range & ((along > zero) | (along2 < edge2));
+}
+
+inline LaneMask SightTable::compute_lanes(const Eigen::Vector3d& target_m, const Views& views,
+                                          int group, InformationLanes& out) const {
+  const Lanes zero = {};
+  const int at = kLanes * group;
+  const Lanes dx = target_m.x() - load(views.x_m + at);
+  const Lanes dy = target_m.y() - load(views.y_m + at);
+  const Lanes dx2 = dx * dx;
+  const Lanes dy2 = dy * dy;
+  const Lanes r2 = dx2 + dy2;
+  LaneMask seen = {};
+  if (bits(r2 < range_max_m2_) == 0) {
+    return seen;
+  }
+  const Lanes along = dx * load(views.cos_yaw + at) + dy * load(views.sin_yaw + at);
+  for (const Sensor& sensor : sensors_) {
+    const LaneMask now = visible_lanes(sensor, r2, along);
+    if (bits(now) == 0) {
+      continue;
+    }
+    if (bits(seen) == 0) {
+      out = {zero, zero, zero};
+    }
+    seen |= now;
+    if (!sensor.is_directional) {
+      const Lanes isotropic_per_m2 = now ? broadcast(sensor.isotropic_per_m2) : zero;
+      out.m00 += isotropic_per_m2;
+      out.m11 += isotropic_per_m2;
+      continue;
+    }
+    Lanes per_r2 = 1.0 / r2;
+    const Lanes across = sensor.across_sight * per_r2;
+    if (sensor.variance_grows) {
+      const Lanes growth = sqrt(r2) * sensor.growth_per_m;
+      const Lanes floor = broadcast(sensor.variance_floor);
+      per_r2 /= growth > floor ? growth : floor;
+    }
+    per_r2 = now ? per_r2 : zero;
+    const Lanes side = now ? across : zero;
+    const Lanes xx = dx2 * per_r2;
+    const Lanes yy = dy2 * per_r2;
+    out.m00 += sensor.along_sight * xx + side * yy;
+    out.m01 += (sensor.along_sight - side) * (dx * dy * per_r2);
+    out.m11 += sensor.along_sight * yy + side * xx;
+  }
+  return seen;
+}
 
 }  // namespace vantage::planner

@@ -144,15 +144,17 @@ ReducedValueIteration::Progress ReducedValueIteration::expand_level(int t, bool 
     }
     parents.unexpanded = tree_[parent].next;
     ++result_.nodes_expanded;
-    for (int i = 0; i < children_.count; ++i) {
-      if (is_last) {
-        if (!offer_leaf(i, parent)) {
+    if (is_last) {
+      for (int i = 0; i < children_.count; ++i) {
+        if ((keeps_leaves_ || is_best_leaf(i)) && !offer_leaf(i, parent)) {
           return Progress::kMemory;
         }
-        ++result_.nodes_generated;
-        ++result_.work_nodes;
-        continue;
       }
+      result_.nodes_generated += children_.count;
+      result_.work_nodes += children_.count;
+      continue;
+    }
+    for (int i = 0; i < children_.count; ++i) {
       const Node child = children_.node(i, parent, t);
       const NodeId id = tree_.add(child);
       if (id == kNoNode) {
@@ -285,9 +287,8 @@ bool ReducedValueIteration::offer_leaf(int i, NodeId parent) {
   if (keeps_leaves_ && id == kNoNode) {
     return false;
   }
-  const bool is_best = best_leaf_ == kNoNode || children_.cost[i] < result_.cost;
-  if (!is_best ||
-      !expander_.motion().can_stop(children_.world_from_body[i], children_.control[i], t)) {
+  if (!is_best_leaf(i) ||
+      !expander_.motion().can_stop(children_.world_from_body(i), children_.control[i], t)) {
     return true;
   }
   if (id == kNoNode) {

@@ -76,6 +76,9 @@ class ReducedValueIteration : private TreeSearch {
   Progress open_level(int t, double epsilon, double delta_m);
   /// Sets `pruned` if an opened node makes `id` redundant; kDeadline or kMemory end the search.
   Progress is_pruned(NodeId id, double epsilon, double delta_m, const Level& level, bool& pruned);
+  [[nodiscard]] bool is_best_leaf(int i) const {
+    return best_leaf_ == kNoNode || children_.cost[i] < result_.cost;
+  }
   /// Makes child `i` of `parent`, of depth T, the plan if it is the best so far and can stop
   /// safely. False if the arena is full.
   bool offer_leaf(int i, NodeId parent);

@@ -79,45 +79,48 @@ double Expander::predicted_cost(int t) const {
 
 void Expander::move(const Node& node, double cos_yaw, double sin_yaw, Children& out) {
   const Pose2& from = node.world_from_body;
-  motion_.children(from, cos_yaw, sin_yaw, views_);
-  const bool free = problem_->teammates.empty() && motion_.is_open_space(from.position_m());
+  Views& views = out.views;
+  out.world_from_parent = from;
+  out.motion = &motion_;
+  motion_.children(from, cos_yaw, sin_yaw, views);
+  const int controls = motion_.control_count();
+  if (problem_->teammates.empty() && motion_.is_open_space(from.position_m())) {
+    for (int c = 0; c < controls; ++c) {
+      out.control[c] = static_cast<std::int16_t>(c);
+    }
+    views.count = out.count = controls;
+    return;
+  }
   int count = 0;
-  for (int c = 0; c < motion_.control_count(); ++c) {
-    if (!free && !motion_.is_free(from, cos_yaw, sin_yaw, c, node.depth)) {
+  for (int c = 0; c < controls; ++c) {
+    if (!motion_.is_free(from, cos_yaw, sin_yaw, c, node.depth)) {
       continue;
     }
-    if (count != c) {
-      views_.x_m[count] = views_.x_m[c];
-      views_.y_m[count] = views_.y_m[c];
-      views_.cos_yaw[count] = views_.cos_yaw[c];
-      views_.sin_yaw[count] = views_.sin_yaw[c];
-    }
-    out.control[count] = static_cast<std::int16_t>(c);
-    out.world_from_body[count] = {views_.x_m[count], views_.y_m[count],
-                                  motion_.child_yaw_rad(from, c)};
-    ++count;
+    views.x_m[count] = views.x_m[c];
+    views.y_m[count] = views.y_m[c];
+    views.cos_yaw[count] = views.cos_yaw[c];
+    views.sin_yaw[count] = views.sin_yaw[c];
+    out.control[count++] = static_cast<std::int16_t>(c);
   }
-  views_.count = count;
-  out.count = count;
+  views.count = out.count = count;
 }
 
-void Expander::look_at_one(int m, int t, Gains& gains) const {
+void Expander::look_at_one(int m, int t, const Views& views, Gains& gains) const {
   const double* P = predicted(m, t);
   const Eigen::Vector3d& mean_m = beliefs_.mean_m(m, t);
   const Lanes one = broadcast(1.0);
   const Lanes zero = {};
-  for (int group = 0; group < views_.groups(); ++group) {
+  for (int group = 0; group < views.groups(); ++group) {
     InformationLanes M;
-    LaneMask seen = sight_.compute_lanes(mean_m, views_, group, M);
+    LaneMask seen = sight_.compute_lanes(mean_m, views, group, M);
     if (bits(seen) == 0) {
       continue;
     }
     const int at = kLanes * group;
     if (sight_.has_obstacles()) {
       for (int lane = 0; lane < kLanes; ++lane) {
-        if (seen[lane] != 0 && at + lane < views_.count &&
-            !sight_.line_of_sight({views_.x_m[at + lane], views_.y_m[at + lane]},
-                                  mean_m.head<2>())) {
+        if (seen[lane] != 0 && at + lane < views.count &&
+            !sight_.line_of_sight({views.x_m[at + lane], views.y_m[at + lane]}, mean_m.head<2>())) {
           seen[lane] = 0;
         }
       }
@@ -150,8 +153,8 @@ void Expander::look_at_one_each(int m, int t, const Children& children, Gains& g
   for (int i = 0; i < children.count; ++i) {
     PackedInformation M;
     if (!sight_.add_information(beliefs_.mean_m(m, t), layout == BlockLayout::kSpatial,
-                                children.world_from_body[i], views_.cos_yaw[i], views_.sin_yaw[i],
-                                M)) {
+                                children.world_from_body(i), children.views.cos_yaw[i],
+                                children.views.sin_yaw[i], M)) {
       continue;
     }
     if (beliefs_.cost() == CostKind::kTrace) {
@@ -167,13 +170,13 @@ void Expander::look_at_one_each(int m, int t, const Children& children, Gains& g
 }
 
 void Expander::look_from_children(int t, const Children& children, Gains& gains) const {
-  for (int i = 0; i < kLanes * views_.groups(); ++i) {
+  for (int i = 0; i < kLanes * children.views.groups(); ++i) {
     gains.product[i] = 1.0;
     gains.sum[i] = 0.0;
   }
   for (const std::uint16_t m : candidates_) {
     if (sight_.has_lanes() && beliefs_.layout(m) != BlockLayout::kSpatial) {
-      look_at_one(m, t, gains);
+      look_at_one(m, t, children.views, gains);
     } else {
       look_at_one_each(m, t, children, gains);
     }
@@ -223,8 +226,12 @@ Expander::Kept Expander::update_blocks(const Pose2& at, double cos_yaw, double s
     }
   };
   for (const std::uint16_t m : candidates_) {
-    PackedInformation M;
     const BlockLayout layout = beliefs_.layout(m);
+    if (sight_.has_lanes() && layout != BlockLayout::kSpatial &&
+        !sight_.may_be_in_range(beliefs_.mean_m(m, t), at)) {
+      continue;
+    }
+    PackedInformation M;
     if (!sight_.add_information(beliefs_.mean_m(m, t), layout == BlockLayout::kSpatial, at, cos_yaw,
                                 sin_yaw, M)) {
       continue;

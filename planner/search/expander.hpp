@@ -18,12 +18,18 @@ namespace vantage::planner {
 struct Children {
   int count = 0;
   std::int16_t control[kMaxControls];
-  Pose2 world_from_body[kMaxControls];
   double cost[kMaxControls];  ///< accumulated J
+  Views views;                ///< positions and headings
+  Pose2 world_from_parent;
+  const MotionTable* motion = nullptr;
 
+  /// Computed on request: most leaves are discarded by their cost.
+  [[nodiscard]] Pose2 world_from_body(int i) const {
+    return {views.x_m[i], views.y_m[i], motion->child_yaw_rad(world_from_parent, control[i])};
+  }
   [[nodiscard]] Node node(int i, NodeId parent, int depth) const {
     Node child;
-    child.world_from_body = world_from_body[i];
+    child.world_from_body = world_from_body(i);
     child.cost = cost[i];
     child.parent = parent;
     child.control = control[i];
@@ -79,7 +85,7 @@ class Expander {
   /// Computes the feasible children's controls, poses and views.
   void move(const Node& node, double cos_yaw, double sin_yaw, Children& out);
   void look_from_children(int t, const Children& children, Gains& gains) const;
-  void look_at_one(int m, int t, Gains& gains) const;
+  void look_at_one(int m, int t, const Views& views, Gains& gains) const;
   void look_at_one_each(int m, int t, const Children& children, Gains& gains) const;
   /// Predicts blocks to depth t: fills touched_ (targets) and predicted_ (packed, strided).
   void predict_blocks(const Blocks& blocks, int t);
@@ -107,7 +113,6 @@ class Expander {
   std::vector<std::uint16_t> touched_;  ///< targets, ascending
   std::vector<double> predicted_;
   std::span<const std::uint16_t> candidates_;
-  Views views_;  ///< views of the children under construction
   std::vector<std::uint16_t> result_targets_;
   std::vector<double> result_;
 };

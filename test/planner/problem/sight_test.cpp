@@ -50,7 +50,7 @@ TEST(SightTable, LanesEqualTheModels) {
     const Views views = random_views(rng, poses);
     const Eigen::Vector3d target_m(uniform(rng, -5.0, 5.0), uniform(rng, -5.0, 5.0), 0.0);
     for (int i = 0; i < views.count; ++i) {
-      InformationLanes lanes;
+      InformationLanes lanes = {};  // not written if no view of the group sees the target
       const LaneMask seen = sight.compute_lanes(target_m, views, i / kLanes, lanes);
       const int lane = i % kLanes;
       const models::PositionMatrix M =
