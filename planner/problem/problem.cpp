@@ -76,6 +76,17 @@ double required_separation_from_m(const SearchProblem& problem, const Pose2& sta
   return std::min(problem.separation_m, std::max(0.0, away_m.norm() - kChords_m));
 }
 
+// Adds the information of the robot's own sensors about a target at `mean_m` to `M`.
+void add_own_information(const SearchProblem& problem, const Pose2& pose,
+                         const models::PositionVector& mean_m, models::PositionMatrix& M) {
+  const models::World* const world = sight_world(problem);
+  if (world == nullptr || models::line_of_sight(*world, pose.position_m(), mean_m.head<2>())) {
+    for (const models::SensorModel& sensor : problem.sensors) {
+      M += models::information(sensor, {pose, problem.height_m}, mean_m);
+    }
+  }
+}
+
 }  // namespace
 
 void require_valid(const SearchProblem& problem) {
@@ -104,6 +115,8 @@ void require_valid(const SearchProblem& problem) {
     require_valid(target);
   }
   require_valid_information(problem);
+  demand(index(problem.terminal.target_count()) <= problem.targets.size(),
+         "search: each stop of the terminal value must name a target of the problem");
 }
 
 void SearchResult::reset() {
@@ -114,6 +127,7 @@ void SearchResult::reset() {
   cost = kInfinity;
   moving_steps = 0;
   lower_bound = -kInfinity;
+  has_terminal_value = false;
   epsilon = kInfinity;
   delta_m = kInfinity;
   passes = 0;
@@ -148,7 +162,7 @@ models::Trajectory to_trajectory(const SearchProblem& problem, std::span<const i
 }
 
 double score(const SearchProblem& problem, const std::vector<Pose2>& poses) {
-  double cost = 0.0;
+  double cost = terminal_cost(problem, poses);
   for (std::size_t m = 0; m < problem.targets.size(); ++m) {
     const SearchTarget& target = problem.targets[m];
     const int p = target.model.position_dim;
@@ -159,20 +173,35 @@ double score(const SearchProblem& problem, const std::vector<Pose2>& poses) {
       if (!problem.fixed_information.empty() && problem.fixed_information[m][t].size() > 0) {
         M += problem.fixed_information[m][t];
       }
-      const models::PositionVector mean_m = belief.mean.head(p);
-      if (const models::World* const world = sight_world(problem);
-          world == nullptr ||
-          models::line_of_sight(*world, poses[t].position_m(), mean_m.head<2>())) {
-        for (const models::SensorModel& sensor : problem.sensors) {
-          M += models::information(sensor, {poses[t], problem.height_m}, mean_m);
-        }
-      }
+      add_own_information(problem, poses[t], belief.mean.head(p), M);
       belief.covariance = models::update_covariance(belief.covariance, M);
       cost += problem.cost == CostKind::kLogDet ? models::log_det(belief.covariance)
                                                 : belief.covariance.trace();
     }
   }
   return cost;
+}
+
+double terminal_cost(const SearchProblem& problem, const std::vector<Pose2>& poses) {
+  if (problem.terminal.is_empty() || poses.empty()) {
+    return 0.0;
+  }
+  std::vector<std::uint16_t> measured;
+  for (std::size_t m = 0; m < problem.targets.size(); ++m) {
+    const SearchTarget& target = problem.targets[m];
+    models::Gaussian belief = target.prior;
+    for (std::size_t t = 0; t + 1 < poses.size(); ++t) {
+      belief = models::predict(belief, target.model, problem.step_s);
+      const int p = target.model.position_dim;
+      models::PositionMatrix M = models::PositionMatrix::Zero(p, p);
+      add_own_information(problem, poses[t], belief.mean.head(p), M);
+      if (!M.isZero(0.0)) {
+        measured.push_back(static_cast<std::uint16_t>(m));
+        break;
+      }
+    }
+  }
+  return problem.terminal.at(problem.terminal.rest(measured), poses.back().position_m());
 }
 
 double required_separation_m(const SearchProblem& problem, std::size_t i) {

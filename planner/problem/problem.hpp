@@ -14,6 +14,7 @@
 #include "models/target/target_model.hpp"
 #include "models/world/grid.hpp"
 #include "models/world/world.hpp"
+#include "planner/problem/terminal_value.hpp"
 
 namespace vantage::planner {
 
@@ -49,6 +50,10 @@ struct SearchProblem {
   /// Information of the teammates' fixed plans about target m on arrival at depth t:
   /// fixed_information[m][t − 1], position_dim square. Empty: none.
   std::vector<std::vector<models::PositionMatrix>> fixed_information;
+
+  /// Added to J_T of every complete plan; empty: none. The targets that count as measured are those
+  /// of which a sensor of this robot gives information at a step before the last.
+  TerminalValue terminal;
 
   const models::World* world = nullptr;          ///< null: unbounded and empty
   const models::DistanceField* field = nullptr;  ///< field of `world`; null: same results, slower
@@ -113,13 +118,15 @@ struct SearchResult {
   bool found = false;         ///< false only if no plan at all is feasible
   std::vector<int> controls;  ///< indices into SearchProblem::controls, one per step
   std::vector<Pose2> poses;   ///< pose at the end of each step of the horizon
-  double cost = 0.0;          ///< J_T
+  double cost = 0.0;          ///< J_T plus the terminal value, if the problem has one
   /// Number of leading steps taken from `controls`. It is less than the horizon if no complete
   /// sequence was feasible; `controls` then has only these steps. After them the robot stops and
   /// hovers.
   int moving_steps = 0;
   double lower_bound = 0.0;  ///< proven lower bound of the optimum; −∞: none
-  double epsilon = 0.0;      ///< ε of the last completed pass
+  /// True if `cost` and `lower_bound` include the problem's terminal value.
+  bool has_terminal_value = false;
+  double epsilon = 0.0;  ///< ε of the last completed pass
   double delta_m = 0.0;
   std::int64_t passes = 0;  ///< completed passes
   std::int64_t nodes_generated = 0;
@@ -142,8 +149,11 @@ struct SearchResult {
 models::Trajectory to_trajectory(const SearchProblem& problem, const SearchResult& result);
 models::Trajectory to_trajectory(const SearchProblem& problem, std::span<const int> controls);
 
-/// Returns J_T for `poses` (one per step) by the plain recursion of models/belief: reference for
-/// tests of the searches. O(T·M).
+/// Returns J_T plus the terminal value for `poses` (one per step) by the plain recursion of
+/// models/belief: reference for tests of the searches. O(T·M).
 double score(const SearchProblem& problem, const std::vector<Pose2>& poses);
+
+/// Returns the terminal value of `poses` (one per step); 0 if the problem has none. O(T·M).
+double terminal_cost(const SearchProblem& problem, const std::vector<Pose2>& poses);
 
 }  // namespace vantage::planner

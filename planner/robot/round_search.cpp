@@ -37,7 +37,8 @@ class TargetSearch : public RoundSearch {
   }
 
   [[nodiscard]] double gain_nats(const RoundProblem& round, const Found& found) const override {
-    return std::max(0.0, cost_without_looks(round.search) - found.result.cost);
+    const double cost = found.result.cost - terminal_cost(round.search, found.result.poses);
+    return std::max(0.0, cost_without_looks(round.search) - cost);
   }
 
  private:

@@ -48,6 +48,7 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
   best_leaf_ = kNoNode;
   keeps_leaves_ = options.keeps_leaves;
   result_.reset();
+  result_.has_terminal_value = !problem.terminal.is_empty();
   result_.lower_bound = root_bound_.of_any_plan(problem, expander_.beliefs());
   double moving_bound = result_.lower_bound;
   open_node(levels_[0], tree_.add(expander_.root()));

@@ -34,6 +34,7 @@ BestFirstSearch::BestFirstSearch(const SearchCapacity& capacity)
     : TreeSearch(capacity, 1),
       heuristic_(capacity.targets_max, capacity.horizon_max),
       sequencing_(capacity.targets_max, capacity.horizon_max, kSequenceStates),
+      terminal_(capacity.targets_max),
       index_(capacity.nodes_max),
       child_f_at_(capacity.nodes_max),
       f_(capacity.nodes_max),
@@ -60,6 +61,7 @@ void BestFirstSearch::start(const SearchProblem& problem, const BestFirstOptions
   expander_.reset(problem);
   heuristic_.reset(problem, expander_.beliefs());
   sequencing_.reset(problem, expander_.beliefs(), heuristic_);
+  terminal_.reset(problem, expander_.beliefs(), heuristic_);
   index_.reset(options.delta_m);
   child_f_.assign(1, 0.0F);  // index 0 means that there are none
   open_.clear();
@@ -78,13 +80,14 @@ void BestFirstSearch::start(const SearchProblem& problem, const BestFirstOptions
   least_dominated_ = kInfinity;
   best_parent_ = kNoNode;
   result_.reset();
+  result_.has_terminal_value = !problem.terminal.is_empty();
   result_.epsilon = options.search == BestFirst::kAegis ? options.epsilon : 0.0;
   result_.delta_m = options.search == BestFirst::kAegis ? options.delta_m : 0.0;
   next_ = tree_.add(expander_.root());
   expander_.ensure_posterior(tree_, next_);
   stops_[0] = next_;
   stop_counts_[0] = 1;
-  f_[next_] = floor_sums_.back();
+  f_[next_] = floor_sums_.back() + terminal_.of_any_plan();
   child_f_at_[next_] = 0;
 }
 
@@ -125,7 +128,7 @@ const SearchResult& BestFirstSearch::plan(const SearchProblem& problem,
   } else {
     fall_back_to_hover();
     // Hovering is not a path of the tree, so only the bound for every motion applies.
-    result_.lower_bound = std::min(result_.cost, floor_sums_.back());
+    result_.lower_bound = std::min(result_.cost, floor_sums_.back() + terminal_.of_any_plan());
   }
   return result_;
 }
@@ -137,7 +140,8 @@ double BestFirstSearch::key(NodeId id) const {
   const Node& node = tree_[id];
   const double passed = floor_sums_[node.depth];
   const double ahead = floor_sums_.back() - passed;
-  return (node.cost - passed) + options_.weight * std::max(0.0, f_[id] - node.cost - ahead);
+  const double cost = node.cost - expander_.terminal_value(tree_, id);
+  return (cost - passed) + options_.weight * std::max(0.0, f_[id] - cost - ahead);
 }
 
 void BestFirstSearch::push(NodeId id) {
@@ -184,7 +188,8 @@ bool BestFirstSearch::evaluate(NodeId id) {
   }
   Node& node = tree_[id];
   const double h = heuristic_.cost_to_go(node.world_from_body, node.depth, tree_.posterior(id));
-  f_[id] = std::max(f_[id], node.cost + h);
+  f_[id] = std::max(f_[id], node.cost - expander_.terminal_value(tree_, id) + h +
+                                terminal_.least(node.world_from_body, node.depth));
   node.state = kEvaluated;
   return true;
 }
@@ -194,7 +199,9 @@ BestFirstSearch::Progress BestFirstSearch::evaluate_sequence(NodeId id) {
   const Blocks blocks = tree_.posterior(id);
   const InformationHeuristic::Parts parts = heuristic_.cost_to_go(
       node.world_from_body, node.depth, blocks, sequencing_.takes_part().data());
-  const double others = node.cost + (parts.all - parts.apart);
+  const double others = node.cost - expander_.terminal_value(tree_, id) +
+                        terminal_.least(node.world_from_body, node.depth) +
+                        (parts.all - parts.apart);
   if (!std::isfinite(others)) {
     node.state = kSequenced;
     return Progress::kGoOn;

@@ -10,6 +10,7 @@
 #include "planner/search/crossing_index.hpp"
 #include "planner/search/heuristic.hpp"
 #include "planner/search/sequencing_bound.hpp"
+#include "planner/search/terminal_bound.hpp"
 #include "planner/search/tree_search.hpp"
 
 namespace vantage::planner {
@@ -101,6 +102,7 @@ class BestFirstSearch : private TreeSearch {
 
   InformationHeuristic heuristic_;
   SequencingBound sequencing_;
+  TerminalBound terminal_;
   CrossingIndex index_;
   std::vector<float> child_f_;               ///< f of children that do not exist yet, rounded down
   ReservedArray<std::uint32_t> child_f_at_;  ///< per node: index into child_f_; 0: none

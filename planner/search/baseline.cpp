@@ -32,6 +32,7 @@ class Descent {
   SearchResult run() {
     SearchResult result;
     result.lower_bound = -std::numeric_limits<double>::infinity();
+    result.has_terminal_value = !problem_.terminal.is_empty();
     result.found = descend(problem_.start, 0, -1, result);
     if (!result.found && motion_.can_stop_from_start()) {
       result.found = true;

@@ -72,6 +72,7 @@ const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamO
   moving_bound_ = -kInfinity;
   raised_at_nodes_ = 0;
   result_.reset();
+  result_.has_terminal_value = !problem.terminal.is_empty();
   result_.stop_reason = StopReason::kMemory;
   result_.lower_bound = root_bound_.of_any_plan(problem, expander_.beliefs());
 
@@ -215,7 +216,7 @@ RefiningBeam::Progress RefiningBeam::expand_level(Pass& pass, int t) {
         offer_leaf(child);
         continue;
       }
-      const double gained = open_loop - (child.cost - cost_before);
+      const double gained = open_loop - (child.cost - cost_before - children_.terminal_rise[i]);
       double rank = child.cost - outlook * gained;
       if (blind && gained < kNothing) {
         rank -= options_->anticipation * sighting_.value(child.world_from_body, t);

@@ -22,6 +22,7 @@ Expander::Expander(int targets_max, int horizon_max, int teammates_max, int moti
 
 void Expander::reset(const SearchProblem& problem) {
   problem_ = &problem;
+  include_terminal_value(true);
   motion_.reset(problem);
   beliefs_.reset(problem);
   sight_.reset(problem);
@@ -202,9 +203,28 @@ bool Expander::expand(Tree& tree, NodeId id, Children& out) {
     const double gained =
         gains.product[i] == 1.0 ? gains.sum[i] : gains.sum[i] + std::log(gains.product[i]);
     out.cost[i] = base - gained;
+    out.terminal_rise[i] = 0.0;
   }
   forget_blocks();
+  if (has_terminal_) {
+    const double here = terminal_value(tree, id);
+    const TerminalValue::Rest rest = problem_->terminal.rest(tree.posterior(id).targets);
+    for (int i = 0; i < out.count; ++i) {
+      out.terminal_rise[i] =
+          problem_->terminal.at(rest, out.world_from_body(i).position_m()) - here;
+      out.cost[i] += out.terminal_rise[i];
+    }
+  }
   return true;
+}
+
+double Expander::terminal_value(const Tree& tree, NodeId id) const {
+  const Node& node = tree[id];
+  if (!has_terminal_ || node.parent == kNoNode) {
+    return 0.0;
+  }
+  return problem_->terminal.at(problem_->terminal.rest(tree.posterior(node.parent).targets),
+                               node.world_from_body.position_m());
 }
 
 Expander::Kept Expander::update_blocks(const Pose2& at, double cos_yaw, double sin_yaw, int t,
@@ -278,9 +298,14 @@ double Expander::cost_of_hovering(const Tree& tree, NodeId id) {
   const Node& node = tree[id];
   const double cos_yaw = std::cos(node.world_from_body.yaw_rad);
   const double sin_yaw = std::sin(node.world_from_body.yaw_rad);
-  double cost = node.cost;
+  double cost = node.cost - terminal_value(tree, id);
   Blocks blocks = tree.posterior(id);
+  double terminal = node.cost - cost;  // of a node at the last depth
   for (int t = node.depth + 1; t <= problem_->horizon_steps; ++t) {
+    if (has_terminal_ && t == problem_->horizon_steps) {
+      terminal = problem_->terminal.at(problem_->terminal.rest(blocks.targets),
+                                       node.world_from_body.position_m());
+    }
     predict_blocks(blocks, t);
     candidates_ = grid_.near(node.world_from_body.position_m(), t);
     const Kept kept = update_blocks(node.world_from_body, cos_yaw, sin_yaw, t,
@@ -300,7 +325,7 @@ double Expander::cost_of_hovering(const Tree& tree, NodeId id) {
       block += packed_size(layout);
     }
   }
-  return cost;
+  return cost + terminal;
 }
 
 bool Expander::is_redundant(const Tree& tree, NodeId a, double epsilon, NodeId b) const {
@@ -315,6 +340,9 @@ bool Expander::is_redundant(const Tree& tree, NodeId a, double epsilon, NodeId b
     const int in_a = i < blocks_a.targets.size() ? blocks_a.targets[i] : beliefs_.target_count();
     const int in_b = j < blocks_b.targets.size() ? blocks_b.targets[j] : beliefs_.target_count();
     const int m = std::min(in_a, in_b);
+    if (has_terminal_ && in_b != m && problem_->terminal.has_stop(m)) {
+      return false;
+    }
     const BlockLayout layout = beliefs_.layout(m);
     const double* left = in_a == m ? block_a : beliefs_.open_loop(m, t);
     const double* right = in_b == m ? block_b : beliefs_.open_loop(m, t);
@@ -330,7 +358,8 @@ bool Expander::is_redundant(const Tree& tree, NodeId a, double epsilon, NodeId b
       block_b += packed_size(layout);
     }
   }
-  return true;
+  return !has_terminal_ ||
+         tree[b].cost - terminal_value(tree, b) <= tree[a].cost - terminal_value(tree, a) + epsilon;
 }
 
 }  // namespace vantage::planner

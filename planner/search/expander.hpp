@@ -18,8 +18,9 @@ namespace vantage::planner {
 struct Children {
   int count = 0;
   std::int16_t control[kMaxControls];
-  double cost[kMaxControls];  ///< accumulated J
-  Views views;                ///< positions and headings
+  double cost[kMaxControls];           ///< accumulated J plus the terminal value at the child
+  double terminal_rise[kMaxControls];  ///< terminal value at the child minus that at the parent
+  Views views;                         ///< positions and headings
   Pose2 world_from_parent;
   const MotionTable* motion = nullptr;
 
@@ -45,6 +46,10 @@ struct Children {
 /// A parent is predicted once for all children. For a child, one small determinant per visible
 /// target is computed; its covariances are computed only when it is expanded or compared. Allocates
 /// nothing after construction.
+///
+/// With a terminal value V, the cost of a node at depth t ≥ 1 is J plus V at its position and the
+/// targets measured before depth t. At the last depth this is the cost of the plan. Earlier it
+/// ranks nodes: V replaces the unknown later steps.
 class Expander {
  public:
   /// `motion_steps_max`: see SearchCapacity.
@@ -68,9 +73,20 @@ class Expander {
   [[nodiscard]] double cost_of_hovering(const Tree& tree, NodeId id);
 
   /// True if every block of a, plus εI, dominates (⪰) that of b, that is, b has at least as much
-  /// information. The test is conservative; see planner::dominates. Precondition: both have the
-  /// same depth and posteriors.
+  /// information. With a terminal value, b must also have measured every stop that a has measured,
+  /// and b's J must be at most a's J plus ε. The test is conservative; see planner::dominates.
+  /// Precondition: both have the same depth and posteriors, and their parents have posteriors.
   [[nodiscard]] bool is_redundant(const Tree& tree, NodeId a, double epsilon, NodeId b) const;
+
+  /// Returns the part of the cost of `id` that is not J: the terminal value at its position. 0 for
+  /// the root and without a terminal value. Precondition: the parent of `id` has a posterior.
+  [[nodiscard]] double terminal_value(const Tree& tree, NodeId id) const;
+
+  /// Includes the problem's terminal value in costs (the default after reset()) or leaves it out.
+  /// All nodes of one tree must be made with the same setting.
+  void include_terminal_value(bool is_included) {
+    has_terminal_ = is_included && !problem_->terminal.is_empty();
+  }
 
   [[nodiscard]] const MotionTable& motion() const { return motion_; }
   [[nodiscard]] const BeliefTable& beliefs() const { return beliefs_; }
@@ -105,6 +121,7 @@ class Expander {
   Kept update_blocks(const Pose2& at, double cos_yaw, double sin_yaw, int t, Tree::Room room);
 
   const SearchProblem* problem_ = nullptr;
+  bool has_terminal_ = false;
   MotionTable motion_;
   BeliefTable beliefs_;
   SightTable sight_;

@@ -10,11 +10,13 @@ RootBound::RootBound(int targets_max, int horizon_max, int states_max)
     : heuristic_(targets_max, horizon_max),
       sequencing_(targets_max, horizon_max, states_max),
       near_(targets_max, horizon_max),
-      prefix_(targets_max, horizon_max) {}
+      prefix_(targets_max, horizon_max),
+      terminal_(targets_max) {}
 
 double RootBound::of_any_plan(const SearchProblem& problem, const BeliefTable& beliefs) {
   heuristic_.reset(problem, beliefs);
   sequencing_.reset(problem, beliefs, heuristic_);
+  terminal_.reset(problem, beliefs, heuristic_);
   problem_ = &problem;
   is_raised_ = false;
   start_ = problem.start;
@@ -31,13 +33,13 @@ double RootBound::of_any_plan(const SearchProblem& problem, const BeliefTable& b
   }
   reach_ = parts.all;
   any_plan_ = std::max(parts.all, floors);
-  return any_plan_;
+  return any_plan_ + terminal_.of_any_plan();
 }
 
 RootBound::Answer RootBound::of_moving_plan(const Deadline& deadline, std::int64_t& work_nodes) {
   Answer best{any_plan_, false};
   if (!std::isfinite(any_plan_)) {
-    return best;
+    return {any_plan_ + terminal_.of_any_plan(), false};
   }
   double sequenced = 0.0;  // increase over h at the root
   if (!sequencing_.is_empty()) {
@@ -54,7 +56,7 @@ RootBound::Answer RootBound::of_moving_plan(const Deadline& deadline, std::int64
     const auto answer = near_.cost(deadline, work_nodes);
     best = {std::max(best.cost, outside_near_ + sequenced + answer.cost), answer.expired};
   }
-  return best;
+  return {best.cost + terminal_.of_any_plan(), best.expired};
 }
 
 RootBound::Answer RootBound::raise(Expander& expander, std::int64_t until_nodes,
@@ -63,8 +65,10 @@ RootBound::Answer RootBound::raise(Expander& expander, std::int64_t until_nodes,
     prefix_.reset(*problem_, expander);
     is_raised_ = true;
   }
+  expander.include_terminal_value(false);  // its tree bounds J_T
   const auto answer = prefix_.raise(until_nodes, deadline, work_nodes);
-  return {answer.cost, answer.expired};
+  expander.include_terminal_value(true);
+  return {answer.cost + terminal_.of_any_plan(), answer.expired};
 }
 
 }  // namespace vantage::planner

@@ -7,11 +7,12 @@
 #include "planner/search/near_bound.hpp"
 #include "planner/search/prefix_bound.hpp"
 #include "planner/search/sequencing_bound.hpp"
+#include "planner/search/terminal_bound.hpp"
 
 namespace vantage::planner {
 
-/// Lower bounds at the root for searches without a bound of their own (ARVI, RVI, beams). Allocates
-/// nothing after construction.
+/// Lower bounds at the root for searches without a bound of their own (ARVI, RVI, beams). They
+/// include the problem's terminal value. Allocates nothing after construction.
 class RootBound {
  public:
   /// Search work, in nodes, after which of_moving_plan() is used.
@@ -56,10 +57,11 @@ class RootBound {
   SequencingBound sequencing_;
   NearBound near_;
   PrefixBound prefix_;
+  TerminalBound terminal_;  ///< added to the bounds of J_T
   const SearchProblem* problem_ = nullptr;
   bool is_raised_ = false;  ///< prefix_ is tabulated for this problem
   Pose2 start_;
-  double any_plan_ = 0.0;
+  double any_plan_ = 0.0;      ///< without the terminal value, like the next members
   double reach_ = 0.0;         ///< h at the root
   double others_ = 0.0;        ///< h of the targets outside sequencing_
   double outside_near_ = 0.0;  ///< h of the targets outside near_

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include <Eigen/QR>
 
@@ -231,6 +233,41 @@ OwnedProblem smooth_problem(std::uint64_t seed) {
     problem.targets.push_back(target);
   }
   return owned;
+}
+
+void add_random_tour(std::mt19937_64& rng, planner::SearchProblem& problem) {
+  std::vector<int> targets(problem.targets.size());
+  std::iota(targets.begin(), targets.end(), 0);
+  std::shuffle(targets.begin(), targets.end(), rng);
+  targets.resize(static_cast<std::size_t>(pick(rng, 1, static_cast<int>(targets.size()))));
+  const double speed_mps = uniform(rng, 0.5, 4.0);
+  const double scale = std::pow(10.0, uniform(rng, -1.5, 1.0));
+  std::vector<planner::TerminalValue::Stop> stops;
+  std::vector<Eigen::Vector2d> positions_m;
+  for (const int target : targets) {
+    const Eigen::Vector2d position_m(uniform(rng, -9.0, 9.0), uniform(rng, -9.0, 9.0));
+    double after_s = 0.0;
+    if (!stops.empty()) {
+      after_s = stops.back().after_s + uniform(rng, 0.0, 1.0) +
+                (position_m - positions_m.back()).norm() / speed_mps;
+    }
+    stops.push_back({target, scale * uniform(rng, 0.0, 2.0), after_s});
+    positions_m.push_back(position_m);
+  }
+  planner::TerminalValue::Fields fields;
+  fields.side = pick(rng, 2, 30);
+  const double half_m = uniform(rng, 1.0, 12.0);
+  fields.cell_m = 2.0 * half_m / (fields.side - 1);
+  fields.min_m = problem.start.position_m().array() - half_m;
+  for (std::size_t i = 0; i < stops.size() && i < planner::TerminalValue::kFieldsMax; ++i) {
+    for (int row = 0; row < fields.side; ++row) {
+      for (int column = 0; column < fields.side; ++column) {
+        const Eigen::Vector2d p_m = fields.min_m + fields.cell_m * Eigen::Vector2d(column, row);
+        fields.times_s.push_back((p_m - positions_m[i]).norm() / speed_mps);
+      }
+    }
+  }
+  problem.terminal = {std::move(stops), std::move(fields)};
 }
 
 models::Trajectory random_teammate(std::mt19937_64& rng, Time around, int steps, double step_s) {

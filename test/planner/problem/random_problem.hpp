@@ -36,6 +36,9 @@ inline void let_one_in_three_oscillate(std::uint64_t seed, std::mt19937_64& rng,
     let_oscillate(rng, problem);
   }
 }
+/// Adds a terminal value to `problem`: a tour of most of its targets, in random order, with stops
+/// at random positions and straight travel.
+void add_random_tour(std::mt19937_64& rng, planner::SearchProblem& problem);
 /// Returns a symmetric positive definite n × n matrix with eigenvalues between 10^-decades and 1,
 /// times `scale`.
 Eigen::MatrixXd random_spd(std::mt19937_64& rng, int n, double scale, double decades);

@@ -1,5 +1,6 @@
 #include "test/planner/search/exhaustive_oracle.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace vantage::test {
@@ -24,6 +25,31 @@ std::optional<bool> can_stop(const planner::SearchProblem& problem, const Pose2&
   return margin_m > 0.0;
 }
 
+// Returns `before` and the targets at these means that the robot's sensors measure from `pose`.
+std::vector<std::uint16_t> measured_from(const planner::SearchProblem& problem,
+                                         const std::vector<models::Gaussian>& beliefs,
+                                         const Pose2& pose, std::vector<std::uint16_t> before) {
+  for (std::size_t m = 0; m < beliefs.size(); ++m) {
+    const models::PositionVector mean_m =
+        beliefs[m].mean.head(problem.targets[m].model.position_dim);
+    const bool is_visible =
+        problem.world == nullptr || !problem.obstacles_block_sight ||
+        models::line_of_sight(*problem.world, pose.position_m(), mean_m.head<2>());
+    const bool is_measured =
+        is_visible &&
+        std::any_of(
+            problem.sensors.begin(), problem.sensors.end(), [&](const models::SensorModel& sensor) {
+              return !models::information(sensor, {pose, problem.height_m}, mean_m).isZero(0.0);
+            });
+    if (is_measured) {
+      before.push_back(static_cast<std::uint16_t>(m));
+    }
+  }
+  std::sort(before.begin(), before.end());
+  before.erase(std::unique(before.begin(), before.end()), before.end());
+  return before;
+}
+
 void search(const planner::SearchProblem& problem, const OracleState& state, double cost,
             std::vector<int>& controls, OracleAnswer& best) {
   for (std::size_t c = 0; c < problem.controls.size(); ++c) {
@@ -38,7 +64,14 @@ void search(const planner::SearchProblem& problem, const OracleState& state, dou
     next.depth = state.depth + 1;
     next.world_from_body = models::step_unicycle(state.world_from_body, control, problem.step_s);
     next.beliefs = look_from(problem, state.beliefs, next.world_from_body, next.depth);
-    const double next_cost = cost + stage_cost(problem, next.beliefs);
+    double next_cost = cost + stage_cost(problem, next.beliefs);
+    if (!problem.terminal.is_empty()) {
+      next.measured = measured_from(problem, next.beliefs, next.world_from_body, state.measured);
+      if (next.depth == problem.horizon_steps) {
+        next_cost += problem.terminal.at(problem.terminal.rest(state.measured),
+                                         next.world_from_body.position_m());
+      }
+    }
     controls.push_back(static_cast<int>(c));
     if (next.depth < problem.horizon_steps) {
       search(problem, next, next_cost, controls, best);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -18,11 +19,12 @@ struct OracleState {
   Pose2 world_from_body;
   int depth = 0;
   std::vector<models::Gaussian> beliefs;  ///< of each target, at `depth`
+  std::vector<std::uint16_t> measured;    ///< targets that the robot has measured, ascending
 };
 
 struct OracleAnswer {
   bool found = false;         ///< a sequence is feasible and can stop at its end
-  double cost = 0.0;          ///< least cost of the steps after `depth`
+  double cost = 0.0;          ///< least cost of the steps after `depth` and the terminal value
   std::vector<int> controls;  ///< sequence with the least cost
   /// True if a motion is so near to an obstacle that its clearance depends on rounding.
   bool undecided = false;
