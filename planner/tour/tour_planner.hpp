@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/deadline.hpp"
+#include "planner/problem/fixed_information.hpp"
+#include "planner/problem/problem.hpp"
+#include "planner/problem/terminal_value.hpp"
+#include "planner/search/geodesic.hpp"
+#include "planner/tour/tour_solver.hpp"
+#include "scenario/tour_spec.hpp"
+
+namespace vantage::planner {
+
+/// One stop of a planned tour.
+struct TourStop {
+  int target = 0;  ///< index into SearchProblem::targets
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+  double arrival_s = 0.0;   ///< s after the problem's start
+  double rate_per_s = 0.0;  ///< gain lost per second of later arrival, ≥ 0
+};
+
+/// Planner of the order in which a robot visits the targets of a search problem beyond its horizon.
+///
+/// Every target is a stop at its mean at the horizon's end: a target, a component of a mixture, or
+/// the landmark of an unexplored region. A visit at time a gains the cost (log det or trace, summed
+/// over steps of step_s until horizon_s) that the measurements of one visit save. Without a visit
+/// the covariance follows the target's motion model. A visit measures from half the sensor's range,
+/// straight ahead. Its gain is multiplied by the probability that the target is within half the
+/// range of its mean. Teammates' planned measurements count as made. Travel times are shortest
+/// paths around obstacles at the greatest speed.
+///
+/// In a team, the stops are allocated to all robots: the teammates start where and when their plans
+/// end. The robot's own tour is the result. Only the kStopsMax targets with the greatest covariance
+/// and the kTeammatesMax nearest teammates take part.
+///
+/// plan() allocates nothing after construction. Its work is bounded by a number of evaluated
+/// visits, so the tour is a function of its arguments. Source: the objective is that of persistent
+/// monitoring with travel times, solved as a travelling repairman problem; compare Yuan et al.,
+/// RA-L 2025 (arXiv 2510.10421), who choose which target to search next.
+class TourPlanner {
+ public:
+  static constexpr int kStopsMax = 128;
+  static constexpr int kTeammatesMax = 7;
+  /// Evaluated visits per plan, a few milliseconds.
+  static constexpr std::int64_t kVisitsMax = 400'000;
+
+  explicit TourPlanner(int targets_max);
+
+  /// Plans the tour of a valid problem. `teammates` are the robots whose visits count. The result
+  /// is valid until the next call.
+  std::span<const TourStop> plan(const SearchProblem& problem,
+                                 std::span<const FixedTeammate> teammates,
+                                 const scenario::TourSpec& spec,
+                                 const Deadline& deadline = Deadline::nodes(kVisitsMax));
+
+  /// Returns the terminal value of the last planned tour. Stops without a rate are left out.
+  /// Allocates the result.
+  [[nodiscard]] TerminalValue terminal_value() const;
+
+  /// Returns the solver of the last plan, for its gain and work.
+  [[nodiscard]] const TourSolver& solver() const { return solver_; }
+
+ private:
+  static constexpr int kSamples = 9;
+  static constexpr int kSide = 41;  ///< points of the terminal value's grid per side
+
+  void choose_stops();
+  void choose_teammates(std::span<const FixedTeammate> teammates);
+  void measure_travel();
+  void tabulate_gains(int stop);
+  void write_tour();
+
+  const SearchProblem* problem_ = nullptr;
+  scenario::TourSpec spec_;
+  double speed_mps_ = 0.0;
+  double reach_m_ = 0.0;
+  GeodesicTable geodesics_;
+  TourProblem tours_;
+  TourSolver solver_;
+  struct Ranked {
+    double key = 0.0;
+    int index = 0;
+  };
+  struct Start {
+    Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+    double free_s = 0.0;  ///< s after the problem's start
+  };
+  std::vector<Ranked> ranked_;
+  std::vector<models::Gaussian> beliefs_;  ///< of each stop, at the horizon's end
+  std::vector<int> targets_;               ///< of each stop
+  std::vector<Eigen::Vector2d> positions_m_;
+  std::vector<Start> starts_;  ///< of each robot; the first is this robot
+  std::vector<TourStop> tour_;
+};
+
+}  // namespace vantage::planner

@@ -1,0 +1,221 @@
+#include "planner/tour/tour_planner.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "planner/problem/fixed_information.hpp"
+#include "test/support/allocation_counter.hpp"
+
+namespace vantage::planner {
+namespace {
+
+constexpr double kSpeed_mps = 2.0;
+
+SearchTarget still_target(double x_m, double y_m, double sigma_m = 2.0) {
+  return {{models::TargetKind::kStatic, 2, 0.0},
+          {Eigen::Vector2d(x_m, y_m), sigma_m * sigma_m * Eigen::Matrix2d::Identity()}};
+}
+
+SearchTarget moving_target(double x_m, double y_m, double vx_mps) {
+  SearchTarget target;
+  target.model = {models::TargetKind::kDoubleIntegrator, 2, 0.01};
+  target.prior.mean = Eigen::Vector4d(x_m, y_m, vx_mps, 0.0);
+  target.prior.covariance = 0.1 * Eigen::Matrix4d::Identity();
+  return target;
+}
+
+SearchProblem empty_problem() {
+  SearchProblem problem;
+  problem.horizon_steps = 4;
+  problem.controls = {{kSpeed_mps, 0.0}, {kSpeed_mps, 1.0}, {1.0, -1.0}};
+  models::SensorModel sensor;
+  sensor.kind = models::SensorKind::kPosition;
+  sensor.range_max_m = 10.0;
+  sensor.position_sigma_m = 0.5;
+  problem.sensors = {sensor};
+  return problem;
+}
+
+scenario::TourSpec spec_of(double horizon_s) { return {horizon_s, 1.0, 1.0}; }
+
+FixedTeammate teammate_at(double x_m, double y_m) {
+  FixedTeammate teammate;
+  teammate.trajectory.start = {x_m, y_m, 0.0};
+  return teammate;
+}
+
+std::vector<int> targets_of(std::span<const TourStop> tour) {
+  std::vector<int> targets;
+  for (const TourStop& stop : tour) {
+    targets.push_back(stop.target);
+  }
+  return targets;
+}
+
+// A static target that is measured keeps its gain, so the gain is the saved cost per step times the
+// steps that are left, and its loss per second is constant.
+TEST(TourPlanner, GainsTheSavedCostPerStepOfAStaticTarget) {
+  SearchProblem problem = empty_problem();
+  problem.targets = {still_target(20.0, 0.0)};
+  TourPlanner planner(4);
+  const auto tour = planner.plan(problem, {}, spec_of(80.0));
+  ASSERT_EQ(targets_of(tour), std::vector<int>{0});
+  EXPECT_DOUBLE_EQ(tour[0].arrival_s, 20.0 / kSpeed_mps);
+  // Two looks of information 4 m⁻² in both directions, prior 4 m²; found within 5 m.
+  const double saved_nats = 2.0 * std::log(1.0 + 2.0 * 4.0 * 4.0);
+  const double found = 1.0 - std::exp(-0.5 * 25.0 / 4.0);
+  EXPECT_NEAR(tour[0].rate_per_s, found * saved_nats / problem.step_s, 1e-9);
+  EXPECT_NEAR(planner.solver().gain(), found * saved_nats * (80.0 - 10.0) / problem.step_s, 1e-9);
+}
+
+TEST(TourPlanner, ChargesTheTraceIfTheProblemDoes) {
+  SearchProblem problem = empty_problem();
+  problem.cost = CostKind::kTrace;
+  problem.targets = {still_target(20.0, 0.0)};
+  TourPlanner planner(4);
+  const auto tour = planner.plan(problem, {}, spec_of(80.0));
+  ASSERT_EQ(tour.size(), 1u);
+  const double saved_m2 = 2.0 * (4.0 - 1.0 / (0.25 + 8.0));
+  const double found = 1.0 - std::exp(-0.5 * 25.0 / 4.0);
+  EXPECT_NEAR(tour[0].rate_per_s, found * saved_m2 / problem.step_s, 1e-9);
+}
+
+TEST(TourPlanner, VisitsEqualTargetsOnALineInOrder) {
+  SearchProblem problem = empty_problem();
+  problem.targets = {still_target(30.0, 0.0), still_target(10.0, 0.0), still_target(20.0, 0.0)};
+  TourPlanner planner(4);
+  const auto tour = planner.plan(problem, {}, spec_of(80.0));
+  EXPECT_EQ(targets_of(tour), (std::vector<int>{1, 2, 0}));
+  EXPECT_DOUBLE_EQ(tour[1].arrival_s, 5.0 + 1.0 + 5.0);
+}
+
+TEST(TourPlanner, PrefersTheLessCertainOfTwoTargets) {
+  SearchProblem problem = empty_problem();
+  problem.targets = {still_target(20.0, 0.0, 0.5), still_target(-20.0, 0.0, 2.5)};
+  TourPlanner planner(4);
+  EXPECT_EQ(targets_of(planner.plan(problem, {}, spec_of(80.0))), (std::vector<int>{1, 0}));
+}
+
+TEST(TourPlanner, HasNoStopThatItCannotReachInTime) {
+  SearchProblem problem = empty_problem();
+  problem.targets = {still_target(20.0, 0.0), still_target(100.0, 0.0)};
+  TourPlanner planner(4);
+  EXPECT_EQ(targets_of(planner.plan(problem, {}, spec_of(30.0))), std::vector<int>{0});
+  EXPECT_TRUE(planner.plan(problem, {}, spec_of(0.0)).empty());
+  EXPECT_TRUE(planner.terminal_value().is_empty());
+}
+
+TEST(TourPlanner, LeavesStopsToNearerTeammates) {
+  SearchProblem problem = empty_problem();
+  problem.targets = {still_target(20.0, 0.0), still_target(-40.0, 0.0)};
+  TourPlanner planner(4);
+  std::vector<FixedTeammate> team = {teammate_at(-35.0, 0.0)};
+  EXPECT_EQ(targets_of(planner.plan(problem, team, spec_of(80.0))), std::vector<int>{0});
+  team[0].jammed = true;
+  EXPECT_EQ(targets_of(planner.plan(problem, team, spec_of(80.0))), (std::vector<int>{0, 1}));
+}
+
+// A teammate's planned measurements make a visit less valuable than one of an equal target.
+TEST(TourPlanner, CountsTheTeammatesPlannedMeasurements) {
+  SearchProblem problem = empty_problem();
+  problem.targets = {still_target(20.0, 0.0), still_target(-20.0, 0.0)};
+  const models::PositionMatrix none;
+  const models::PositionMatrix strong = 100.0 * Eigen::Matrix2d::Identity();
+  problem.fixed_information = {{none, strong, strong, none}, {none, none, none, none}};
+  TourPlanner planner(4);
+  const auto tour = planner.plan(problem, {}, spec_of(80.0));
+  ASSERT_EQ(targets_of(tour), (std::vector<int>{1, 0}));
+  EXPECT_LT(tour[1].rate_per_s, 0.1 * tour[0].rate_per_s);
+}
+
+// Without a visit the variance of a random walk grows linearly. The gain of a visit at once is the
+// integral of the difference by the trapezoidal rule over eight intervals.
+TEST(TourPlanner, PredictsTheCovarianceWithoutAVisitByTheMotionModel) {
+  constexpr double kQ_m2ps = 0.05;
+  constexpr double kSample_s = 10.0;
+  SearchProblem problem = empty_problem();
+  problem.targets = {still_target(0.0, 0.0)};
+  problem.targets[0].model = {models::TargetKind::kRandomWalk, 2, kQ_m2ps};
+  TourPlanner planner(4);
+  const auto tour = planner.plan(problem, {}, spec_of(8.0 * kSample_s));
+  ASSERT_EQ(tour.size(), 1u);
+  EXPECT_EQ(tour[0].arrival_s, 0.0);
+  const double prior_m2 = 4.0 + kQ_m2ps * problem.horizon_steps * problem.step_s;
+  const double visited_m2 = 1.0 / (1.0 / prior_m2 + 8.0);
+  double sum_nats = 0.0;
+  for (int k = 0; k <= 8; ++k) {
+    const double grown_m2 = kQ_m2ps * kSample_s * k;
+    const double saved_nats = 2.0 * std::log((prior_m2 + grown_m2) / (visited_m2 + grown_m2));
+    sum_nats += (k == 0 || k == 8 ? 0.5 : 1.0) * saved_nats;
+  }
+  const double found = 1.0 - std::exp(-0.5 * 25.0 / prior_m2);
+  EXPECT_NEAR(planner.solver().gain(), found * sum_nats * kSample_s / problem.step_s, 1e-9);
+}
+
+TEST(TourPlanner, TravelsAroundObstacles) {
+  SearchProblem problem = empty_problem();
+  models::World world;
+  world.bounds = {{-50.0, -50.0}, {50.0, 50.0}};
+  world.obstacles.push_back({{{9.0, -30.0}, {11.0, 40.0}}, 10.0});
+  problem.world = &world;
+  problem.targets = {still_target(20.0, 0.0)};
+  TourPlanner planner(4);
+  const auto tour = planner.plan(problem, {}, spec_of(160.0));
+  ASSERT_EQ(tour.size(), 1u);
+  const double path_m = std::hypot(9.0, 30.0) + 2.0 + std::hypot(9.0, 30.0);
+  EXPECT_NEAR(tour[0].arrival_s, path_m / kSpeed_mps, 1e-5);
+  const TerminalValue value = planner.terminal_value();
+  ASSERT_FALSE(value.is_empty());
+  const double here = value.at(value.rest({}), {0.0, 0.0});
+  EXPECT_NEAR(here, tour[0].rate_per_s * tour[0].arrival_s, 0.02 * here);
+  EXPECT_LT(value.at(value.rest({}), {0.0, -3.0}), here) << "the way leads to the south";
+  EXPECT_GT(value.at(value.rest({}), {3.0, 3.0}), here);
+}
+
+TEST(TourPlanner, GivesATerminalValueThatFallsTowardsTheTour) {
+  SearchProblem problem = empty_problem();
+  problem.targets = {still_target(30.0, 0.0), still_target(10.0, 0.0)};
+  TourPlanner planner(4);
+  scenario::TourSpec spec = spec_of(80.0);
+  spec.weight = 0.5;
+  const auto tour = planner.plan(problem, {}, spec);
+  ASSERT_EQ(targets_of(tour), (std::vector<int>{1, 0}));
+  const TerminalValue value = planner.terminal_value();
+  const double sum = tour[0].rate_per_s + tour[1].rate_per_s;
+  const auto v = [&](double x_m) { return value.at(value.rest({}), {x_m, 0.0}); };
+  EXPECT_NEAR(v(0.0) - v(2.0), 0.5 * sum * 2.0 / kSpeed_mps, 1e-6);
+  EXPECT_NEAR(v(0.0), 0.5 * (sum * 5.0 + tour[1].rate_per_s * 11.0), 1e-6);
+  const std::uint16_t near[] = {1};
+  EXPECT_NEAR(value.at(value.rest(near), {0.0, 0.0}), 0.5 * tour[1].rate_per_s * 15.0, 1e-6);
+}
+
+TEST(TourPlanner, AllocatesNothingInPlan) {
+  if (!test::AllocationCounter::is_active()) {
+    GTEST_SKIP() << "the sanitizer has its own allocator";
+  }
+  SearchProblem problem = empty_problem();
+  models::World world;
+  world.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
+  world.obstacles.push_back({{{9.0, -30.0}, {11.0, 40.0}}, 10.0});
+  problem.world = &world;
+  for (int i = 0; i < 150; ++i) {  // more than there are stops
+    const double x_m = 90.0 * std::sin(3.0 * i);
+    const double y_m = 90.0 * std::cos(5.0 * i);
+    problem.targets.push_back(i % 2 == 0 ? still_target(x_m, y_m) : moving_target(x_m, y_m, 0.2));
+  }
+  std::vector<FixedTeammate> team;
+  for (int i = 0; i < 12; ++i) {
+    team.push_back(teammate_at(-80.0 + 10.0 * i, 5.0));
+  }
+  TourPlanner planner(150);
+  const test::AllocationCounter allocations;
+  const auto tour = planner.plan(problem, team, spec_of(120.0));
+  EXPECT_EQ(allocations.count(), 0u);
+  EXPECT_FALSE(tour.empty());
+  EXPECT_LE(planner.solver().work_nodes(), TourPlanner::kVisitsMax + 4 * TourPlanner::kStopsMax);
+}
+
+}  // namespace
+}  // namespace vantage::planner
