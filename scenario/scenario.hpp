@@ -21,6 +21,7 @@
 #include "scenario/mocap_spec.hpp"
 #include "scenario/security_spec.hpp"
 #include "scenario/team_algorithm.hpp"
+#include "scenario/tour_spec.hpp"
 
 // Content of a scenario file as values. scenario/reader/scenario_yaml reads it from YAML.
 
@@ -169,6 +170,7 @@ struct PlannerSpec {
   double obstacle_margin_m = 0.1;     ///< minimum distance of vehicle's disc to obstacles
   double tracking_tolerance_m = 0.2;  ///< allowed distance between a vehicle and its plan
   models::ExplorationSpec exploration;
+  TourSpec tour;
 };
 
 struct NetworkSpec {

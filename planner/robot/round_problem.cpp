@@ -103,6 +103,7 @@ class Builder {
     add_waiting_positions();
     add_bodies();
     round_.search.fixed_information = fixed_information(round_.search, round_.teammates);
+    add_tour();
     return std::move(round_);
   }
 
@@ -117,6 +118,9 @@ class Builder {
   void add_teammates(const std::vector<int>& robots_without_sensing);
   void add_waiting_positions();
   void add_bodies();
+  /// Plans the tour beyond the horizon. Without communication the teammates' visits do not count,
+  /// because the robot does not receive what they measure.
+  void add_tour();
   /// Returns a straight motion from the observed position, at the velocity computed from the two
   /// frames.
   [[nodiscard]] models::Trajectory motion_of(const models::MocapBody& body, std::size_t hint) const;
@@ -380,6 +384,17 @@ void Builder::add_bodies() {
   for (std::size_t k = 0; k < kept; ++k) {
     round_.search.teammates.push_back(motion_of(bodies[near_m[k].second], near_m[k].second));
   }
+}
+
+void Builder::add_tour() {
+  const scenario::TourSpec& tour = scenario_.planner.tour;
+  if (tour.horizon_s <= 0.0 || round_.search.targets.empty()) {
+    return;
+  }
+  const std::vector<FixedTeammate> none;
+  const bool is_alone = scenario_.network.communication_range_m <= 0.0;
+  workspace_.tours().plan(round_.search, is_alone ? none : round_.teammates, tour);
+  round_.search.terminal = workspace_.tours().terminal_value();
 }
 
 }  // namespace

@@ -66,6 +66,10 @@ ReducedValueIteration& Workspace::reduced() {
   return reduced_ ? *reduced_ : reduced_.emplace(capacity_for(scenario_));
 }
 
+TourPlanner& Workspace::tours() {
+  return tours_ ? *tours_ : tours_.emplace(capacity_for(scenario_).targets_max);
+}
+
 const models::VisibilityGrid& Workspace::ground(const models::GridGeometry& part,
                                                 const std::vector<std::int64_t>& last_seen_utime) {
   if (!(ground_.geometry() == part)) {

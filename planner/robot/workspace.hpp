@@ -11,6 +11,7 @@
 #include "models/world/grid.hpp"
 #include "planner/search/arvi.hpp"
 #include "planner/search/catalogue.hpp"
+#include "planner/tour/tour_planner.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::planner {
@@ -43,6 +44,8 @@ class Workspace {
   [[nodiscard]] std::unique_ptr<Search> make_search(int robot_index) const;
   /// Returns the search that generates the candidates of a team decision.
   ReducedValueIteration& reduced();
+  /// Returns the planner of tours beyond the horizon. Created at the first call.
+  TourPlanner& tours();
   /// Returns the `part` of the ground with the last-seen stamps, one per cell; valid until the next
   /// call. Recomputes the free cells only if another part is requested.
   const models::VisibilityGrid& ground(const models::GridGeometry& part,
@@ -57,6 +60,7 @@ class Workspace {
   models::DistanceField field_;
   models::VisibilityGrid ground_;  ///< the part requested last
   std::optional<ReducedValueIteration> reduced_;
+  std::optional<TourPlanner> tours_;
   std::unique_ptr<Search> search_;
 };
 

@@ -178,6 +178,12 @@ void read_exploration(Mapping& from, models::ExplorationSpec& exploration) {
   from.flag("until_found", exploration.until_found);
 }
 
+void read_tour(Mapping& from, TourSpec& tour) {
+  from.number("horizon_s", tour.horizon_s, from_to(0.0, kDurationMaxS));
+  from.number("weight", tour.weight, at_least(0.0));
+  from.number("visit_s", tour.visit_s, at_least(0.0));
+}
+
 void check_round(Mapping& from, const PlannerSpec& planner) {
   if (planner.execute_steps > planner.horizon_steps) {
     from.refuse("execute_steps", fmt::format("must be at most horizon_steps, {}, is {}",
@@ -216,6 +222,20 @@ void check_team(Mapping& from, const PlannerSpec& planner) {
   }
 }
 
+/// Refuses a tour together with planning methods that do not use its terminal value.
+void check_tour(Mapping& from, const PlannerSpec& planner) {
+  if (planner.tour.horizon_s == 0.0) {
+    return;
+  }
+  if (planner.objective != PlanObjective::kTracking) {
+    from.refuse("tour", "horizon_s must be 0 (off) unless objective: tracking");
+  }
+  if (planner.team_algorithm.exchanges_solutions()) {
+    from.refuse("tour", fmt::format("horizon_s must be 0 (off) with team_algorithm: {}",
+                                    planner.team_algorithm.name()));
+  }
+}
+
 void read_planner(Mapping& from, PlannerSpec& planner) {
   read_publisher(from, planner.publisher);
   from.choice("objective", planner.objective,
@@ -247,8 +267,10 @@ void read_planner(Mapping& from, PlannerSpec& planner) {
   from.number("tracking_tolerance_m", planner.tracking_tolerance_m, above_to(0.0, kLengthMaxM));
   from.section("exploration",
                [&](Mapping& exploration) { read_exploration(exploration, planner.exploration); });
+  from.section("tour", [&](Mapping& tour) { read_tour(tour, planner.tour); });
   check_round(from, planner);
   check_team(from, planner);
+  check_tour(from, planner);
 }
 
 /// Refuses a neighbourhood together with algorithms that use the messages of the complete team.

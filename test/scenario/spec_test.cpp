@@ -177,6 +177,9 @@ TEST(ScenarioDefaults, HoldForEstimatorAndPlanner) {
   EXPECT_EQ(planner.exploration.landmark_spacing_m, 1.0);
   EXPECT_EQ(planner.exploration.landmarks_max, 12);
   EXPECT_FALSE(planner.exploration.until_found);
+  EXPECT_EQ(planner.tour.horizon_s, 0.0);
+  EXPECT_EQ(planner.tour.weight, 1.0);
+  EXPECT_EQ(planner.tour.visit_s, 1.0);
   EXPECT_EQ(kDefaultNodeBudget, 20'000);
   const models::MappingSpec& mapping = scenario.mapping;
   EXPECT_EQ(mapping.scanner.beams, 96);

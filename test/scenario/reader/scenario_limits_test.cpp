@@ -238,6 +238,9 @@ TEST(ScenarioLimits, HoldForPlans) {
       {explored + "landmark_sigma_m", "0", "1e-6", "", ""},
       {explored + "landmark_spacing_m", "0", "1e-6", "", ""},
       {explored + "landmarks_max", "-1", "0", "1000", "1001"},
+      {"planner.tour.horizon_s", "-0.1", "0", "86400", "86401"},
+      {"planner.tour.weight", "-0.1", "0", "", ""},
+      {"planner.tour.visit_s", "-0.1", "0", "", ""},
   });
 }
 
