@@ -25,10 +25,11 @@ set(vantage_models_public
   models/sensor/law models/sensor/sensor models/target/kind models/target/law
   models/target/target_model models/world/grid models/world/world)
 
-set(vantage_wire_libraries autopilot_parameters mavlink rover_wire sitl_wire vicon_wire)
+set(vantage_wire_libraries autopilot_parameters crtp_wire mavlink rover_wire sitl_wire vicon_wire)
 set(vantage_wire_needs models)
 set(vantage_wire_packages fmt SODIUM)
 set(vantage_wire_public
+  wire/crtp/flight wire/crtp/link_uri wire/crtp/packet wire/crtp/system wire/crtp/tables
   wire/mavlink/frame wire/mavlink/messages wire/mavlink/parser wire/mavlink/signing
   wire/rover/packet wire/sitl/json_physics wire/vicon/datastream wire/vicon/object_stream
   wire/vicon/vrpn)
