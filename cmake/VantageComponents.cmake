@@ -31,8 +31,8 @@ set(vantage_wire_packages fmt SODIUM)
 set(vantage_wire_public
   wire/crtp/flight wire/crtp/link_uri wire/crtp/packet wire/crtp/system wire/crtp/tables
   wire/mavlink/frame wire/mavlink/messages wire/mavlink/parser wire/mavlink/signing
-  wire/rover/packet wire/sitl/json_physics wire/vicon/datastream wire/vicon/object_stream
-  wire/vicon/vrpn)
+  wire/rover/packet wire/sitl/crazyflie_sensors wire/sitl/json_physics wire/vicon/datastream
+  wire/vicon/object_stream wire/vicon/vrpn)
 
 set(vantage_scenario_libraries scenario)
 set(vantage_scenario_needs models)

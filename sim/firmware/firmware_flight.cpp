@@ -85,6 +85,7 @@ void FirmwareFlight::run() {
     const bool is_sent = link_->send(board_.sample(body_, elapsed));
     is_answered = !link_->is_lockstep() || !is_sent;
     ++counts.steps;
+    counts.dropped = link_->dropped();
     const std::lock_guard lock(mutex_);
     counts_ = counts;
   }

@@ -38,6 +38,7 @@ class FirmwareFlight {
     std::int64_t steps = 0;
     std::int64_t silences = 0;  ///< gaps longer than kPatience without a message of the firmware
     std::int64_t resumed = 0;   ///< suspensions of the thread; the missed time was skipped
+    std::int64_t dropped = 0;   ///< packets that the link could not relay
   };
 
   FirmwareFlight(const MultirotorParameters& parameters, const SensorNoise& noise,

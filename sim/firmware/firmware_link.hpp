@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -34,6 +35,8 @@ class FirmwareLink {
   virtual bool send(const FirmwareSensors& sensors) = 0;
   /// Returns the next motor command after at most `timeout`; nullopt if none arrived.
   virtual std::optional<MotorCommand> receive(Duration timeout) = 0;
+  /// Returns the number of packets that the link relays for others and had to drop.
+  [[nodiscard]] virtual std::int64_t dropped() const { return 0; }
 };
 
 }  // namespace vantage::sim

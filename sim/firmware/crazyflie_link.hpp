@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include <netinet/in.h>
+
+#include "sim/firmware/firmware_link.hpp"
+
+namespace vantage::sim {
+
+/// Returns the body of a Crazyflie 2.1: 27 g, motors 46 mm from the centre, and the thrust that its
+/// firmware expects.
+MultirotorParameters crazyflie_body();
+/// Returns the errors of a Crazyflie's sensors.
+SensorNoise crazyflie_noise();
+
+/// Link to Crazyflie firmware compiled for a computer (wire/sitl). The firmware uses its own clock
+/// and sends its answers to the last sender, so it communicates only with this link. The link
+/// relays the packets between the firmware and one client, the newest that sent a packet.
+class CrazyflieLink : public FirmwareLink {
+ public:
+  /// Ports on this host, 127.0.0.1.
+  struct Ports {
+    int firmware = 0;  ///< to which the firmware says hello
+    int client = 0;
+  };
+  /// Returns the ports of `instance`: 19950 + instance and 19850 + instance.
+  static Ports ports_of(int instance);
+
+  /// @throws StartupError if a port cannot be opened.
+  explicit CrazyflieLink(const Ports& ports);
+  ~CrazyflieLink() override;
+
+  [[nodiscard]] Duration period() const override { return Duration{1'000}; }
+  [[nodiscard]] bool is_lockstep() const override { return false; }
+  bool send(const FirmwareSensors& sensors) override;
+  /// Relays all waiting packets and returns the newest motor command.
+  std::optional<MotorCommand> receive(Duration timeout) override;
+  [[nodiscard]] std::int64_t dropped() const override {
+    return counts_.forged + counts_.bad_length + counts_.no_peer + counts_.unsent;
+  }
+
+  /// Numbers of packets, and of those that were not relayed.
+  struct Counts {
+    std::int64_t hellos = 0;       ///< answered hellos of the firmware, one per start or more
+    std::int64_t to_firmware = 0;  ///< of the client
+    std::int64_t to_client = 0;
+    std::int64_t forged = 0;      ///< packets of a client on the simulator's port
+    std::int64_t bad_length = 0;  ///< datagrams with no bytes or more than 31
+    std::int64_t no_peer = 0;     ///< no firmware or no client has sent a packet yet
+    std::int64_t unsent = 0;      ///< the system refused the datagram
+  };
+  [[nodiscard]] const Counts& counts() const { return counts_; }
+
+ private:
+  using Bytes = std::span<const std::uint8_t>;
+  std::optional<Bytes> read(int fd, sockaddr_in& from);
+  bool write(int fd, const std::optional<sockaddr_in>& to, Bytes packet);
+  void relay_client();
+  void relay_firmware(std::optional<MotorCommand>& newest);
+
+  int firmware_fd_ = -1;
+  int client_fd_ = -1;
+  std::optional<sockaddr_in> firmware_;
+  std::optional<sockaddr_in> client_;
+  std::int64_t samples_ = 0;
+  std::array<std::uint8_t, 64> buffer_{};
+  Counts counts_;
+};
+
+}  // namespace vantage::sim

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include <Eigen/Core>
+
+// Link between Crazyflie firmware compiled for a computer and its simulator: datagrams of at most
+// 31 bytes, one CRTP packet each. The firmware says hello until the simulator answers with the same
+// byte. Then sensor values go to the firmware, and motor commands to the simulator, on a port of
+// their own; the packets of a client use the same link.
+// Source: the port of the firmware to Linux (crazyflie-firmware, branch sitl-release), sensors_sitl
+// and power_distribution_sitl. That branch uses port 9; firmware since 2025 has its supervisor
+// there, so the port is moved to 14.
+
+namespace vantage::wire::sitl {
+
+inline constexpr int kCrazyflieFirmwarePort = 19'950;  ///< of the simulator; plus instance
+inline constexpr int kCrazyflieClientPort = 19'850;    ///< of the simulator; plus instance
+inline constexpr std::uint8_t kCrazyflieHello = 0xF3;  ///< only byte of the hello and of its answer
+inline constexpr std::size_t kCrazyfliePacketMax = 31;
+
+/// True for a packet between firmware and simulator, which no client sends or receives.
+bool is_simulator_packet(std::span<const std::uint8_t> packet);
+
+/// Encodes one sample of the inertial unit, body FLU: in units of 1/2048 g and 1/16.384 °/s,
+/// saturated at ± 16 g and ± 2000 °/s.
+std::array<std::uint8_t, 14> format_inertial(const Eigen::Vector3d& specific_force_body_mps2,
+                                             const Eigen::Vector3d& gyro_body_radps);
+/// Encodes one sample of the magnetometer, body FLU, in units of 1/666.7 gauss.
+std::array<std::uint8_t, 8> format_magnetometer(const Eigen::Vector3d& field_body_gauss);
+/// Encodes one sample of the barometer.
+std::array<std::uint8_t, 14> format_barometer(double pressure_hpa, double temperature_c,
+                                              double altitude_m);
+
+/// Duty cycles of the motors, in [0, 1].
+struct MotorDuties {
+  double front_right = 0.0;  ///< M1
+  double rear_right = 0.0;   ///< M2
+  double rear_left = 0.0;    ///< M3
+  double front_left = 0.0;   ///< M4
+};
+/// Parses a motor command; returns nullopt for any other packet.
+std::optional<MotorDuties> parse_motor_duties(std::span<const std::uint8_t> packet);
+/// True for the message that the gyro's bias is known: the firmware flies from now on.
+bool is_gyro_calibrated(std::span<const std::uint8_t> packet);
+
+}  // namespace vantage::wire::sitl
