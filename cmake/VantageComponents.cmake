@@ -25,7 +25,8 @@ set(vantage_models_public
   models/sensor/law models/sensor/sensor models/target/kind models/target/law
   models/target/target_model models/world/grid models/world/world)
 
-set(vantage_wire_libraries autopilot_parameters crtp_wire mavlink rover_wire sitl_wire vicon_wire)
+set(vantage_wire_libraries
+  autopilot_parameters crtp_wire mavlink natnet_wire rover_wire sitl_wire vicon_wire)
 set(vantage_wire_needs models)
 set(vantage_wire_packages fmt SODIUM)
 set(vantage_wire_public

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -44,6 +45,19 @@ class Reader {
   std::string_view text(std::size_t count) {
     const Bytes taken = take(count);
     return {reinterpret_cast<const char*>(taken.data()), taken.size()};
+  }
+  /// Returns the text before the next NUL and skips both. Without a NUL, returns "" and makes ok()
+  /// false.
+  std::string_view terminated_text() {
+    const auto end = std::find(rest_.begin(), rest_.end(), std::uint8_t{0});
+    if (end == rest_.end()) {
+      is_ok_ = false;
+      rest_ = {};
+      return {};
+    }
+    const std::string_view out = text(static_cast<std::size_t>(end - rest_.begin()));
+    take(1);
+    return out;
   }
   /// Reads the number of the following elements, each of at least `element_bytes`. If the remaining
   /// bytes are too few for this number, returns 0 and makes ok() false.
