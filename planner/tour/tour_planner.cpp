@@ -19,13 +19,15 @@ double cost_of(const SearchProblem& problem, const models::StateMatrix& covarian
   return problem.cost == CostKind::kLogDet ? models::log_det(covariance) : covariance.trace();
 }
 
-// Returns the belief of target m at the horizon's end, after the teammates' planned measurements.
-models::Gaussian belief_at_end(const SearchProblem& problem, std::size_t m) {
+// Returns the belief of target m at the horizon's end, after the teammates' planned measurements,
+// if they count.
+models::Gaussian belief_at_end(const SearchProblem& problem, std::size_t m, bool has_teammates) {
   const SearchTarget& target = problem.targets[m];
   models::Gaussian belief = target.prior;
   for (std::size_t t = 0; t < index(problem.horizon_steps); ++t) {
     belief = models::predict(belief, target.model, problem.step_s);
-    if (!problem.fixed_information.empty() && problem.fixed_information[m][t].size() > 0) {
+    if (has_teammates && !problem.fixed_information.empty() &&
+        problem.fixed_information[m][t].size() > 0) {
       belief.covariance =
           models::update_covariance(belief.covariance, problem.fixed_information[m][t]);
     }
@@ -126,7 +128,7 @@ void TourPlanner::choose_stops() {
   targets_.clear();
   positions_m_.clear();
   for (const Ranked& each : ranked_) {
-    const models::Gaussian belief = belief_at_end(*problem_, index(each.index));
+    const models::Gaussian belief = belief_at_end(*problem_, index(each.index), starts_.size() > 1);
     Eigen::Vector2d position_m = belief.mean.head<2>();
     if (problem_->world != nullptr) {
       const models::Rectangle& bounds = problem_->world->bounds;
@@ -220,6 +222,7 @@ void TourPlanner::write_tour() {
   }
 }
 
+// long: chooses the stops, then fills the grid in two passes.
 TerminalValue TourPlanner::terminal_value() const {
   std::vector<TerminalValue::Stop> stops;
   std::vector<int> points;  // indices into positions_m_

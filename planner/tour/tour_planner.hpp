@@ -39,9 +39,9 @@ struct TourStop {
 /// and the kTeammatesMax nearest teammates take part.
 ///
 /// plan() allocates nothing after construction. Its work is bounded by a number of evaluated
-/// visits, so the tour is a function of its arguments. Source: the objective is that of persistent
-/// monitoring with travel times, solved as a travelling repairman problem; compare Yuan et al.,
-/// RA-L 2025 (arXiv 2510.10421), who choose which target to search next.
+/// visits, so the tour is a function of its arguments. Source: ours, as a travelling repairman
+/// problem with gains that depend on time. Yuan et al., RA-L 2025 (arXiv 2510.10421) also choose
+/// the target to search next above a planner of motions.
 class TourPlanner {
  public:
   static constexpr int kStopsMax = 128;
@@ -51,8 +51,9 @@ class TourPlanner {
 
   explicit TourPlanner(int targets_max);
 
-  /// Plans the tour of a valid problem. `teammates` are the robots whose visits count. The result
-  /// is valid until the next call.
+  /// Plans the tour of a valid problem. `teammates` are the robots whose visits count. If there are
+  /// none, the fixed information of the problem does not count either. The result is valid until
+  /// the next call.
   std::span<const TourStop> plan(const SearchProblem& problem,
                                  std::span<const FixedTeammate> teammates,
                                  const scenario::TourSpec& spec,

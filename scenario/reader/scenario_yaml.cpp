@@ -228,11 +228,12 @@ void check_tour(Mapping& from, const PlannerSpec& planner) {
     return;
   }
   if (planner.objective != PlanObjective::kTracking) {
-    from.refuse("tour", "horizon_s must be 0 (off) unless objective: tracking");
+    from.refuse("tour", fmt::format("horizon_s must be 0 (off) unless objective: tracking; is {}",
+                                    planner.tour.horizon_s));
   }
   if (planner.team_algorithm.exchanges_solutions()) {
-    from.refuse("tour", fmt::format("horizon_s must be 0 (off) with team_algorithm: {}",
-                                    planner.team_algorithm.name()));
+    from.refuse("tour", fmt::format("horizon_s must be 0 (off) with team_algorithm: {}; is {}",
+                                    planner.team_algorithm.name(), planner.tour.horizon_s));
   }
 }
 

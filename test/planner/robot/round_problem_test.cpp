@@ -36,6 +36,35 @@ TEST(ProblemOfRound, CountsUnseenStepsUntilPlanBegins) {
   }
 }
 
+// The terminal value is a function of the inputs. With communication, teammates take some stops.
+TEST(ProblemOfRound, HasTheTerminalValueOfTheTour) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.planner.exploration.landmarks_max = 0;
+  const auto stops_of = [&](std::size_t robot) {
+    const PlanInputs inputs = test::first_inputs(scenario, robot, 1);
+    Workspace workspace(scenario);
+    models::Trajectory committed;
+    committed.start_time = inputs.slot.activation;
+    committed.start = scenario.robots[robot].start;
+    const RoundProblem round = problem_of_round(workspace, robot, inputs, committed, {});
+    EXPECT_NO_THROW(require_valid(round.search));
+    std::vector<int> targets;
+    for (const TerminalValue::Stop& stop : round.search.terminal.stops()) {
+      targets.push_back(stop.target);
+    }
+    return targets;
+  };
+  EXPECT_TRUE(stops_of(0).empty()) << "off by default";
+  scenario.planner.tour.horizon_s = 40.0;
+  const std::vector<int> alone = stops_of(0);
+  EXPECT_EQ(alone.size(), 5U);
+  EXPECT_EQ(stops_of(0), alone);
+  scenario.network.communication_range_m = 10.0;
+  for (std::size_t robot = 0; robot < 3; ++robot) {
+    EXPECT_LT(stops_of(robot).size(), 5U) << robot;
+  }
+}
+
 /// Fixture with a scenario in which the beliefs of unseen targets are mixtures of several
 /// Gaussians.
 class PlansByMixtures : public ::testing::Test {

@@ -125,9 +125,13 @@ TEST(TourPlanner, CountsTheTeammatesPlannedMeasurements) {
   const models::PositionMatrix strong = 100.0 * Eigen::Matrix2d::Identity();
   problem.fixed_information = {{none, strong, strong, none}, {none, none, none, none}};
   TourPlanner planner(4);
-  const auto tour = planner.plan(problem, {}, spec_of(80.0));
+  const std::vector<FixedTeammate> team = {teammate_at(200.0, 0.0)};
+  const auto tour = planner.plan(problem, team, spec_of(80.0));
   ASSERT_EQ(targets_of(tour), (std::vector<int>{1, 0}));
   EXPECT_LT(tour[1].rate_per_s, 0.1 * tour[0].rate_per_s);
+  const auto alone = planner.plan(problem, {}, spec_of(80.0));
+  ASSERT_EQ(alone.size(), 2u);
+  EXPECT_DOUBLE_EQ(alone[1].rate_per_s, alone[0].rate_per_s);
 }
 
 // Without a visit the variance of a random walk grows linearly. The gain of a visit at once is the

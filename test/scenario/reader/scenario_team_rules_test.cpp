@@ -60,6 +60,22 @@ TEST(ScenarioRules, RoundsAreLongEnough) {
             "execute_steps · step_s = 0.75 s; is 0.75");
 }
 
+TEST(ScenarioRules, ToursNeedASearchForTargets) {
+  const auto with = [](const std::string& planner) {
+    return answer_to_two(", start: {x_m: 1, y_m: 1}", ", start: {x_m: 4, y_m: 1}",
+                         "planner: {" + planner + "}\nmapping: {}\n");
+  };
+  const std::string tour = "tour: {horizon_s: 30}";
+  EXPECT_EQ(with(tour), "taken");
+  EXPECT_EQ(with(tour + ", attacks_max: 1"), "taken");
+  EXPECT_EQ(with(tour + ", objective: mapping"),
+            "f:8: planner.tour: horizon_s must be 0 (off) unless objective: tracking; is 30");
+  EXPECT_EQ(
+      with(tour + ", team_algorithm: local_search"),
+      "f:8: planner.tour: horizon_s must be 0 (off) with team_algorithm: local_search; is 30");
+  EXPECT_EQ(with("tour: {horizon_s: 0, weight: 2}, objective: mapping"), "taken");
+}
+
 TEST(ScenarioRules, TeamAlgorithmsExcludeEachOther) {
   const auto with = [](const std::string& planner) {
     return answer_to_two(", start: {x_m: 1, y_m: 1}", ", start: {x_m: 4, y_m: 1}",
