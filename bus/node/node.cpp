@@ -7,6 +7,7 @@
 #include <poll.h>
 
 #include "bus/convert/channels.hpp"
+#include "bus/node/normal_counters.hpp"
 #include "core/deadline.hpp"
 #include "core/processor_wait.hpp"
 
@@ -17,12 +18,6 @@ constexpr Duration kReportPeriod = std::chrono::seconds(1);
 constexpr Duration kReportOnChangePeriod = std::chrono::milliseconds(100);
 constexpr Duration kStopPollPeriod = std::chrono::milliseconds(50);
 constexpr Duration kWaitPeriod = std::chrono::milliseconds(50);
-
-/// True for counters that change in normal operation: traffic, durations and kinds of rounds.
-bool is_normal_counter(std::string_view counter) {
-  return counter == "transport.messages_sent" || counter == "transport.messages_received" ||
-         counter.ends_with(".fresh") || counter.ends_with("_us") || counter.ends_with("_rounds");
-}
 
 /// Reporter of the time that the thread waited for a processor in the last second.
 class WaitReporter {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bus/node/normal_counters.hpp"
 #include "logs/foxglove/values.hpp"
 
 namespace vantage::logs::foxglove {
@@ -11,6 +12,38 @@ namespace {
 
 std::string reasons_of(const models::VehicleStatus& status) {
   return status.reasons.empty() ? "" : fmt::format(": {}", fmt::join(status.reasons, ", "));
+}
+
+/// Returns what `now` counts more than `before`, such as "2 deadlines missed, 3 stale_beliefs";
+/// empty if no count has grown; nullopt if only counters of normal operation have grown.
+std::optional<std::string> losses(const models::ProcessHealth& before,
+                                  const models::ProcessHealth& now) {
+  constexpr std::size_t kNamedMax = 3;
+  std::vector<std::string> lost;
+  bool has_normal = false;
+  if (now.deadlines_missed > before.deadlines_missed) {
+    lost.push_back(
+        fmt::format("{} deadlines missed", now.deadlines_missed - before.deadlines_missed));
+  }
+  for (const models::NamedCount& counter : now.counters) {
+    const auto known =
+        std::find_if(before.counters.begin(), before.counters.end(),
+                     [&](const models::NamedCount& each) { return each.name == counter.name; });
+    const std::int64_t more = counter.count - (known == before.counters.end() ? 0 : known->count);
+    if (more > 0 && bus::is_rejection(counter.name)) {
+      has_normal = true;
+    } else if (more > 0 && !bus::is_normal_counter(counter.name)) {
+      lost.push_back(fmt::format("{} {}", more, counter.name));
+    }
+  }
+  if (lost.empty()) {
+    return has_normal ? std::nullopt : std::optional(std::string());
+  }
+  if (lost.size() > kNamedMax) {
+    lost[kNamedMax] = fmt::format("{} more", lost.size() - kNamedMax);
+    lost.resize(kNamedMax + 1);
+  }
+  return fmt::format("{}", fmt::join(lost, ", "));
 }
 
 }  // namespace
@@ -69,6 +102,45 @@ std::optional<Event> event_of(const models::AttackNotice* before,
                               : fmt::format("jammed: {}", fmt::join(jammed, ", "))};
 }
 
+std::optional<Event> TargetStory::on(const TargetStatus& target, const std::string& seen_by,
+                                     Time time) {
+  const auto event = [&](LogLevel level, const char* kind, const std::string& what) {
+    return Event{time, level, kind, target.name + " " + what};
+  };
+  const bool is_known = target.estimate.has_value() && target.entropy_nats < prior_nats_;
+  switch (state_) {
+    case State::kSought:
+      if (!target.discovered_s) {
+        return std::nullopt;
+      }
+      state_ = State::kKnown;
+      return event(LogLevel::kInfo, "found", "found by " + target.discovered_by);
+    case State::kKnown:
+      // The estimate is evaluated some steps after the discovery.
+      has_estimate_ |= is_known;
+      if (is_known || !has_estimate_) {
+        return std::nullopt;
+      }
+      state_ = State::kLost;
+      return event(LogLevel::kWarning, "lost",
+                   target.estimate ? "lost: as uncertain as before it was found"
+                                   : "lost: no robot has an estimate");
+    case State::kLost:
+      if (!is_known || target.entropy_nats > prior_nats_ - kRegain_nats) {
+        return std::nullopt;
+      }
+      state_ = State::kKnown;
+      return event(LogLevel::kInfo, "found",
+                   seen_by.empty() ? "found again" : "found again by " + seen_by);
+  }
+  return std::nullopt;
+}
+
+const char* name_of(TargetStory::State state) {
+  constexpr const char* kNames[] = {"sought", "known", "lost"};
+  return kNames[static_cast<int>(state)];
+}
+
 std::optional<Event> HealthStory::on(const models::ProcessHealth& health) {
   const auto event = [&](LogLevel level, const std::string& what) {
     return Event{health.stamp.time, level, "health", health.process + ": " + what};
@@ -84,8 +156,14 @@ std::optional<Event> HealthStory::on(const models::ProcessHealth& health) {
       degraded_->second = now;
       return std::nullopt;
     }
+    const std::optional<std::string> lost = before ? losses(*before, health) : std::string();
+    if (!lost) {
+      return std::nullopt;
+    }
     degraded_ = {now, now};
-    return event(LogLevel::kWarning, "degraded: drops, missed deadlines or other errors");
+    return event(
+        LogLevel::kWarning,
+        "degraded: " + (lost->empty() ? "drops, missed deadlines or other errors" : *lost));
   }
   if (health.state == models::ProcessState::kStopping) {
     degraded_.reset();

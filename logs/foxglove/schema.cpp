@@ -131,6 +131,7 @@ OrderedJson vantage_schema(Schema schema) {
            {"name", text()},
            {"version", text()},
            {"process", text()},
+           {"session", text()},
            {"yaml", text()},
            {"objective", text()},
            {"grid_memory_s", number()},
@@ -163,6 +164,16 @@ OrderedJson vantage_schema(Schema schema) {
            {"rounds", integer()},
            {"rounds_late", integer()},
            {"messages_lost", integer()}});
+    case Schema::kTargets:
+      return object({{"timestamp", time()},
+                     {"targets", list_of(object({{"name", text()},
+                                                 {"state", text()},
+                                                 {"found_s", number()},
+                                                 {"found_by", text()},
+                                                 {"error_m", number()},
+                                                 {"sigma_m", number()},
+                                                 {"seen_by", text()},
+                                                 {"unseen_s", number()}}))}});
     case Schema::kPlan:
       return object({{"timestamp", time()},
                      {"robot", text()},
@@ -221,6 +232,8 @@ const char* name_of(Schema schema) {
       return "vantage.Scenario";
     case Schema::kTeam:
       return "vantage.Team";
+    case Schema::kTargets:
+      return "vantage.Targets";
     case Schema::kPlan:
       return "vantage.Plan";
     case Schema::kVehicle:

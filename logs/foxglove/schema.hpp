@@ -15,6 +15,7 @@ enum class Schema : std::uint8_t {
   kLog,
   kScenario,  ///< world, robots and targets
   kTeam,      ///< quality of the team's estimates
+  kTargets,   ///< discovery and present estimate of each target
   kPlan,      ///< cost, bound and times of one plan
   kVehicle,   ///< state of one vehicle with reasons
   kHealth,    ///< state of one process
@@ -23,10 +24,9 @@ enum class Schema : std::uint8_t {
 };
 
 inline constexpr Schema kSchemas[] = {
-    Schema::kSceneUpdate, Schema::kGrid,     Schema::kFrameTransforms,
-    Schema::kLog,         Schema::kScenario, Schema::kTeam,
-    Schema::kPlan,        Schema::kVehicle,  Schema::kHealth,
-    Schema::kAttack,      Schema::kLcm};
+    Schema::kSceneUpdate, Schema::kGrid,   Schema::kFrameTransforms, Schema::kLog,
+    Schema::kScenario,    Schema::kTeam,   Schema::kTargets,         Schema::kPlan,
+    Schema::kVehicle,     Schema::kHealth, Schema::kAttack,          Schema::kLcm};
 
 /// Returns "foxglove.SceneUpdate", … for Foxglove schemas; "vantage.Team", … for vantage's own.
 const char* name_of(Schema schema);

@@ -53,7 +53,7 @@ void Stream::on_publisher(std::string_view channel, std::int64_t run_id, Time re
 }
 
 void Stream::on(const models::ScenarioNotice& notice, Time received_at) {
-  if (scenario_ && scenario_->source_text == notice.yaml) {
+  if (!sessions_.on(notice, received_at)) {
     return;
   }
   try {
@@ -63,9 +63,7 @@ void Stream::on(const models::ScenarioNotice& notice, Time received_at) {
     return;
   }
   scenario_->source_text = notice.yaml;
-  metrics_.emplace(*scenario_, received_at);
-  estimates_.clear();
-  newest_step_ = -1;
+  begin_session(received_at, notice.stamp.sequence > 0);
   const Time time = notice.stamp.time;
   put(
       "/scenario", Schema::kScenario, received_at,
@@ -77,6 +75,22 @@ void Stream::on(const models::ScenarioNotice& notice, Time received_at) {
       "/targets", Schema::kSceneUpdate, received_at,
       [&] { return targets_scene(*scenario_, time); }, true);
   put_robots(received_at, time);
+}
+
+void Stream::begin_session(Time received_at, bool has_begun_before) {
+  constexpr double kKnownAtFirst_s = 2.0;
+  metrics_.emplace(*scenario_, received_at);
+  const double prior_nats =
+      isotropic_entropy_nats(scenario_->estimator.undiscovered_position_sigma_m,
+                             scenario_->estimator.target_model.position_dim);
+  stories_.assign(scenario_->targets.size(), TargetStory(prior_nats));
+  sightings_.clear();
+  unknown_until_s_ = has_begun_before ? kKnownAtFirst_s : 0.0;
+  estimates_.clear();
+  estimates_time_.reset();
+  newest_step_ = -1;
+  grid_ = {};
+  grid_step_ = -1;
 }
 
 void Stream::put_robots(Time received_at, Time time) {
@@ -127,6 +141,11 @@ void Stream::on(const models::TruthFrame& truth, Time received_at) {
 void Stream::on(const models::RobotMeasurement& detections, Time received_at) {
   captures_.add(models::ref_to(bus::measurement_channel(detections.robot).name, detections.stamp),
                 detections.stamp.time);
+  for (const models::Detection& detection : detections.detections) {
+    if (detection.target_id >= 0 && !detections.jammed) {
+      sightings_[detection.target_id] = {detections.robot, detections.stamp.time};
+    }
+  }
   const scenario::RobotSpec* robot = scenario_ ? scenario_->find_robot(detections.robot) : nullptr;
   if (robot != nullptr) {
     put("/measurement/" + detections.robot, Schema::kSceneUpdate, received_at, [&] {
@@ -153,6 +172,7 @@ void Stream::on(const models::RobotBelief& belief, Time received_at) {
     put(
         "/team", Schema::kTeam, received_at,
         [&] { return team_json(*metrics_, belief.stamp.time); }, true);
+    put_targets(received_at, belief.stamp.time);
   }
   const int dim = scenario_->estimator.target_model.position_dim;
   std::vector<EstimateView> own;
@@ -174,6 +194,21 @@ void Stream::on(const models::RobotBelief& belief, Time received_at) {
   }
   estimates_time_ = belief.stamp.time;
   put_estimates("/belief/" + belief.robot, "belief/" + belief.robot, own, received_at);
+}
+
+void Stream::put_targets(Time received_at, Time time) {
+  for (std::size_t i = 0; i < stories_.size(); ++i) {
+    const TargetStatus& target = metrics_->targets()[i];
+    const auto seen = sightings_.find(static_cast<int>(i));
+    const auto event =
+        stories_[i].on(target, seen == sightings_.end() ? "" : seen->second.robot, time);
+    const bool is_known_at_first = event && event->kind == "found" && target.discovered_s &&
+                                   *target.discovered_s < unknown_until_s_;
+    put_event(is_known_at_first ? std::nullopt : event, received_at);
+  }
+  put(
+      "/targets/status", Schema::kTargets, received_at,
+      [&] { return targets_json(*metrics_, stories_, sightings_, unknown_until_s_, time); }, true);
 }
 
 void Stream::flush_estimates(Time received_at) {

@@ -12,6 +12,7 @@
 #include "core/time.hpp"
 #include "logs/foxglove/scene.hpp"
 #include "logs/foxglove/schema.hpp"
+#include "logs/foxglove/session_watch.hpp"
 #include "logs/foxglove/values.hpp"
 #include "logs/metrics/origin_times.hpp"
 #include "logs/metrics/team_estimate.hpp"
@@ -48,6 +49,7 @@ class Sink {
 ///
 /// Topics (P: name of a robot or process):
 ///   /scenario /attack /team       vantage.*           state; team at each step of the estimators
+///   /targets/status              vantage.Targets     state at each step of the estimators
 ///   /plan/P/status /vehicle/P /health/P   vantage.*
 ///   /events                       foxglove.Log        collisions, late plans, attacks, safety …
 ///   /transforms /truth/transforms foxglove.FrameTransforms   world → body, mocap and truth
@@ -96,6 +98,10 @@ class Stream {
   /// Publishes the team's estimates of the current step once, when the beliefs of this step have
   /// arrived.
   void flush_estimates(Time received_at);
+  /// Publishes the state of each target, and an event for each change.
+  void put_targets(Time received_at, Time time);
+  /// Discards the state of the session that has ended.
+  void begin_session(Time received_at, bool has_begun_before);
   void put_grid(const models::RobotBelief& belief, Time received_at);
   void extend_trail(const std::string& body, const Eigen::Vector3d& position_m, Time time);
   void put_tracks(Time received_at, Time time);
@@ -110,8 +116,13 @@ class Stream {
   [[nodiscard]] std::string target_name(int target_id) const;
 
   Sink& sink_;
+  SessionWatch sessions_;
   std::optional<scenario::Scenario> scenario_;
   std::optional<TrialMetrics> metrics_;  ///< set if scenario_ is set
+  std::vector<TargetStory> stories_;     ///< one per target of scenario_
+  std::map<int, Sighting> sightings_;    ///< last measurement of each target with an id
+  /// s; targets found earlier after the first message may have been found before it
+  double unknown_until_s_ = 0.0;
   std::optional<models::AttackNotice> attack_;
   std::map<std::string, models::VehicleStatus> vehicles_;
   std::map<std::string, HealthStory> processes_;

@@ -1,9 +1,13 @@
 #include "logs/foxglove/values.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "core/index.hpp"
 #include "logs/foxglove/scene.hpp"
 #include "models/mapping/cell_counts.hpp"
 
@@ -147,6 +151,7 @@ Json scenario_json(const models::ScenarioNotice& notice, const scenario::Scenari
           {"name", scenario.name},
           {"version", notice.version},
           {"process", notice.process},
+          {"session", fmt::format("{:x}", notice.stamp.run_id)},
           {"yaml", notice.yaml},
           {"objective", is_mapping ? "mapping" : "tracking"},
           {"grid_memory_s", scenario.estimator.grid_memory_s},
@@ -247,6 +252,34 @@ Json team_json(const TrialMetrics& metrics, Time time) {
   }
   add_step_of_robots(metrics, out);
   return out;
+}
+
+Json targets_json(const TrialMetrics& metrics, const std::vector<TargetStory>& stories,
+                  const std::map<int, Sighting>& sightings, double unknown_until_s, Time time) {
+  Json targets = Json::array();
+  for (int id = 0; id < std::ssize(metrics.targets()); ++id) {
+    const TargetStatus& target = metrics.targets()[index(id)];
+    Json out{{"name", target.name}, {"state", name_of(stories[index(id)].state())}};
+    if (target.discovered_s && *target.discovered_s >= unknown_until_s) {
+      out["found_s"] = *target.discovered_s;
+      out["found_by"] = target.discovered_by;
+    }
+    if (target.error_m) {
+      set_if_finite(out, "error_m", *target.error_m);
+    }
+    if (target.estimate) {
+      set_if_finite(out, "sigma_m", target.estimate->sigma_m());
+      out["unseen_s"] = to_seconds(target.estimate->time - target.estimate->last_seen);
+    }
+    if (const auto seen = sightings.find(id); seen != sightings.end()) {
+      out["seen_by"] = seen->second.robot;
+      out["unseen_s"] = std::max(0.0, to_seconds(time - seen->second.time));
+    } else if (target.estimate) {
+      out["seen_by"] = target.estimate->robot;
+    }
+    targets.push_back(std::move(out));
+  }
+  return {{"timestamp", to_json(time)}, {"targets", std::move(targets)}};
 }
 
 Json log_json(const Event& event) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -32,7 +33,7 @@ Json visibility_grid(const models::GridGeometry& grid,
 /// settled cells.
 Json occupancy_grid(const models::RobotMap& map, const models::MappingSpec& spec);
 
-/// Returns a vantage.Scenario.
+/// Returns a vantage.Scenario. `session` identifies the run of the trial: the publisher's run id.
 Json scenario_json(const models::ScenarioNotice& notice, const scenario::Scenario& scenario);
 /// Returns a vantage.Plan: margin_s = deadline − finish, gap_nat = cost − lower bound.
 Json plan_json(const models::RobotPlan& plan);
@@ -61,7 +62,7 @@ struct Event {
   Time time{};
   LogLevel level = LogLevel::kInfo;
   std::string kind;  ///< collision, near_miss, late, fallback, attack, safety, health, scenario,
-                     ///< two_publishers
+                     ///< two_publishers, found, lost
   std::string text;
 };
 
@@ -80,9 +81,11 @@ std::optional<Event> event_of(const models::AttackNotice* before,
 /// Returns the event of the first process that its supervisor has given up since `before`.
 std::optional<Event> event_of(const models::HostReport* before, const models::HostReport& report);
 
-/// Detector of events in one process's health: stopped, restarted, degraded, recovered. On a loaded
-/// machine a process may alternate between degraded and healthy each second. Such alternation
-/// counts as one degraded period, which ends after the process has been healthy for kWell.
+/// Detector of events in one process's health: stopped, restarted, degraded, recovered. A degraded
+/// report is an event only if something was lost: counters that change in normal operation do not
+/// count (bus::is_normal_counter). On a loaded machine a process may alternate between degraded and
+/// healthy each second. Such alternation counts as one degraded period, which ends after the
+/// process has been healthy for kWell.
 class HealthStory {
  public:
   static constexpr Duration kWell = std::chrono::seconds(5);
@@ -94,5 +97,43 @@ class HealthStory {
   /// Start of a degraded period that has not ended, and the time of its newest degraded report.
   std::optional<std::pair<Time, Time>> degraded_;
 };
+
+/// Last measurement of a target that reports ids.
+struct Sighting {
+  std::string robot;
+  Time time{};
+};
+
+/// Judgement of a target's state from its estimates: sought until it is found, then known or lost.
+/// A found target is lost if no robot has an estimate, or if the best estimate is as uncertain as
+/// that of an undiscovered target. A lost target is known again when its entropy has fallen by
+/// kRegain_nats below that limit.
+class TargetStory {
+ public:
+  static constexpr double kRegain_nats = 0.5;
+  enum class State { kSought, kKnown, kLost };
+
+  explicit TargetStory(double prior_entropy_nats) : prior_nats_(prior_entropy_nats) {}
+  /// Returns the event of a discovery, loss or new sighting; nullopt if the state is unchanged.
+  /// @param seen_by  the robot that last measured the target; empty if unknown
+  std::optional<Event> on(const TargetStatus& target, const std::string& seen_by, Time time);
+  [[nodiscard]] State state() const { return state_; }
+
+ private:
+  double prior_nats_;
+  State state_ = State::kSought;
+  bool has_estimate_ = false;  ///< an estimate better than the prior was evaluated
+};
+
+/// Returns "sought", "known" or "lost".
+const char* name_of(TargetStory::State state);
+
+/// Returns a vantage.Targets: one entry per target of `metrics`, in their order. found_s counts
+/// from the start of `metrics`; a target that was found less than `unknown_until_s` after this
+/// start has no found_s and no found_by, because it may have been found before. unseen_s is the
+/// time from the last measurement to the estimate. Preconditions: `stories` has one entry per
+/// target.
+Json targets_json(const TrialMetrics& metrics, const std::vector<TargetStory>& stories,
+                  const std::map<int, Sighting>& sightings, double unknown_until_s, Time time);
 
 }  // namespace vantage::logs::foxglove

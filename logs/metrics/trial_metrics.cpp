@@ -50,23 +50,27 @@ TrialMetrics::TrialMetrics(const scenario::Scenario& scenario, Time start)
 
 void TrialMetrics::on_truth(const models::TruthFrame& frame) { truth_.add(frame); }
 
-void TrialMetrics::discover(int target_id, Time time) {
+void TrialMetrics::discover(int target_id, const std::string& robot, Time time) {
   if (target_id < 0 || target_id >= summary_.targets) {
     return;
   }
   const double time_s = to_seconds(time - start_);
-  std::optional<double>& first_s = targets_[index(target_id)].discovered_s;
-  first_s = std::min(first_s.value_or(time_s), time_s);
+  TargetStatus& target = targets_[index(target_id)];
+  if (!target.discovered_s || time_s < *target.discovered_s) {
+    target.discovered_s = time_s;
+    target.discovered_by = robot;
+  }
 }
 
-std::vector<models::TargetBelief> TrialMetrics::named(const ReceivedBelief& received) {
+std::vector<models::TargetBelief> TrialMetrics::named(const std::string& robot,
+                                                      const ReceivedBelief& received) {
   std::vector<models::TargetBelief> targets =
       assign_ids_by_position(received.targets, truth_, summary_.targets, received.time);
   for (const models::TargetBelief& target : targets) {
     const auto at_m = truth_.target_position_m(target.target_id, received.time);
     const auto estimate = position_estimate(target, "", received.time, 2);
     if (at_m && estimate && (estimate->mean_m.head<2>() - at_m->head<2>()).norm() < kOspaCutoff_m) {
-      discover(target.target_id, received.time);
+      discover(target.target_id, robot, received.time);
     }
   }
   return targets;
@@ -74,7 +78,7 @@ std::vector<models::TargetBelief> TrialMetrics::named(const ReceivedBelief& rece
 
 void TrialMetrics::on_belief(const models::RobotBelief& belief) {
   for (const models::TargetBelief& target : belief.targets) {
-    discover(target.target_id, belief.stamp.time);
+    discover(target.target_id, belief.robot, belief.stamp.time);
   }
   const std::int64_t index = to_utime(belief.stamp.time) / step_us_;
   if (index <= newest_judged_) {
@@ -92,7 +96,8 @@ void TrialMetrics::judge(const Step& step) {
   TeamEstimate team;
   step_of_robots_ = {};
   for (const auto& [robot, received] : step) {
-    const std::vector<models::TargetBelief> targets = has_ids_ ? received.targets : named(received);
+    const std::vector<models::TargetBelief> targets =
+        has_ids_ ? received.targets : named(robot, received);
     robot_sums_.add(robot, received.time, to_seconds(received.time - start_), targets, truth_,
                     step_of_robots_);
     for (const models::TargetBelief& belief : targets) {

@@ -21,6 +21,7 @@ namespace vantage::logs {
 struct TargetStatus {
   std::string name;
   std::optional<double> discovered_s;  ///< s; time of discovery since the start of the trial
+  std::string discovered_by;  ///< robot whose belief first contained the target; empty: none did
   /// The team's estimate; nullopt while no robot knows the target.
   std::optional<PositionEstimate> estimate;
   /// m; distance of the estimate from the true position at the estimate's time.
@@ -87,9 +88,10 @@ class TrialMetrics {
 
   void judge(const Step& step);
   void judge_targets(const TeamEstimate& team);
-  void discover(int target_id, Time time);
+  void discover(int target_id, const std::string& robot, Time time);
   /// Returns the tracks with target ids instead of labels, and marks the targets as discovered.
-  [[nodiscard]] std::vector<models::TargetBelief> named(const ReceivedBelief& received);
+  [[nodiscard]] std::vector<models::TargetBelief> named(const std::string& robot,
+                                                        const ReceivedBelief& received);
 
   /// Returns the priced energy of the steps of `plan` that are executed before the next plan.
   [[nodiscard]] double energy_nats(const models::RobotPlan& plan) const;

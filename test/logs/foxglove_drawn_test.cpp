@@ -240,10 +240,11 @@ TEST(NameOf, ReturnsEachSchemasName) {
     names.emplace_back(name_of(each));
     EXPECT_EQ(Json::parse(json_schema(each)).at("title"), names.back());
   }
-  EXPECT_EQ(names, (std::vector<std::string>{
-                       "foxglove.SceneUpdate", "foxglove.Grid", "foxglove.FrameTransforms",
-                       "foxglove.Log", "vantage.Scenario", "vantage.Team", "vantage.Plan",
-                       "vantage.Vehicle", "vantage.Health", "vantage.Attack", "vantage.Lcm"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{
+                "foxglove.SceneUpdate", "foxglove.Grid", "foxglove.FrameTransforms", "foxglove.Log",
+                "vantage.Scenario", "vantage.Team", "vantage.Targets", "vantage.Plan",
+                "vantage.Vehicle", "vantage.Health", "vantage.Attack", "vantage.Lcm"}));
 }
 
 }  // namespace

@@ -22,8 +22,10 @@ std::optional<Duration> period_of(const std::string& topic, Schema schema) {
     case Schema::kTeam:
     case Schema::kPlan:
     case Schema::kLog:
+    case Schema::kScenario:
       return Duration{0};
     case Schema::kVehicle:
+    case Schema::kTargets:
     case Schema::kHealth:
       return kStatePeriod;
     case Schema::kFrameTransforms:

@@ -13,8 +13,8 @@
 namespace vantage::tools {
 
 /// Storage of the past records that a new viewer needs for charts, marks and paths:
-/// - all records of the team, of plans and of events;
-/// - at most one record per second of each vehicle and process;
+/// - all records of the scenario, of the team, of plans and of events;
+/// - at most one record per second of each vehicle and process, and of the targets' states;
 /// - the positions of all bodies five times per second.
 /// The size is bounded; the oldest records are removed first. Either all records are passed on to
 /// the Sink `audience`, or only its wants() is called, so that it knows every topic. One thread

@@ -5,6 +5,7 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
+#include "bus/node/normal_counters.hpp"
 #include "core/deadline.hpp"
 
 namespace vantage::bus {
@@ -361,6 +362,17 @@ TEST_F(Health, IsDegradedByLossNotByTraffic) {
   raw->publish(kAttack.name, std::vector<std::uint8_t>{1});
   bus_.handle(std::chrono::microseconds{0});
   EXPECT_EQ(state(), models::ProcessState::kDegraded) << "something did not decode";
+}
+
+// A rejected input is not a loss.
+TEST(IsNormalCounter, CoversTrafficTimesAndRejections) {
+  for (const char* name : {"transport.messages_sent", "PLAN_Q1.fresh", "busy_us", "rest_rounds",
+                           "gated", "undiscoverable", "jammed_looks", "map.jammed_scans"}) {
+    EXPECT_TRUE(is_normal_counter(name)) << name;
+  }
+  for (const char* name : {"PLAN_Q1.lost", "stale_beliefs", "plans_late", "malformed_beliefs"}) {
+    EXPECT_FALSE(is_normal_counter(name)) << name;
+  }
 }
 
 TEST_F(Health, ReportsItsWorstLoop) {
