@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "bus/transport/transport.hpp"
+#include "bus/transport/url.hpp"
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "logs/file/seekable_log.hpp"
@@ -122,7 +123,9 @@ int run(const ViewArguments& arguments) {
         [&](const WebServer& server) { announce_view(server, arguments.log); }, stop_requested);
     return 0;
   }
-  const LiveView view(bus::open_transport(arguments.url), arguments.web, std::move(types));
+  WebOptions web = arguments.web;
+  web.source = bus::url_or_default(arguments.url);
+  const LiveView view(bus::open_transport(arguments.url), web, std::move(types));
   announce_view(view.server(), "live");
   while (!stop_requested() && view.failure().empty()) {
     std::this_thread::sleep_for(kWait);

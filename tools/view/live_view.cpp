@@ -80,7 +80,8 @@ LiveView::LiveView(std::unique_ptr<bus::Transport> transport, const WebOptions& 
                    logs::TypeLibrary types)
     : transport_(std::move(transport)),
       types_(std::move(types)),
-      broker_({"vantage", new_session(), std::nullopt}),
+      broker_({options.source.empty() ? "vantage" : "vantage " + options.source, new_session(),
+               std::nullopt}),
       history_(clock_, broker_, History::Forwarding::kRecords, kLiveHistoryBytes),
       server_(broker_, with_history(options, [this] { return history_.text(); })),
       thread_([this] { listen(); }) {}

@@ -14,6 +14,7 @@ namespace vantage::tools {
 struct WebOptions {
   std::string bind = "127.0.0.1";
   int port = 8765;  ///< 0: any unused port
+  std::string source;  ///< LCM URL that a live view listens to, for the page; empty: none
   std::string
       page_folder;  ///< folder of the built page; without index.html a note is served instead
   /// Further host names that requests may use, in addition to addresses, localhost and this host's

@@ -5,7 +5,7 @@ import assert from "node:assert";
 import { chromium } from "playwright-core";
 
 export const [url, kind, folder] = process.argv.slice(2);
-const kPatience_ms = 180_000; // enough for a trial and two pages without a graphics card on a busy core
+const kPatience_ms = Number(process.env.PATIENCE_MS ?? 180_000); // enough for a trial and two pages without a graphics card on a busy core
 
 export const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",

@@ -8,7 +8,7 @@ const channels = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16)
 
 /** Colours for a light and a dark background. The key is the mean of both, which is the colour in the stream. */
 const by_middle = new Map(
-  [...table.robots, ...Object.values(table.roles)].map((paint) => {
+  [...table.robots, ...table.targets, ...Object.values(table.roles)].map((paint) => {
     const [light, dark] = [channels(paint.light), channels(paint.dark)];
     return [light.map((c, i) => Math.floor((c + dark[i]) / 2)).join(), { light, dark }];
   }),
@@ -35,6 +35,17 @@ export function color_of_role(role) {
   const [r, g, b] = light.map((c, i) => Math.floor((c + dark[i]) / 2) / 255);
   return { r, g, b, a: 1 };
 }
+
+/** Returns the colour of target `index` of a scenario as in the stream: the mean for both backgrounds. */
+export function color_of_target(index) {
+  const paint = table.targets[index % table.targets.length];
+  const [light, dark] = ["light", "dark"].map((ground) => channels(paint[ground]));
+  const [r, g, b] = light.map((c, i) => Math.floor((c + dark[i]) / 2) / 255);
+  return { r, g, b, a: 1 };
+}
+
+/** Returns the colour of target `index` for CSS on the current background. */
+export const target_css = (index) => `rgb(${channels(table.targets[index % table.targets.length][theme])})`;
 
 /** Returns red, green and blue of a role for the current background, each in [0, 255]. */
 export const channels_of = (role) => channels(table.roles[role][theme]);

@@ -12,6 +12,7 @@ const kReadoutMax = 8; // maximum number of series with values shown under the c
 const kLeast_s = 0.2; // s; shortest displayed interval
 const kLeast_px = 236; // minimum width of a chart
 const kGap_px = 8;
+const kFlatShare = 0.005; // charts whose values differ less are hidden
 const kPadding = [6, 10, 0, 0]; // pixels around a plot: above, right, below, left
 
 /// Returns the options of a plot in `body` without zoom and without uPlot's legend.
@@ -117,6 +118,8 @@ class Chart {
     this.box = document.createElement("figure");
     this.box.dataset.chart = spec.key;
     this.is_off = false; // true: the user has removed the chart
+    this.is_forced = false; // true: the user has restored the chart, which is then shown even if it cannot vary
+    this.ranges = new Map(); // [least, greatest] value by name of the series
     this.caption = document.createElement("figcaption");
     this.title = document.createElement("b");
     this.title.textContent = this.box.title = spec.title ?? title_of(spec.measure);
@@ -139,9 +142,24 @@ class Chart {
     this.show();
   }
 
-  /** Shows the chart unless it was removed or has no series. */
+  /** Shows the chart unless it was removed, has no series, or has only one value. */
   show() {
-    this.box.hidden = this.is_off || (!this.spec.fields && this.series.size === 0);
+    const is_flat = !this.spec.fields && !this.is_forced && !this.varies();
+    this.box.hidden = this.is_off || (!this.spec.fields && this.series.size === 0) || is_flat;
+  }
+
+  /** True if the values of a series differ by more than kFlatShare of the greatest. */
+  varies() {
+    if (this.spec.kind === "ages") return true;
+    return [...this.ranges.values()].some(([low, high]) => high - low > kFlatShare * Math.max(Math.abs(low), Math.abs(high)));
+  }
+
+  note_value(name, value) {
+    if (typeof value !== "number") return;
+    const [low, high] = this.ranges.get(name) ?? [value, value];
+    if (value >= low && value <= high && this.ranges.has(name)) return;
+    this.ranges.set(name, [Math.min(low, value), Math.max(high, value)]);
+    if (this.box.hidden && this.varies()) this.show();
   }
 
   add(topic, time, record) {
@@ -161,6 +179,7 @@ class Chart {
     if (line.t.length > 0 && time < line.t.at(-1)) line.t.length = line.v.length = 0;
     line.t.push(time);
     line.v.push(value);
+    this.note_value(name, value);
     if (line.t.length > kPoints) {
       line.t.splice(0, kPoints / 10);
       line.v.splice(0, kPoints / 10);
@@ -389,6 +408,7 @@ class Chart {
 
   clear() {
     this.series.clear();
+    this.ranges.clear();
     this.destroy();
     this.show();
     this.readout.hidden = true;
@@ -769,6 +789,27 @@ export class Charts {
   /** Returns the keys of the hidden built-in charts. */
   off() {
     return this.charts.filter(({ is_off }) => is_off).map(({ spec }) => spec.key);
+  }
+
+  /** Returns the charts with values that are not shown: removed by the user, or flat. */
+  unseen() {
+    return this.charts.filter(({ box, series }) => box.hidden && series.size > 0);
+  }
+
+  /** Returns the keys of the charts that are shown even if they cannot vary. */
+  forced() {
+    return this.charts.filter(({ is_forced }) => is_forced).map(({ spec }) => spec.key);
+  }
+
+  set_forced(keys) {
+    for (const chart of this.charts) chart.is_forced = keys.includes(chart.spec.key);
+  }
+
+  /** Shows a removed or flat chart. */
+  restore(key) {
+    const chart = this.charts.find(({ spec }) => spec.key === key);
+    chart.is_forced = true;
+    this.set_off(this.off().filter((each) => each !== key));
   }
 
   set_off(keys) {

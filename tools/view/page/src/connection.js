@@ -153,6 +153,18 @@ export class Connection {
     }
   }
 
+  is_open() {
+    return this.socket.readyState === WebSocket.OPEN;
+  }
+
+  /** Subscribes again to all subscribed topics, so that the server sends their newest records. */
+  renew() {
+    for (const topic of [...this.subscriptions.values()]) {
+      this.want(topic, false);
+      this.want(topic, true);
+    }
+  }
+
   /** Commands the player of a log. `seek`: seconds since the epoch, or undefined. */
   play(is_playing, speed, seek) {
     const id = new TextEncoder().encode(`page-${++this.requests}`);

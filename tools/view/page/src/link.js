@@ -1,7 +1,7 @@
 // Links that contain the log, the instant, the layout and the cameras.
 
 /** Converts a state into the text after a link's '#'.
-    @param state {log, since, view, cameras, off, on, trail_s, zoomed, charts_off, theme, fields,
+    @param state {log, since, view, cameras, off, on, trail_s, zoomed, charts_off, charts_on, theme, fields,
     picked, side, follow}; members that are not set are left out */
 export function write_link(state) {
   const out = new URLSearchParams();
@@ -15,6 +15,7 @@ export function write_link(state) {
   put("trail", state.trail_s);
   put("win", state.zoomed?.map((x) => x.toFixed(3)).join(","));
   put("without", state.charts_off?.join(","));
+  put("with", state.charts_on?.join(","));
   put("theme", state.theme);
   put("plot", state.fields?.map(([topic, path]) => `${topic}~${path.join(".")}`).join(" "));
   put("pick", state.picked);
@@ -44,6 +45,7 @@ export function read_link(hash) {
     trail_s: Number.isFinite(trail_s) ? trail_s : null,
     zoomed: numbers(from.get("win"), 2),
     charts_off: words("without"),
+    charts_on: words("with"),
     theme: ["light", "dark"].includes(from.get("theme")) ? from.get("theme") : null,
     fields: words("plot").map((each) => each.split("~")).filter((each) => each.length === 2).map(([topic, path]) => [topic, path.split(".")]),
     picked: from.get("pick"),

@@ -7,11 +7,13 @@ import { Connection, seconds_of } from "./connection.js";
 import { write_legend } from "./legend.js";
 import { Layouts } from "./layouts.js";
 import { read_link, save, write_link } from "./link.js";
-import { color_of_role, digits, appearance, set_ground } from "./appearance.js";
+import { appearance, color_of_role, color_of_target, set_ground, target_css } from "./appearance.js";
 import { css_of } from "./outline.js";
-import { Events, Processes, Vehicles, make, write_inspect } from "./panels.js";
+import { Events, Processes, Results, Targets, Vehicles, make, write_inspect } from "./panels.js";
+import { plain_rows, raw_rows } from "./plain_names.js";
 import { record_live, record_log, send_video, kFps } from "./recording.js";
 import { distance_words } from "./ruler.js";
+import { Sessions } from "./sessions.js";
 import { Timeline, kSpeeds } from "./timeline.js";
 import { Topics } from "./topics.js";
 import { Trails, trail_entity } from "./trails.js";
@@ -21,20 +23,23 @@ const by_id = (id) => document.getElementById(id);
 
 /** Layers of the picture that can be switched: pattern of their topics, key, initial state. */
 const kLayers = [
-  { name: "map", topic: /^\/(grid|map)$/, key: "g", shown: true },
-  { name: "views", topic: /^\/views$/, key: "f", shown: true },
-  { name: "plans", topic: /^\/plan\/[^/]+$/, key: "p", shown: true },
-  { name: "proposals", topic: /^\/proposal\/[^/]+$/, key: "s", shown: true },
-  { name: "trails", topic: /^\/trails$/, key: "t", shown: true }, // made by the page with selectable length; replaces /tracks
-  { name: "estimates", topic: /^\/estimates$/, key: "e", shown: true },
-  { name: "truth", topic: /^\/targets$/, key: "o", shown: true },
-  { name: "looks", topic: /^\/measurement\/[^/]+$/, key: "m", shown: false },
-  { name: "beliefs", topic: /^\/belief\/[^/]+$/, key: "b", shown: false },
+  { name: "map", label: "Map", topic: /^\/(grid|map)$/, key: "g", shown: true },
+  { name: "views", label: "Fields of view", topic: /^\/views$/, key: "f", shown: true },
+  { name: "plans", label: "Plans", topic: /^\/plan\/[^/]+$/, key: "p", shown: true },
+  { name: "proposals", label: "Proposals", topic: /^\/proposal\/[^/]+$/, key: "s", shown: true },
+  { name: "trails", label: "Trails", topic: /^\/trails$/, key: "t", shown: true }, // made by the page with selectable length; replaces /tracks
+  { name: "estimates", label: "Estimates", topic: /^\/estimates$/, key: "e", shown: true },
+  { name: "truth", label: "True targets", topic: /^\/targets$/, key: "o", shown: true },
+  { name: "looks", label: "Measurements", topic: /^\/measurement\/[^/]+$/, key: "m", shown: false },
+  { name: "beliefs", label: "Each robot's estimates", topic: /^\/belief\/[^/]+$/, key: "b", shown: false },
 ];
 /** Topics that are always subscribed: poses, the scene, and the topics of charts and panels. */
 const kAlways = [/^\/transforms$/, /^\/world$/, /^\/robots$/, /^\/scenario$/, /^\/attack$/, /^\/team$/,
-  /^\/events$/, /^\/vehicle\//, /^\/health\//, /^\/plan\/[^/]+\/status$/];
+  /^\/targets\/status$/, /^\/events$/, /^\/vehicle\//, /^\/health\//, /^\/plan\/[^/]+\/status$/];
 const kTrails = "/trails";
+const kTrail_s = 5; // s; length of the trails at first
+const kSilent_s = 3; // s; a live trial without messages for this time has ended, or is not received
+const kStateSlack_s = 3; // s; states that are older than the session by more than this time are of an earlier session
 const kSetBack_s = 60; // s; if a live record is older than the newest by this time, a clock was set back
 const kTrailPeriod_s = 0.2;
 const kShortStep_s = 0.1;
@@ -60,7 +65,9 @@ const state = {
   colors: new Map(), // colour by body
   newest: new Map(), // newest record of the topics of kNewest, by topic
   received_until: new Map(), // time of the newest live record from the history or the connection, by topic
-  trail_s: appearance.trail_s,
+  trail_s: kTrail_s,
+  targets: new Map(), // index in the scenario by name
+  heard_at: null, // ms of performance.now() when the last live message was received
   side: "status",
   pending_link: read_link(location.hash), // content of the link, until it is applied
 };
@@ -78,6 +85,9 @@ if (kRecord) {
 
 const world = new World(by_id("stage"), (id) => pick(id), kDraw);
 const vehicles = new Vehicles(by_id("vehicles"));
+const targets = new Targets(by_id("targets"), (name) => target_css(state.targets.get(name) ?? 0), (name) => pick(`${world.find(`target/${name}`) ? "target" : "estimate"}/${name}`));
+const results = new Results(by_id("results"));
+const sessions = new Sessions(by_id("session"), (index) => show_session(index));
 const processes = new Processes(by_id("processes"));
 const events = new Events(by_id("events"), by_id("events-filter"), (since) => seek(since));
 const charts = new Charts(by_id("charts"), {
@@ -105,7 +115,9 @@ const charts = new Charts(by_id("charts"), {
 /** Writes the list of removed charts, from which they can be restored. */
 function write_hidden_charts() {
   const box = by_id("hidden-charts");
-  const off = charts.charts.filter(({ is_off }) => is_off);
+  const off = charts.unseen();
+  if (box.dataset.keys === off.map(({ spec }) => spec.key).join()) return;
+  box.dataset.keys = off.map(({ spec }) => spec.key).join();
   box.hidden = off.length === 0;
   box.replaceChildren(new Option("+ chart", ""), ...off.map(({ spec, title }) => new Option(title.textContent, spec.key)));
 }
@@ -144,7 +156,7 @@ function event_of(time, record) {
 
 function clear_all() {
   world.clear_all();
-  [vehicles, processes, events, charts, timeline, trails, topics].forEach((part) => part.clear());
+  [vehicles, targets, results, processes, events, charts, timeline, trails, topics].forEach((part) => part.clear());
   state.newest.clear();
   state.received_until.clear();
   state.has_scenario = false;
@@ -153,6 +165,45 @@ function clear_all() {
   by_id("jammed").hidden = true;
   by_id("empty").hidden = false;
 }
+
+on_refresh(() => write_hidden_charts(), 5);
+
+/** Shows a session of the list: a log jumps to its begin; live, the stored records of that session are shown. */
+function show_session(index) {
+  sessions.choose(index);
+  state.shown_session = sessions.is_last() ? undefined : index;
+  if (state.range) return seek(Math.max(0, sessions.list[index].from - state.start));
+  clear_all();
+  connection.pause();
+  connection.renew();
+  load_history(state.session);
+}
+
+/** Writes whether a live trial runs, has ended or is awaited. */
+function write_liveness() {
+  if (state.range || !connection.is_open()) return;
+  const silent_s = state.heard_at === null ? null : (performance.now() - state.heard_at) / 1000;
+  const is_past = !sessions.is_last();
+  const is_over = is_past || (silent_s !== null && silent_s > kSilent_s);
+  const was_stopped = [...processes.healths.values()].some(({ state: each }) => each === "stopping");
+  const ago = silent_s === null ? "" : silent_s < 120 ? `${silent_s.toFixed(0)} s ago` : `${(silent_s / 60).toFixed(0)} min ago`;
+  if (silent_s === null && !is_past) set_badge("waiting for messages", "warn");
+  else if (is_past) set_badge("earlier trial", "calm");
+  else if (is_over) set_badge(was_stopped ? `ended ${ago}` : `no messages since ${ago.replace(" ago", "")}`, was_stopped ? "calm" : "warn");
+  else set_badge("live", "good");
+  document.body.dataset.ended = is_over ? "yes" : "";
+  by_id("ended").hidden = !is_over;
+  if (!is_over) return;
+  by_id("ended").textContent = is_past ? "An earlier trial of this bus: its result, charts and events. Its log shows the world."
+    : was_stopped ? `The trial has ended ${ago}. This is its last state.` : `No messages for ${ago.replace(" ago", "")}. This is the last received state.`;
+}
+on_refresh(() => write_liveness());
+on_refresh(() => {
+  events.mark_now(state.range && state.now !== null ? state.now : null);
+  if (!state.range || state.now === null) return;
+  sessions.follow(state.start + state.now);
+  results.show_step(state.start + state.now);
+});
 
 /** Loads the history by HTTP: for a log all records, in a live view the records that the server has stored. */
 async function load_history(session) {
@@ -163,11 +214,25 @@ async function load_history(session) {
     // The connection has failed as well and will be opened again.
   }
   if (session !== state.session) return;
+  for (const [topic, utime, record] of history) {
+    if (topic === "/scenario") sessions.add(record, seconds_of(utime));
+  }
+  if (!state.range && sessions.list.length > 1) {
+    if (state.shown_session !== undefined) sessions.choose(Math.min(state.shown_session, sessions.list.length - 1));
+    const [from, to] = sessions.range(sessions.chosen);
+    history = history.filter(([, utime]) => seconds_of(utime) >= from && seconds_of(utime) < to);
+  }
   if (!state.range && history.length > 0) state.start = seconds_of(history[0][1]);
   state.has_history = state.range !== null && history.length > 0;
   for (const [topic, utime, record] of history) {
     const time = seconds_of(utime);
     if (!state.range) state.received_until.set(topic, time);
+    if (topic === "/scenario" || topic === "/targets/status" || topic === "/team") {
+      if (state.range && topic === "/team") results.add_step(time, record);
+      if (!state.range) handlers.find(([pattern]) => pattern.test(topic))?.[1](record, topic, time);
+    }
+    if (!state.range && /^\/(vehicle|health)\//.test(topic)) handlers.find(([pattern]) => pattern.test(topic))[1](record, topic, time);
+    if (topic === "/scenario") continue;
     if (topic === "/paths") {
       for (const [body, at] of Object.entries(record)) trails.add(body, time, ...at);
       state.trails_at = null; // draws the trails again even if the time does not change
@@ -175,15 +240,32 @@ async function load_history(session) {
       const event = event_of(time, record);
       timeline.add_event(event);
       events.add(event);
+      const found = event.kind === "found" && event.text.match(/^(.+) found by (.+)$/);
+      if (found && state.range) targets.on_found(found[1], event.since, found[2]);
     } else {
       charts.add(topic, time - state.start, record);
     }
   }
-  if (!state.range && history.length > 0) set_now(seconds_of(history.at(-1)[1]));
+  if (!state.range && history.length > 0) {
+    const last = seconds_of(history.at(-1)[1]);
+    set_now(last);
+    // The clock of this browser may differ from the server's; a small difference is not an end.
+    state.heard_at ??= performance.now() - 1000 * Math.max(0, Date.now() / 1000 - last);
+    place_bodies();
+  }
   connection.resume();
   charts.fields().forEach(([topic, path]) => plot(topic, path));
   apply_link();
   if (kRecord) record();
+}
+
+/** Places each body that was not moved yet at the end of its path, so that an ended trial shows its last state. */
+function place_bodies() {
+  for (const [body, { x, y, z }] of trails.paths) {
+    if (x.length === 0 || world.frame(body).is_placed) continue;
+    const translation = { x: x.at(-1), y: y.at(-1), z: z.at(-1) };
+    world.move([{ child_frame_id: body, translation, rotation: { x: 0, y: 0, z: 0, w: 1 } }]);
+  }
 }
 
 /** Makes the video that the address requests. */
@@ -221,7 +303,13 @@ function move(record, time, is_known) {
 
 const handlers = [
   [/^\/transforms$/, (record, topic, time, is_known) => move(record, time, is_known)],
+  [/^\/team$/, (record) => results.on_team(record)],
+  [/^\/targets\/status$/, (record) => {
+    targets.on_states(record);
+    results.on_targets(targets.counts());
+  }],
   [/^\/scenario$/, (record) => {
+    state.targets = new Map(record.targets.map(({ name }, i) => [name, i]));
     const what = record.objective === "mapping" ? "mapping" : `${record.targets.length} targets`;
     by_id("scenario").textContent = `${record.name} · ${record.robots.length} robots · ${what}`;
     by_id("empty").hidden = true;
@@ -243,8 +331,20 @@ const handlers = [
     if (topic === "/map") world.clear("/grid");
     world.update_grid(topic, record);
   }],
-  [/^\/(?!lcm\/)/, (record, topic) => record.entities && (layer_of(topic)?.shown ?? true) && world.update(topic, record)],
+  [/^\/(?!lcm\/)/, (record, topic) => record.entities && (layer_of(topic)?.shown ?? true) && world.update(topic, tinted(topic, record))],
 ];
+
+/** Gives each target's true position and estimates the colour of the target. */
+function tinted(topic, record) {
+  if (!/^\/(targets|estimates|belief\/[^/]+)$/.test(topic)) return record;
+  for (const { id, cubes, lines, texts } of record.entities) {
+    const index = state.targets.get(id.split("/").at(-1));
+    if (index === undefined) continue;
+    const color = color_of_target(index);
+    for (const part of [...cubes, ...lines, ...texts]) part.color = { ...color, a: part.color.a };
+  }
+  return record;
+}
 
 const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/`, {
   open: () => set_badge("connected", "good"),
@@ -257,14 +357,18 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
       state.log = state.range ? (info.name.replace(/^vantage /, "").split("/").at(-1) ?? null) : null;
       timeline.set_length(state.range ? state.range[1] - state.range[0] : null);
       if (state.range) set_now(state.range[0]);
-      by_id("empty").textContent = state.range ? "The log is being read." : kNothingYet;
+      state.bus = state.range ? null : info.name.replace(/^vantage ?/, "");
+      sessions.clear();
+      state.shown_session = undefined;
+      write_empty(state.range ? ["The log is being read."] : nothing_yet());
       const of_another = state.pending_link?.log && state.pending_link.log !== state.log;
       by_id("note").hidden = !of_another;
       if (of_another) by_id("note").textContent = `the link is for ${state.pending_link.log}, but this server shows ${state.log ?? "live data"}`;
       connection.pause();
       load_history(info.session);
     }
-    set_badge(state.range ? `log ${state.log}` : "live", "good");
+    if (state.range) set_badge(`log ${state.log}`, "good");
+    else write_liveness();
   },
   channel: (topic) => subscribe(topic),
   channels: () => update_scene(),
@@ -293,7 +397,13 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     set_now(now.time);
   },
   record: (topic, time, record) => {
+    if (!state.range) {
+      if (topic === "/scenario" && is_next_session(record, time)) return;
+      if (!sessions.is_last()) return; // an earlier session is shown
+      if (sessions.list.length > 1 && time < sessions.list.at(-1).from - kStateSlack_s) return;
+    }
     const is_known = was_received(topic, time);
+    if (!state.range && !is_known && kHeard.test(topic)) state.heard_at = performance.now();
     if (!state.range) set_now(Math.max(time, (state.now ?? 0) + (state.start ?? time)));
     topics.take(topic, record);
     if (topic === "/events") {
@@ -311,16 +421,40 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
   },
 });
 
-const kNothingYet = by_id("empty").textContent;
+/** Topics of messages that show that a trial runs. */
+const kHeard = /^\/(transforms|team|vehicle\/|health\/|plan\/)/;
+
+/** Notes a new session of a live view; returns true if it replaces another session, which is then cleared. */
+function is_next_session(record, time) {
+  const was_last = sessions.is_last();
+  if (!sessions.add(record, time) || sessions.list.length < 2) return false;
+  if (!was_last) {
+    sessions.choose(state.shown_session);
+    return true;
+  }
+  show_session(sessions.list.length - 1);
+  return true;
+}
+
+/** Returns the lines of an empty live page: what is awaited and what to do. */
+const nothing_yet = () => [
+  `Nothing received yet${state.bus ? ` on ${state.bus}` : ""}.`,
+  "Start a trial in another terminal: vantage up config/lab.yaml, or watch a simulated one: vantage demo --view.",
+  "If a trial is running, it uses another network: give its address to vantage view --url.",
+];
+
+function write_empty(lines) {
+  by_id("empty").replaceChildren(...lines.map((line) => make("p", "", line)));
+}
 
 /** Hides the stage for a log without a scenario. The log's messages can still be read and charted. */
 function update_scene() {
   const has_none = state.range !== null && connection.channels.size > 0 && !connection.channels.has("/scenario");
   if (has_none === (document.body.dataset.scene === "none")) return;
   document.body.dataset.scene = has_none ? "none" : "";
-  by_id("empty").textContent = has_none
-    ? "This log has no scenario. Its topics are listed at the side: open one, and press + next to a number to chart it."
-    : kNothingYet;
+  write_empty(has_none
+    ? ["This log has no scenario. Its topics are listed at the side: open one, and press + next to a number to chart it."]
+    : state.range ? ["The log is being read."] : nothing_yet());
   if (has_none) show_side("topics");
 }
 
@@ -414,7 +548,7 @@ function draw_trails() {
 }
 
 for (const layer of kLayers) {
-  layer.button = make("button", "", layer.name);
+  layer.button = make("button", "chip", layer.label);
   layer.button.title = `${layer.name} (${layer.key.toUpperCase()})`;
   layer.button.dataset.layer = layer.name;
   layer.button.setAttribute("aria-pressed", layer.shown);
@@ -423,6 +557,7 @@ for (const layer of kLayers) {
 }
 const trail_select = make("select");
 trail_select.id = "trail";
+const trail_label = make("label", "quiet", "Trails of ");
 trail_select.title = "Length of the trails";
 trail_select.setAttribute("aria-label", "Length of the trails");
 trail_select.replaceChildren(...kTrailLengths_s.map((length_s) => new Option(`${length_s} s`, length_s)), new Option("all", 1e9));
@@ -430,7 +565,16 @@ trail_select.onchange = () => {
   set_trail(Number(trail_select.value));
   trail_select.blur();
 };
-by_id("layers").append(trail_select);
+trail_label.append(trail_select);
+by_id("layers").append(trail_label);
+
+/** Dims the layers of which nothing was received. */
+on_refresh(() => {
+  for (const { button, topic, name } of kLayers) {
+    const has_any = name === "trails" ? trails.paths.size > 0 : [...connection.channels.keys()].some((each) => topic.test(each));
+    button.dataset.empty = has_any ? "" : "yes";
+  }
+}, 5);
 
 function set_trail(length_s) {
   state.trail_s = length_s;
@@ -477,18 +621,11 @@ function follow(id) {
 
 const toggle_follow = () => follow(world.followed ? null : (state.picked ?? "team"));
 
-/** Returns the top-level members of a record as [key, text], without objects. */
-function rows_of(record, left_out) {
-  return Object.entries(record)
-    .filter(([key, value]) => !["timestamp", "robot", "process", ...left_out].includes(key) && (value === null || typeof value !== "object" || Array.isArray(value)))
-    .map(([key, value]) => [key.replaceAll("_", " "), Array.isArray(value) ? value.map((each) => (typeof each === "object" ? "…" : each)).join(", ") || "none" : typeof value === "number" ? (key.endsWith("round") ? (value < 0 ? "none" : String(value % 100000)) : digits(value)) : String(value)]);
-}
-
-const metadata_of = (found) => (found?.entity.metadata ?? []).map(({ key, value }) => [key.replaceAll("_", " "), value]);
+const metadata_of = (found) => plain_rows("drawn", Object.fromEntries((found?.entity.metadata ?? []).map(({ key, value }) => [key, value])));
 
 function refresh_inspect() {
   const id = state.picked;
-  if (id === null) return write_inspect(by_id("inspect"), null, false, []);
+  if (id === null) return write_inspect(by_id("inspect"), null, "", false, []);
   const found = world.find(id);
   const [kind, name] = [id.split("/")[0], id.split("/").slice(1).join("/")];
   const first = [];
@@ -502,31 +639,34 @@ function refresh_inspect() {
   } else {
     first.push(["gone", "no longer on the bus"]);
   }
-  const sections = [["", first]];
-  const section = (title, topic, left_out = []) => {
+  const parts = [["", first]];
+  const raw = [];
+  const section = (title, topic, what) => {
     const record = state.newest.get(topic);
-    if (record) sections.push([title, rows_of(record, left_out)]);
+    if (!record) return;
+    parts.push([title, plain_rows(what, record)]);
+    raw.push(...raw_rows(record).map(([key, value]) => [`${title} ${key}`, value]));
   };
   if (kind === "robot") {
-    section("Plan", `/plan/${name}/status`);
-    section("Vehicle", `/vehicle/${name}`);
+    section("Plan", `/plan/${name}/status`, "plan");
+    section("Vehicle", `/vehicle/${name}`, "vehicle");
     for (const topic of [...state.newest.keys()].sort()) {
-      if (topic.startsWith("/health/") && topic.endsWith(`_${name}`)) section(topic.slice(8).toLowerCase().replaceAll("_", " "), topic, ["counters"]);
+      if (topic.startsWith("/health/") && topic.endsWith(`_${name}`)) section(`Process ${topic.slice(8)}`, topic, "health");
     }
   }
   if (kind === "target" || kind === "estimate") {
     const [truth, estimate] = [world.find(`target/${name}`), world.find(`estimate/${name}`)];
-    if (estimate && kind === "target") sections.push(["Estimate of the team", metadata_of(estimate)]);
+    if (estimate && kind === "target") parts.push(["Team's estimate", metadata_of(estimate)]);
     if (truth?.is_placed && estimate) {
       const [a, b] = [truth.position, estimate.position];
-      sections.push(["From the true to the estimated position", [["distance", distance_words([a.x, a.y], [b.x, b.y]).replaceAll(" · ", ", ")]]]);
+      parts.push(["From the true to the estimated position", [["distance", distance_words([a.x, a.y], [b.x, b.y]).replaceAll(" · ", ", ")]]]);
     }
     for (const robot of state.colors.keys()) {
       const belief = world.find(`belief/${robot}/${name}`);
-      if (belief) sections.push([`Estimate of ${robot}`, metadata_of(belief)]);
+      if (belief) parts.push([`Estimate of ${robot}`, metadata_of(belief)]);
     }
   }
-  write_inspect(by_id("inspect"), id, world.followed === id, sections);
+  write_inspect(by_id("inspect"), id, `${name} · ${kind}`, world.followed === id, parts, raw);
 }
 
 on_refresh(() => state.picked && refresh_inspect());
@@ -582,9 +722,10 @@ function link_text() {
     cameras: world.is_fitted ? null : world.cameras(),
     on: changed(true),
     off: changed(false),
-    trail_s: state.trail_s === appearance.trail_s ? null : state.trail_s,
+    trail_s: state.trail_s === kTrail_s ? null : state.trail_s,
     zoomed: charts.zoomed,
     charts_off: charts.off(),
+    charts_on: charts.forced(),
     theme: state.theme,
     fields: wanted_fields(),
     picked: state.picked,
@@ -599,6 +740,7 @@ function apply_link() {
   state.pending_link = null;
   if (!wanted) return;
   if (wanted.theme) set_theme(wanted.theme);
+  charts.set_forced(wanted.charts_on);
   charts.set_off(wanted.charts_off);
   if (wanted.since !== null && state.range) seek(wanted.since);
   for (const layer of kLayers) {
@@ -732,6 +874,22 @@ function show_side(side) {
   update_link();
 }
 
+/** Parts of a narrow page, of which one is shown below the stage. */
+const kParts = ["targets", "vehicles", "events", "charts", "topics"];
+function show_part(part) {
+  document.body.dataset.part = part;
+  for (const button of by_id("narrow-tabs").children) button.setAttribute("aria-pressed", button.dataset.part === part);
+  show_side(part === "topics" ? "topics" : "status");
+}
+for (const part of kParts) {
+  const button = make("button", "", part[0].toUpperCase() + part.slice(1));
+  button.dataset.part = part;
+  button.onclick = () => show_part(part);
+  by_id("narrow-tabs").append(button);
+}
+document.body.dataset.part = "targets";
+by_id("narrow-tabs").firstChild.setAttribute("aria-pressed", true);
+
 function toggle_measure() {
   world.measure(!world.is_measuring);
   by_id("measure").setAttribute("aria-pressed", world.is_measuring);
@@ -768,7 +926,7 @@ function apply_layout(text) {
   follow(null);
   const wanted = read_link(text);
   if (!wanted.cameras) fit();
-  if (!wanted.trail_s) set_trail(appearance.trail_s);
+  if (!wanted.trail_s) set_trail(kTrail_s);
   show_side(wanted.side ?? "status");
   state.pending_link = wanted;
   apply_link();
@@ -853,7 +1011,7 @@ by_id("tab-topics").onclick = () => show_side("topics");
 by_id("theme").onclick = choose_theme;
 by_id("layout").onclick = () => layouts.open();
 by_id("hidden-charts").onchange = (event) => {
-  charts.set_off(charts.off().filter((key) => key !== event.target.value));
+  charts.restore(event.target.value);
   event.target.blur();
 };
 by_id("keys").onclick = () => by_id("help").showModal();
@@ -882,11 +1040,12 @@ loop();
 // Interface for tests: the content of the screen as numbers.
 window.vantage = {
   state,
-  stats: () => ({ entities: world.entities(), layers: world.sizes(), frames: world.frames_drawn, series: charts.lines().map((c) => c.series.size) }),
+  stats: () => ({ entities: world.entities(), layers: world.sizes(), frames: world.frames_drawn, series: charts.lines().filter(({ box }) => !box.hidden).map((c) => c.series.size) }),
   colours: () => ({
     world: Object.fromEntries(world.shown("/robots").map(({ frame_id, cylinders }) => [frame_id, css_of(cylinders[0].color)])),
-    charts: charts.lines().map((chart) => Object.fromEntries((chart.plot?.series ?? []).slice(1).map(({ label, stroke }) => [label, stroke()]))),
+    charts: charts.lines().filter(({ box }) => !box.hidden).map((chart) => Object.fromEntries((chart.plot?.series ?? []).slice(1).map(({ label, stroke }) => [label, stroke()]))),
   }),
+  sessions: () => sessions.list.map(({ name }) => name),
   labels: () => world.eyes().map(({ names }) => names),
   ascents: () => [...world.names.stamps.entries()].map(([key, { ascent }]) => [key, ascent]).sort(),
   scale: () => world.plan_scale(),

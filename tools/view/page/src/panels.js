@@ -1,8 +1,9 @@
 // Panels of text: vehicles, processes, events, and details of the selected item.
 
+import { digits } from "./appearance.js";
 import { on_refresh } from "./refresh_timer.js";
 
-const kEventsShown = 200;
+const kEventsShown = 600;
 const kCrowd = 12; // number of rows above which rows without a problem are hidden at first
 
 export function make(tag, className, text) {
@@ -15,11 +16,11 @@ export function make(tag, className, text) {
 /** Compares names in natural order: Q2 before Q10. */
 export const in_order = new Intl.Collator("en", { numeric: true }).compare;
 
-/** Rows by key in a box. Rows are made once and updated with a beat if their text has changed. With more than kCrowd rows,
+/** Rows by key in a box. Rows are made once and updated with a beat if their text has changed. With more than `of.crowd` rows,
     rows without a problem are hidden, and a heading shows the number of rows by state. */
 class Table {
   /** @param of {row(key): the elements of a row and its title; is_normal(key): true if the row shows no problem;
-      words(keys): text of the heading} */
+      words(keys): text of the heading; crowd: number of rows that are never folded, kCrowd unless given} */
   constructor(box, of) {
     this.of = of;
     this.head = make("button", "fold");
@@ -47,7 +48,7 @@ class Table {
   write() {
     if (this.changed.size === 0) return;
     this.changed.forEach((key) => this.row(key));
-    const is_crowd = this.rows.size > kCrowd;
+    const is_crowd = this.rows.size > (this.of.crowd ?? kCrowd);
     if (is_crowd) {
       const said = this.of.words([...this.rows.keys()]);
       if (this.head.textContent !== said) this.head.textContent = said;
@@ -165,6 +166,7 @@ export class Processes {
   constructor(box) {
     this.table = new Table(box, {
       row: (process) => this.row(this.healths.get(process)),
+      crowd: 0,
       is_normal: (process) => this.healths.get(process).state === "running",
       words: (processes) => counted(processes.map((process) => this.healths.get(process).state)),
     });
@@ -211,6 +213,7 @@ export class Events {
     if (event.kind === "health" && this.is_end(event)) return;
     const item = make("li", "event");
     item.dataset.kind = event.kind;
+    item.since = event.since;
     const words = make("span", "", event.text);
     if (event.kind === "health" && event.level > kInfo) this.open.set(who_of(event), words);
     item.append(make("time", "", `${event.since.toFixed(1)} s`), make("b", "", event.kind.replaceAll("_", " ")), words);
@@ -222,11 +225,29 @@ export class Events {
       this.on_seek(event.since);
     };
     this.filter_item(item);
-    this.box.prepend(item);
+    // The newest event is the first; events that arrive late are sorted in.
+    let before = this.box.firstChild;
+    while (before && before !== this.mark && before.since > event.since) before = before.nextSibling;
+    this.box.insertBefore(item, before === this.mark ? (before?.nextSibling ?? null) : before);
     while (this.box.children.length > kEventsShown) this.box.lastChild.remove();
   }
 
+  /** Moves the line that marks the present in a log: later events are above it. @param now s; null: no line */
+  mark_now(now) {
+    if (now === null) return this.mark?.remove();
+    this.mark ??= make("li", "present", "now");
+    const items = [...this.box.children].filter((item) => item !== this.mark);
+    const next = items.find((item) => item.since <= now) ?? null;
+    if (this.mark.parentNode !== this.box || this.mark.nextSibling !== next) {
+      this.box.insertBefore(this.mark, next);
+      items.forEach((item) => item.classList.toggle("later", item.since > now));
+      const list = this.box.parentNode;
+      if (!list.matches(":hover, :focus-within")) list.scrollTop = this.mark.offsetTop - list.offsetTop - 60;
+    }
+  }
+
   filter_item(item) {
+    if (item === this.mark) return;
     item.hidden = !item.textContent.toLowerCase().includes(this.filter.value.trim().toLowerCase());
   }
 
@@ -245,29 +266,175 @@ export class Events {
   }
 }
 
+/** Formats a time since an event: "0.4 s", "12 s", "3 min". */
+export function age_text(age_s) {
+  return age_s < 10 ? `${age_s.toFixed(1)} s` : age_s < 120 ? `${age_s.toFixed(0)} s` : `${(age_s / 60).toFixed(0)} min`;
+}
+
+/** Table of the targets: discovery, error, standard deviation and last sighting of each. */
+export class Targets {
+  /** @param color_of returns the CSS colour of a target @param on_pick called with the name of a clicked target */
+  constructor(box, color_of, on_pick) {
+    this.section = box.parentNode;
+    const head = make("div", "cells head");
+    head.append(...["target", "found", "error", "σ", "last seen"].map((title) => make("span", "", title)));
+    head.lastChild.title = "time since the last measurement, and the robot that made it";
+    head.children[3].title = "standard deviation of the estimate";
+    box.append(head);
+    this.color_of = color_of;
+    this.states = new Map();
+    this.found = new Map(); // {found_s, found_by} by target, from the events of a log
+    this.table = new Table(box, {
+      row: (name) => this.row(this.states.get(name)),
+      is_normal: (name) => this.states.get(name).state !== "lost",
+      words: () => this.words(),
+    });
+    box.onclick = (event) => {
+      const row = event.target.closest("[data-key]");
+      if (row) on_pick(row.dataset.key);
+    };
+  }
+
+  /** Sets the discovery of a target from the event in a log: after a jump, the server has not read the log from its begin. */
+  on_found(name, found_s, found_by) {
+    if (!this.found.has(name)) this.found.set(name, { found_s, found_by });
+  }
+
+  on_states(record) {
+    this.section.hidden = record.targets.length === 0;
+    for (const state of record.targets) {
+      this.states.set(state.name, { ...state, ...this.found.get(state.name) });
+      this.table.change(state.name);
+    }
+  }
+
+  /** Returns the number of targets, of those that were found, and of those that are lost. */
+  counts() {
+    const states = [...this.states.values()].map(({ state }) => state);
+    return { all: states.length, found: states.filter((state) => state !== "sought").length, lost: states.filter((state) => state === "lost").length };
+  }
+
+  words() {
+    const { all, found, lost } = this.counts();
+    return `${found} of ${all} found${lost > 0 ? ` · ${lost} lost` : ""}`;
+  }
+
+  row({ name, state, found_s, found_by, error_m, sigma_m, seen_by, unseen_s }) {
+    const title = make("b", "of", name);
+    title.style.setProperty("--of", this.color_of(name));
+    const found = state === "sought" ? "not yet" : found_s === undefined ? "before this view" : `${found_s.toFixed(1)} s by ${found_by}`;
+    const seen = state === "sought" || unseen_s === undefined ? "" : `${age_text(unseen_s)} ago, ${seen_by}`;
+    const cells = make("div", "cells");
+    cells.dataset.state = state;
+    cells.append(title, make("span", "", state === "lost" ? "lost" : found), make("span", "", error_m === undefined ? "" : `${error_m.toFixed(2)} m`),
+      make("span", "", sigma_m === undefined ? "" : `${sigma_m.toFixed(2)} m`), make("span", "", seen));
+    return { elements: [cells], title: state === "lost" ? `lost; first found ${found}` : "" };
+  }
+
+  clear() {
+    this.states.clear();
+    this.found.clear();
+    this.table.clear();
+    this.section.hidden = true;
+  }
+}
+
+/** Strip of the trial's result in numbers. */
+export class Results {
+  constructor(box) {
+    this.box = box;
+    this.team = null;
+    this.targets = null; // counts of Targets
+    this.steps = []; // {time, team} of a log
+    on_refresh(() => this.write());
+  }
+
+  on_team(team) {
+    if (this.steps.length === 0) this.team = team;
+  }
+
+  /** Adds a step of a log. With steps, the shown one is chosen by show_step(), because after a jump in the log the server's
+      counts begin anew. */
+  add_step(time, team) {
+    this.steps.push({ time, team });
+  }
+
+  show_step(now) {
+    if (this.steps.length > 0) this.team = this.steps.findLast(({ time }) => time <= now)?.team ?? null;
+  }
+
+  on_targets(counts) {
+    this.targets = counts;
+  }
+
+  /** Returns [key, value, name, state] of each fact that is known. */
+  facts() {
+    const { team, targets } = this;
+    const out = [];
+    if (targets && targets.all > 0) {
+      out.push(["found", `${targets.found} of ${targets.all}`, "targets found", targets.found === targets.all ? "good" : ""]);
+      if (targets.lost > 0) out.push(["lost", String(targets.lost), "lost now", "bad"]);
+    }
+    if (!team) return out;
+    if (team.rmse_m !== undefined) out.push(["rmse", `${team.rmse_m.toFixed(2)} m`, "RMSE", ""]);
+    if (team.map_entropy_nats !== undefined) out.push(["map", `${digits(team.map_entropy_nats)} nat`, "map entropy", ""]);
+    out.push(["collisions", String(team.collisions), "collisions", team.collisions > 0 ? "bad" : ""]);
+    if (team.separation_violations > 0) out.push(["near", String(team.separation_violations), "near misses", "warn"]);
+    out.push(["late", `${team.rounds_late} of ${team.rounds}`, "rounds late", team.rounds_late > 0 ? "warn" : ""]);
+    if (team.messages_lost > 0) out.push(["messages", String(team.messages_lost), "messages lost", "warn"]);
+    return out;
+  }
+
+  write() {
+    const facts = this.facts();
+    const said = JSON.stringify(facts);
+    if (said === this.said) return;
+    this.said = said;
+    this.box.replaceChildren(...facts.map(([key, value, name, state]) => {
+      const fact = make("span", "fact");
+      fact.dataset.fact = key;
+      fact.dataset.state = state;
+      fact.append(make("b", "", value), ` ${name}`);
+      return fact;
+    }));
+  }
+
+  clear() {
+    this.team = this.targets = null;
+    this.steps = [];
+  }
+}
+
 /** Shows the details of one item.
-    @param sections [title, [[key, value]]] */
-export function write_inspect(box, id, is_followed, sections) {
+    @param sections [title, [[key, value]]] @param raw [[key, value]]: all members as they are sent, shown folded */
+export function write_inspect(box, id, title, is_followed, sections, raw = []) {
   box.hidden = id === null;
   if (id === null) return;
-  const said = JSON.stringify([id, is_followed, sections]);
+  const said = JSON.stringify([id, is_followed, sections, raw]);
   if (said === box.said) return;
   box.said = said;
   const head = make("div", "line");
-  const follow = make("button", "", "Follow");
-  follow.title = "The view follows this object (C)";
+  const follow = make("button", "", "Camera follows");
+  follow.title = "The camera follows this object (C)";
   follow.dataset.act = "follow";
   follow.setAttribute("aria-pressed", is_followed);
   const close = make("button", "", "×");
   close.title = "Close (Esc)";
   close.setAttribute("aria-label", "Close");
   close.dataset.act = "close";
-  head.append(make("b", "", id), make("span", "space"), follow, close);
-  const parts = sections.filter(([, rows]) => rows.length > 0).flatMap(([title, rows]) => {
+  head.append(make("b", "", title), make("span", "space"), follow, close);
+  const list_of = (rows) => {
     const list = make("dl");
     rows.forEach(([key, value]) => list.append(make("dt", "", key), make("dd", "", value)));
-    return title ? [make("h2", "minor", title), list] : [list];
-  });
+    return list;
+  };
+  const parts = sections.filter(([, rows]) => rows.length > 0).flatMap(([name, rows]) => (name ? [make("h2", "minor", name), list_of(rows)] : [list_of(rows)]));
+  if (raw.length > 0) {
+    const all = make("details");
+    all.open = box.querySelector("details")?.open ?? false;
+    all.append(make("summary", "quiet", "All values as sent"), list_of(raw));
+    parts.push(all);
+  }
   const top = box.scrollTop;
   box.replaceChildren(head, ...parts);
   box.scrollTop = top;

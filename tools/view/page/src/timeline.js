@@ -3,6 +3,22 @@
 import { on_refresh } from "./refresh_timer.js";
 
 const kLive_s = 300; // s; displayed time of a live view
+const kTick_px = 64; // least distance of ticks
+/** Lanes of the events, from top to bottom: label and kinds of events. The last lane takes all other kinds. */
+export const kLanes = [
+  ["targets", ["found", "lost"]],
+  ["attacks", ["attack"]],
+  ["plans", ["late", "fallback"]],
+  ["safety", []],
+];
+const lane_of = (kind) => kLanes.findIndex(([, kinds], i) => kinds.includes(kind) || i === kLanes.length - 1);
+
+/** Returns the distance of ticks, 1, 2 or 5 times a power of ten, so that a range has at most `count` ticks. */
+export function tick_step(range_s, count) {
+  const least = Math.max(range_s, 1e-3) / Math.max(1, count);
+  const power = 10 ** Math.floor(Math.log10(least));
+  return power * [1, 2, 5, 10].find((each) => each * power >= least * 0.999);
+}
 export const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20];
 
 export class Timeline {
@@ -11,7 +27,13 @@ export class Timeline {
     this.on = on;
     this.bar = document.getElementById("timeline");
     this.marks = document.getElementById("marks");
+    this.ticks = document.getElementById("ticks");
     this.head = document.getElementById("head");
+    document.getElementById("lanes").replaceChildren(...kLanes.map(([name]) => {
+      const lane = document.createElement("span");
+      lane.textContent = name;
+      return lane;
+    }));
     this.span = document.getElementById("span");
     this.clock = document.getElementById("clock");
     this.button = document.getElementById("play");
@@ -22,6 +44,7 @@ export class Timeline {
     this.now = 0;
     this.is_playing = false;
     on_refresh(() => this.write());
+    new ResizeObserver(() => this.draw_ticks()).observe(this.bar);
     this.button.onclick = () => on.play(!this.is_playing);
     this.speeds.onchange = () => {
       on.speed(Number(this.speeds.value));
@@ -122,7 +145,22 @@ export class Timeline {
     this.drawn_at = this.now;
     this.marks.replaceChildren();
     this.set_span(this.zoomed ?? null);
+    this.draw_ticks();
     this.events.forEach((event) => this.draw_mark(event));
+  }
+
+  draw_ticks() {
+    const [from, to] = this.window();
+    const step = tick_step(to - from, this.bar.clientWidth / kTick_px);
+    const ticks = [];
+    for (let i = Math.ceil(from / step); i * step <= to; ++i) {
+      const tick = document.createElement("span");
+      tick.style.left = `${(100 * (i * step - from)) / (to - from)}%`;
+      tick.textContent = `${Number((i * step).toFixed(3))} s`;
+      if ((i * step - from) / (to - from) > 0.94) tick.className = "last";
+      ticks.push(tick);
+    }
+    this.ticks.replaceChildren(...ticks);
   }
 
   draw_mark(event) {
@@ -130,6 +168,7 @@ export class Timeline {
     if (event.since < from || event.since > to) return;
     const mark = document.createElement("i");
     mark.dataset.kind = event.kind;
+    mark.style.setProperty("--lane", lane_of(event.kind));
     mark.style.left = `${(100 * (event.since - from)) / (to - from)}%`;
     mark.title = `${event.since.toFixed(1)} s ${event.text}`;
     this.marks.append(mark);

@@ -7,6 +7,7 @@ import { FlatPicture } from "./flat_picture.js";
 import { GlPicture } from "./gl_picture.js";
 import { Labels } from "./labels.js";
 import { Names } from "./names.js";
+import { css_of } from "./outline.js";
 import { draw_caption, draw_measure, draw_ring, draw_scale, fit_perspective, grid_entity, spacing_of, write_numbers } from "./ruler.js";
 import { glyph_of, glyph_scale, pixels_a_metre, set_memory } from "./shapes.js";
 
@@ -15,6 +16,9 @@ const kGrid = "/grid-lines"; // made by the page, treated as a topic
 const kRoom = { left: 44, right: 20, top: 30, bottom: 58 }; // pixels; margins around the world for coordinates and the scale bar
 /** Rank by topic. Labels of topics with lower ranks are placed first. */
 const kRanks = { "/robots": 0, "/targets": 1, "/estimates": 2 };
+const kCrowd = 24; // number of names in a view above which a name is shown only where it has space, or under the pointer
+const kSpace_px = 52; // distance to the next name within which names of a crowd are hidden
+const kHover_px = 45;
 
 /** True if a GPU draws WebGL. If the processor draws it, as in a virtual machine or a remote desktop, WebGL is slower than
     painting on a 2-D canvas. */
@@ -365,6 +369,7 @@ export class World {
     if (this.has_grid) write_numbers(pen, project, at, this.bounds, this.spacing, is_plan);
     draw_caption(pen, at, is_plan ? "plan" : "3-D");
     if (is_plan) draw_scale(pen, at, this.plan_scale());
+    this.draw_leaders(pen, project);
     this.write_names(eye, project);
     const selected = this.selected && this.find(this.selected);
     if (selected) {
@@ -376,13 +381,47 @@ export class World {
     if (this.is_measuring && from && to) draw_measure(pen, project, at, from, to);
   }
 
+  /** Draws a thin line from each target's true position to its estimate. */
+  draw_leaders(pen, project) {
+    pen.lineWidth = 1;
+    for (const [id, { entity }] of this.layers.get("/estimates") ?? []) {
+      const truth = this.layers.get("/targets")?.get(id.replace("estimate/", "target/"));
+      if (!truth?.frame.is_placed) continue;
+      const from = centre_of(truth.entity).applyMatrix4(truth.frame.matrix);
+      const to = centre_of(entity);
+      const [a, b] = [project(from.x, from.y, from.z), project(to.x, to.y, to.z)];
+      if (!a || !b || Math.hypot(b[0] - a[0], b[1] - a[1]) < 4) continue;
+      pen.strokeStyle = css_of(entity.lines[0].color);
+      pen.beginPath();
+      pen.moveTo(...a);
+      pen.lineTo(...b);
+      pen.stroke();
+    }
+  }
+
+  /** True if the name of an estimate is left out, because the true target with the same name is shown. */
+  is_named_elsewhere(topic, id) {
+    if (topic !== "/estimates" && !topic.startsWith("/belief/")) return false;
+    return this.layers.get("/targets")?.get(`target/${id.split("/").at(-1)}`)?.frame.is_placed ?? false;
+  }
+
+  /** In a crowd, returns the names that have space, that are selected, or that are next to the pointer. */
+  readable(wanted, eye) {
+    if (wanted.length <= kCrowd) return wanted;
+    const near = ({ x, y }, [px, py], limit) => Math.abs(x - px) < limit && Math.abs(y - py) < limit;
+    return wanted.filter((label) => {
+      if (label.rank < 0 || (eye.pointer && near(label, eye.pointer, kHover_px))) return true;
+      return !wanted.some((other) => other !== label && near(label, [other.x, other.y], kSpace_px));
+    });
+  }
+
   write_names(eye, project) {
     const { camera, at, labels } = eye;
     const wanted = [];
     const origin = new THREE.Vector3();
     for (const [topic, layer] of this.layers) {
       for (const [id, { frame, entity }] of layer) {
-        if (!frame.is_placed || !entity) continue;
+        if (!frame.is_placed || !entity || this.is_named_elsewhere(topic, id)) continue;
         entity.texts.forEach((text, i) => {
           origin.copy(text.pose.position);
           if (entity.frame_id !== kWorld) origin.set(0, 0, 0); // the label is placed next to the body
@@ -396,7 +435,7 @@ export class World {
         });
       }
     }
-    eye.names = labels.place(wanted, at, (label, left, top) => this.names.write(label.text, left, top));
+    eye.names = labels.place(this.readable(wanted, eye), at, (label, left, top) => this.names.write(label.text, left, top));
   }
 
   listen_for_clicks(on_pick) {
@@ -404,6 +443,9 @@ export class World {
       let start = null;
       eye.area.addEventListener("pointerdown", (event) => (start = [event.clientX, event.clientY]));
       eye.area.addEventListener("pointermove", (event) => {
+        const box = eye.area.getBoundingClientRect();
+        eye.pointer = eye.at && [eye.at.x + event.clientX - box.left, eye.at.y + event.clientY - box.top];
+        if (this.entities() > kCrowd) eye.is_stale = true;
         if (!this.is_measuring || this.measured.length !== 1) return;
         this.pointed = this.ground_at(eye, event);
         this.set_stale();
