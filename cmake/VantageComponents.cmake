@@ -3,7 +3,7 @@
 # installation, find_package(vantage) reads it.
 include_guard()
 
-set(vantage_components core models wire scenario planner estimator scenario_reader drivers bus logs)
+set(vantage_components core models wire scenario planner estimator localizer scenario_reader drivers bus logs)
 
 # vantage_<component>_libraries: libraries of the component. If no library has the component's name,
 # an interface library with that name links all of them. …_needs: components that it needs.
@@ -19,7 +19,8 @@ set(vantage_models_libraries models mapping_models)
 set(vantage_models_needs core)
 set(vantage_models_packages)
 set(vantage_models_public
-  models/belief/gaussian models/belief/mixture models/exchange/messages models/mapping/beam
+  models/belief/gaussian models/belief/mixture models/exchange/messages models/exchange/pose_messages
+  models/mapping/beam
   models/mapping/mapping_spec models/mapping/occupancy_belief models/motion/unicycle
   models/motion/vehicle_limits models/plan/plan models/sensor/kind models/sensor/kinds/kinds
   models/sensor/law models/sensor/sensor models/target/kind models/target/law
@@ -39,7 +40,7 @@ set(vantage_scenario_libraries scenario)
 set(vantage_scenario_needs models)
 set(vantage_scenario_packages)
 set(vantage_scenario_public
-  scenario/mocap_protocol scenario/scenario scenario/team_algorithm scenario/vehicle_kinds)
+  scenario/localizer_spec scenario/mocap_protocol scenario/scenario scenario/team_algorithm scenario/vehicle_kinds)
 
 set(vantage_planner_libraries planner)
 set(vantage_planner_needs scenario)
@@ -56,6 +57,13 @@ set(vantage_estimator_packages)
 set(vantage_estimator_public
   estimator/filter/central_filter estimator/filter/distributed_filter
   estimator/occupancy/occupancy estimator/occupancy/team_map)
+
+set(vantage_localizer_libraries localizer)
+set(vantage_localizer_needs scenario)
+set(vantage_localizer_packages)
+set(vantage_localizer_public
+  localizer/commanded_motion localizer/robot_localizer localizer/sighting_model
+  localizer/start_search localizer/team_filter)
 
 set(vantage_scenario_reader_libraries scenario_reader)
 set(vantage_scenario_reader_needs scenario)

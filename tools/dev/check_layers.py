@@ -8,7 +8,7 @@ import re
 import sys
 
 PURE = {"core", "models", "scenario"}
-TRIAL = PURE | {"wire", "bus", "vantage_lcm", "planner", "estimator", "sim", "drivers", "logs", "trial"}
+TRIAL = PURE | {"wire", "bus", "vantage_lcm", "planner", "estimator", "localizer", "sim", "drivers", "logs", "trial"}
 MAY_INCLUDE = {
     "core": {"core"},
     "models": {"core", "models"},
@@ -17,6 +17,7 @@ MAY_INCLUDE = {
     "bus": PURE | {"bus", "vantage_lcm"},
     "planner": PURE | {"planner"},
     "estimator": PURE | {"estimator"},
+    "localizer": PURE | {"localizer"},
     "sim": PURE | {"wire", "sim"},
     "drivers": PURE | {"wire", "drivers"},
     "logs": PURE | {"bus", "vantage_lcm", "logs"},

@@ -1,0 +1,313 @@
+#include "localizer/robot_localizer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/check.hpp"
+
+namespace vantage::localizer {
+namespace {
+
+/// Sightings arrive up to this number of cells after their corrected time.
+constexpr std::int64_t kLatencyCells = 2;
+/// Factor of the variances of a motion that is guessed from the previous one.
+constexpr double kGuessNoiseScale = 30.0;
+
+/// Returns the displacement during the share [from, to) of a motion with a constant twist, in the
+/// body frame at the start of this share.
+Eigen::Vector3d part_of(const Eigen::Vector3d& motion, double from, double to) {
+  const double angle_rad = from * motion.z();
+  const double c = std::cos(angle_rad);
+  const double s = std::sin(angle_rad);
+  return (to - from) * Eigen::Vector3d(c * motion.x() + s * motion.y(),
+                                       -s * motion.x() + c * motion.y(), motion.z());
+}
+
+/// Returns the displacement `first` followed by `second`.
+Eigen::Vector3d followed_by(const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
+  const double c = std::cos(first.z());
+  const double s = std::sin(first.z());
+  return first + Eigen::Vector3d(c * second.x() - s * second.y(), s * second.x() + c * second.y(),
+                                 second.z());
+}
+
+}  // namespace
+
+std::int64_t RobotLocalizer::cell_of(Time time) {
+  const std::int64_t us = to_utime(time);
+  const std::int64_t width = kIncrement.count();
+  return us >= 0 ? us / width : (us - width + 1) / width;
+}
+
+Time RobotLocalizer::start_of(std::int64_t cell) { return from_utime(cell * kIncrement.count()); }
+
+RobotLocalizer::RobotLocalizer(const scenario::LocalizerSpec& spec, int robot)
+    : spec_(spec),
+      robot_(robot),
+      motion_([&] {
+        require(robot >= 0 && robot < static_cast<int>(spec.robots.size()),
+                "robot must be an index of localizer.robots");
+        return spec.robots[static_cast<std::size_t>(robot)].drive;
+      }()),
+      tracks_(spec.robots.size()),
+      base_(spec),
+      newest_(spec),
+      increments_(spec.robots.size(), Eigen::Vector3d::Zero()),
+      noise_scale_(spec.robots.size(), 1.0),
+      next_sighting_(spec.robots.size(), 0) {
+  for (Track& track : tracks_) {
+    track.sightings.reserve(kSightings);
+  }
+}
+
+void RobotLocalizer::place(int robot, const Pose2& world_from_body,
+                           const Eigen::Matrix3d& covariance) {
+  base_.place(robot, world_from_body, covariance);
+}
+
+void RobotLocalizer::add_increment(std::int64_t cell, Track& track,
+                                   const Eigen::Vector3d& increment) {
+  track.cells[static_cast<std::size_t>(cell % kCells)] = {cell, increment};
+}
+
+void RobotLocalizer::add_odometry(const models::OdometryReport& odometry) {
+  if (odometry.kind == models::OdometryKind::kCommand) {
+    counts_.refused +=
+        motion_.command(odometry.stamp.time, odometry.motion_body.x(), odometry.motion_body.z())
+            ? 0
+            : 1;
+    return;
+  }
+  is_commanded_ = false;
+  const Time end = odometry.stamp.time;
+  const Time start = end - odometry.interval;
+  if (start < partial_to_) {
+    ++counts_.refused;
+    return;
+  }
+  // Divide the increment among the cells that it overlaps.
+  if (start != partial_to_) {
+    partial_.setZero();  // after a gap
+  }
+  const double whole_s = to_seconds(odometry.interval);
+  for (Time from = start; from < end;) {
+    const std::int64_t cell = cell_of(from);
+    const Time to = std::min(end, start_of(cell + 1));
+    partial_ =
+        followed_by(partial_, part_of(odometry.motion_body, to_seconds(from - start) / whole_s,
+                                      to_seconds(to - start) / whole_s));
+    if (to == start_of(cell + 1)) {
+      add_increment(cell, own(), partial_);
+      partial_.setZero();
+    }
+    from = to;
+  }
+  partial_to_ = end;
+}
+
+void RobotLocalizer::add_sighting(Track& track, const models::Sighting& sighting) {
+  const auto after = std::upper_bound(track.sightings.begin(), track.sightings.end(), sighting,
+                                      [](const models::Sighting& a, const models::Sighting& b) {
+                                        return a.time < b.time || (a.time == b.time && a.id < b.id);
+                                      });
+  if (after != track.sightings.begin()) {
+    const models::Sighting& previous = *std::prev(after);
+    if (previous.time == sighting.time && previous.id == sighting.id) {
+      return;  // known from an earlier message
+    }
+  }
+  if (track.sightings.size() == static_cast<std::size_t>(kSightings)) {
+    ++counts_.lost_sightings;
+    return;
+  }
+  track.sightings.insert(after, sighting);
+}
+
+void RobotLocalizer::add_sightings(std::span<const models::Sighting> sightings) {
+  for (const models::Sighting& sighting : sightings) {
+    counts_.late_sightings += sighting.time < start_of(base_cell_) ? 1 : 0;
+    add_sighting(own(), sighting);
+  }
+}
+
+void RobotLocalizer::add_teammate(const models::PoseEstimate& estimate) {
+  const auto mate = std::find_if(
+      spec_.robots.begin(), spec_.robots.end(),
+      [&](const scenario::LocalizedRobotSpec& each) { return each.name == estimate.robot; });
+  const auto index = static_cast<int>(mate - spec_.robots.begin());
+  if (mate == spec_.robots.end() || index == robot_ || estimate.increment != kIncrement ||
+      estimate.increments_from != start_of(cell_of(estimate.increments_from))) {
+    ++counts_.refused;
+    return;
+  }
+  Track& track = tracks_[static_cast<std::size_t>(index)];
+  const std::int64_t first = cell_of(estimate.increments_from);
+  std::int64_t cell = first;
+  for (const Eigen::Vector3d& increment : estimate.increments) {
+    if (cell >= base_cell_) {
+      add_increment(cell, track, increment);
+    }
+    ++cell;
+  }
+  const std::int64_t known_until = std::max(track.complete_until, base_cell_);
+  if (first <= known_until) {
+    track.complete_until = std::max(track.complete_until, cell - kLatencyCells);
+  }
+  for (const models::Sighting& sighting : estimate.sightings) {
+    if (sighting.time >= start_of(base_cell_)) {
+      add_sighting(track, sighting);
+    }
+  }
+}
+
+void RobotLocalizer::set_increments(std::int64_t cell, Time from, Time to, bool is_base) {
+  const double width_s = to_seconds(kIncrement);
+  const double from_share = to_seconds(from - start_of(cell)) / width_s;
+  const double to_share = to_seconds(to - start_of(cell)) / width_s;
+  for (std::size_t robot = 0; robot < tracks_.size(); ++robot) {
+    const Track& track = tracks_[robot];
+    noise_scale_[robot] = 1.0;
+    // An unknown increment is assumed to equal the newest earlier one.
+    Eigen::Vector3d whole = Eigen::Vector3d::Zero();
+    for (std::int64_t known = cell; known >= 0 && known > cell - kMessageIncrements; --known) {
+      const Cell& candidate = track.cells[static_cast<std::size_t>(known % kCells)];
+      if (candidate.index == known) {
+        whole = candidate.increment;
+        break;
+      }
+      noise_scale_[robot] = kGuessNoiseScale;
+    }
+    if (is_base && noise_scale_[robot] > 1.0 && from == start_of(cell)) {
+      ++counts_.missing_increments;
+    }
+    increments_[robot] = part_of(whole, from_share, to_share);
+  }
+}
+
+void RobotLocalizer::run(TeamFilter& filter, std::int64_t from, std::int64_t to, bool is_base) {
+  for (std::size_t robot = 0; robot < tracks_.size(); ++robot) {
+    const auto& sightings = tracks_[robot].sightings;
+    const auto next = std::lower_bound(
+        sightings.begin(), sightings.end(), start_of(from),
+        [](const models::Sighting& sighting, Time time) { return sighting.time < time; });
+    next_sighting_[robot] = static_cast<std::size_t>(next - sightings.begin());
+  }
+  for (std::int64_t cell = from; cell < to; ++cell) {
+    const Time end = start_of(cell + 1);
+    for (Time time = start_of(cell); time < end;) {
+      // Find the next frame of any robot within this cell.
+      Time until = end;
+      std::size_t observer = tracks_.size();
+      for (std::size_t robot = 0; robot < tracks_.size(); ++robot) {
+        const auto& sightings = tracks_[robot].sightings;
+        if (next_sighting_[robot] < sightings.size() &&
+            sightings[next_sighting_[robot]].time < until) {
+          until = sightings[next_sighting_[robot]].time;
+          observer = robot;
+        }
+      }
+      if (until > time) {
+        set_increments(cell, time, until, is_base);
+        const double duration_s = to_seconds(until - time);
+        filter.advance(duration_s, increments_, noise_scale_);
+        for (std::size_t robot = 0; is_base && robot < tracks_.size(); ++robot) {
+          tracks_[robot].search.advance(duration_s, increments_[robot]);
+        }
+        time = until;
+      }
+      if (observer == tracks_.size()) {
+        continue;
+      }
+      Track& track = tracks_[observer];
+      const std::size_t first = next_sighting_[observer];
+      std::size_t last = first;
+      while (last < track.sightings.size() && track.sightings[last].time == until) {
+        ++last;
+      }
+      next_sighting_[observer] = last;
+      const std::span<const models::Sighting> frame(track.sightings.data() + first, last - first);
+      const int robot = static_cast<int>(observer);
+      if (is_base && !filter.is_placed(robot)) {
+        if (const auto start = track.search.observe(spec_, robot, frame)) {
+          filter.place(robot, start->world_from_body, start->covariance);
+          track.search.clear();
+        }
+      } else {
+        filter.observe(robot, frame);
+      }
+    }
+  }
+}
+
+void RobotLocalizer::forget_before(Time time) {
+  for (Track& track : tracks_) {
+    const auto keep = std::lower_bound(
+        track.sightings.begin(), track.sightings.end(), time,
+        [](const models::Sighting& sighting, Time t) { return sighting.time < t; });
+    track.sightings.erase(track.sightings.begin(), keep);
+  }
+}
+
+void RobotLocalizer::advance_to(Time now) {
+  const std::int64_t cell = cell_of(now);
+  if (cell <= now_cell_) {
+    return;
+  }
+  if (base_cell_ < 0) {
+    base_cell_ = cell;
+    now_cell_ = cell;
+    static_cast<void>(motion_.advance_to(start_of(cell)));
+  }
+  for (; now_cell_ < cell; ++now_cell_) {
+    if (is_commanded_) {
+      add_increment(now_cell_, own(), motion_.advance_to(start_of(now_cell_ + 1)));
+    }
+  }
+  now_ = start_of(cell);
+
+  // The base filter waits for the robots that have sent something in the last steps.
+  own().complete_until = cell - kLatencyCells;
+  const std::int64_t oldest = cell - kMessageIncrements;
+  std::int64_t complete = cell - kLatencyCells;
+  for (const Track& track : tracks_) {
+    if (track.complete_until >= oldest) {
+      complete = std::min(complete, track.complete_until);
+    }
+  }
+  if (complete > base_cell_) {
+    run(base_, base_cell_, complete, true);
+    base_cell_ = complete;
+  }
+  newest_.assign(base_);
+  run(newest_, base_cell_, cell, false);
+  forget_before(std::min(start_of(base_cell_), start_of(oldest)));
+}
+
+void RobotLocalizer::write_message(models::PoseEstimate& message) const {
+  const std::int64_t first = std::max<std::int64_t>(now_cell_ - kMessageIncrements, 0);
+  message.robot = spec_.robots[static_cast<std::size_t>(robot_)].name;
+  message.stamp.time = now_;
+  message.source = is_placed() ? models::PoseSource::kLocalizer : models::PoseSource::kNone;
+  message.world_from_body = is_placed() ? pose() : Pose2{};
+  message.covariance = is_placed() ? covariance() : Eigen::Matrix3d::Identity();
+  const auto& sightings = own().sightings;
+  message.age_s = sightings.empty() ? to_seconds(kIncrement) * kMessageIncrements
+                                    : std::max(to_seconds(now_ - sightings.back().time), 0.0);
+  message.increment = kIncrement;
+  message.increments.clear();
+  message.increments_from = start_of(first);
+  for (std::int64_t cell = first; cell < now_cell_; ++cell) {
+    const Cell& known = own().cells[static_cast<std::size_t>(cell % kCells)];
+    if (known.index == cell) {
+      message.increments.push_back(known.increment);
+    } else {  // before the start: begin after the gap
+      message.increments.clear();
+      message.increments_from = start_of(cell + 1);
+    }
+  }
+  message.sightings.clear();
+  const std::size_t count = std::min(sightings.size(), static_cast<std::size_t>(kMessageSightings));
+  message.sightings.assign(sightings.end() - static_cast<std::ptrdiff_t>(count), sightings.end());
+}
+
+}  // namespace vantage::localizer

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/time.hpp"
+#include "localizer/commanded_motion.hpp"
+#include "localizer/start_search.hpp"
+#include "localizer/team_filter.hpp"
+#include "models/exchange/pose_messages.hpp"
+#include "scenario/localizer_spec.hpp"
+
+namespace vantage::localizer {
+
+/// Duration of one increment: the grid of all motion that robots exchange.
+inline constexpr Duration kIncrement = std::chrono::milliseconds(100);
+/// Number of increments in a message; data older than this are lost for a teammate that received
+/// none of the messages with them.
+inline constexpr int kMessageIncrements = 20;
+/// Largest number of sightings in a message.
+inline constexpr int kMessageSightings = 64;
+
+/// Counts of a localiser's inputs since its start.
+struct InputCounts {
+  std::int64_t late_sightings = 0;      ///< arrived after their time had been completed
+  std::int64_t missing_increments = 0;  ///< of teammates; replaced by a guess
+  std::int64_t refused = 0;             ///< inputs of an unknown robot, or out of order
+  std::int64_t lost_sightings = 0;      ///< dropped because a buffer was full
+};
+
+/// Localiser of one robot: the joint filter of the whole team, computed by each robot from what it
+/// received. Robots exchange bounded pieces of their motion and sightings (PoseEstimate), so that
+/// no error is counted twice and cross-correlations are exact; a message repeats the last
+/// kMessageIncrements increments, so that single losses lose no data.
+///
+/// Time is divided into steps of kIncrement. A base filter contains all data up to the time until
+/// which all teammates are complete, at most kMessageIncrements steps ago. advance_to() copies the
+/// base filter and adds the newer data. No function allocates memory after construction, except for
+/// the contents of message().
+class RobotLocalizer {
+ public:
+  /// `robot`: index in the specification. @throws UsageError for an unknown index
+  RobotLocalizer(const scenario::LocalizerSpec& spec, int robot);
+
+  /// Sets the pose of a robot whose start is known. Precondition: before the first advance_to().
+  void place(int robot, const Pose2& world_from_body, const Eigen::Matrix3d& covariance);
+
+  /// Adds a command or an increment of the own robot. Increments must follow each other.
+  void add_odometry(const models::OdometryReport& odometry);
+  /// Adds a frame of the own sensor; times in `sightings` are corrected for the latency.
+  void add_sightings(std::span<const models::Sighting> sightings);
+  /// Adds the data of a teammate.
+  void add_teammate(const models::PoseEstimate& estimate);
+
+  /// Computes the estimate at `now`, which is rounded down to the grid.
+  void advance_to(Time now);
+
+  [[nodiscard]] Time time() const { return now_; }
+  [[nodiscard]] bool is_placed() const { return newest_.is_placed(robot_); }
+  [[nodiscard]] Pose2 pose() const { return newest_.pose(robot_); }
+  [[nodiscard]] Eigen::Matrix3d covariance() const { return newest_.covariance(robot_); }
+  /// Joint filter at time(), with the own view of all teammates.
+  [[nodiscard]] const TeamFilter& team() const { return newest_; }
+  [[nodiscard]] const InputCounts& counts() const { return counts_; }
+  /// Writes the pose at time() and the newest data for teammates. Sets neither the stamp's run id
+  /// nor its sequence number.
+  void write_message(models::PoseEstimate& message) const;
+
+ private:
+  static constexpr int kCells = 64;       ///< increments kept per robot
+  static constexpr int kSightings = 256;  ///< sightings kept per robot
+  struct Cell {
+    std::int64_t index = -1;  ///< start / kIncrement
+    Eigen::Vector3d increment = Eigen::Vector3d::Zero();
+  };
+  /// What is known of one robot's newest motion and sightings.
+  struct Track {
+    std::array<Cell, kCells> cells;
+    std::int64_t complete_until =
+        -1;  ///< all cells before this index and their sightings are known
+    std::vector<models::Sighting> sightings;  ///< ascending in time; capacity kSightings
+    StartSearch search;
+  };
+
+  [[nodiscard]] static std::int64_t cell_of(Time time);
+  [[nodiscard]] static Time start_of(std::int64_t cell);
+  void add_increment(std::int64_t cell, Track& track, const Eigen::Vector3d& increment);
+  void add_sighting(Track& track, const models::Sighting& sighting);
+  /// Sets increments_ and noise_scale_ for the part [from, to) of grid cell `cell`.
+  void set_increments(std::int64_t cell, Time from, Time to, bool is_base);
+  /// Moves `filter` through the grid cells [from, to) with all known sightings. Searches for starts
+  /// if `is_base`.
+  void run(TeamFilter& filter, std::int64_t from, std::int64_t to, bool is_base);
+  void forget_before(Time time);
+  [[nodiscard]] Track& own() { return tracks_[static_cast<std::size_t>(robot_)]; }
+  [[nodiscard]] const Track& own() const { return tracks_[static_cast<std::size_t>(robot_)]; }
+
+  scenario::LocalizerSpec spec_;
+  int robot_;
+  CommandedMotion motion_;
+  Eigen::Vector3d partial_ = Eigen::Vector3d::Zero();  ///< displacement in the cell of partial_to_
+  Time partial_to_ = Time::min();                      ///< end of the newest increment
+  bool is_commanded_ = true;                           ///< false: the odometer reports increments
+  std::vector<Track> tracks_;
+  TeamFilter base_;
+  TeamFilter newest_;
+  std::int64_t base_cell_ = -1;
+  std::int64_t now_cell_ = -1;
+  Time now_{};
+  Time last_sighting_ = Time::min();
+  std::vector<Eigen::Vector3d> increments_;  ///< workspace
+  std::vector<double> noise_scale_;          ///< workspace
+  std::vector<std::size_t> next_sighting_;   ///< workspace
+  InputCounts counts_;
+};
+
+}  // namespace vantage::localizer

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/pose.hpp"
+#include "core/time.hpp"
+#include "models/exchange/messages.hpp"
+
+// Messages about the robots' own motion and poses, as values.
+
+namespace vantage::models {
+
+enum class OdometryKind {
+  kIncrement,  ///< displacement in an interval
+  kCommand,    ///< commanded velocity until the next message
+};
+
+/// Motion of one robot as measured by its odometer, or as commanded (ODOMETRY_R).
+struct OdometryReport {
+  Stamp stamp;
+  std::string robot;
+  OdometryKind kind = OdometryKind::kIncrement;
+  Duration interval{};  ///< duration of the increment, which ends at stamp.time; of a command: 0
+  /// Forward, left and turn: [m, m, rad] in the body frame at the start of the interval; of a
+  /// command: [m/s, m/s, rad/s].
+  Eigen::Vector3d motion_body = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of motion_body
+};
+
+enum class PoseSource { kNone, kMotionCapture, kLocalizer };
+
+/// Range and bearing of one identified landmark or teammate.
+struct Sighting {
+  Time time{};  ///< time of the measurement, corrected for the camera's latency
+  int id = 0;   ///< of the landmark or teammate, as in the scenario's section localizer
+  double range_m = 0.0;
+  double bearing_rad = 0.0;
+};
+
+/// The pose of one robot (POSE_R), with the newest motion and sightings for its teammates.
+struct PoseEstimate {
+  Stamp stamp;
+  std::string robot;
+  PoseSource source = PoseSource::kNone;  ///< kNone: the pose is unknown and meaningless
+  Pose2 world_from_body;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of x, y and yaw
+  double age_s = 0.0;  ///< s since the newest observation of a landmark or teammate
+  Time increments_from{};
+  Duration increment{};  ///< duration of each increment
+  /// Forward [m], left [m] and turn [rad], in the body frame at the start of each increment.
+  std::vector<Eigen::Vector3d> increments;
+  std::vector<Sighting> sightings;  ///< ascending in time
+};
+
+}  // namespace vantage::models

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+// Section `localizer` of a scenario as values: what a robot needs to know to compute its own pose
+// from odometry, landmarks and teammates.
+
+namespace vantage::scenario {
+
+/// Landmark at a known position.
+struct LandmarkSpec {
+  int id = 0;
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< world frame
+};
+
+/// Geometry and latency of a sensor that measures range and bearing of landmarks and teammates.
+struct SightingSpec {
+  /// True: the reported range is the depth along the sensor's axis, d · cos(bearing − axis).
+  bool range_is_depth = false;
+  double range_scale = 1.0;         ///< reported range = scale · range + offset
+  double range_offset_m = 0.0;      ///< m
+  double axis_rad = 0.0;            ///< rad, from the body's x axis; direction of the depth
+  double bearing_offset_rad = 0.0;  ///< rad; reported bearing − true bearing
+  double forward_m = 0.0;           ///< m; position of the sensor on the body's x axis
+  double stamp_delay_s = 0.0;       ///< s; stamp − time of the exposure
+};
+
+/// Response of a robot to its commanded velocity.
+struct DriveSpec {
+  double delay_s = 0.0;          ///< s until a command begins to act
+  double lag_s = 0.0;            ///< s; time constant of the first-order response
+  double speed_scale = 1.0;      ///< actual speed / commanded speed
+  double turn_scale = 1.0;       ///< actual turn rate / commanded turn rate
+  double turn_bias_radps = 0.0;  ///< rad/s; turn rate without command, while driving
+};
+
+/// 1σ of the errors of odometry. Errors consist of white noise and of slowly varying errors.
+struct OdometryNoiseSpec {
+  double turn_sigma_rad_per_sqrt_s = 0.027;  ///< rad/√s; white noise of the heading
+  double turn_sigma_per_sqrt_rad = 0.18;     ///< √rad; white noise of the heading per turn
+  double slide_sigma_per_sqrt_m = 0.03;      ///< √m; white noise of the position per distance
+  double turn_drift_radps = 0.005;           ///< rad/s; slowly varying error of the turn rate
+  double turn_drift_time_s = 10.0;           ///< s; correlation time of this error
+  double speed_drift_share = 0.17;           ///< slowly varying relative error of the speed
+  double speed_drift_time_s = 15.0;          ///< s; correlation time of this error
+};
+
+/// 1σ of the errors of sightings. They contain an allowance for errors that are correlated in time.
+struct SightingNoiseSpec {
+  double range_sigma_m = 0.0375;           ///< m, at distance 0
+  double range_sigma_per_m = 0.0009;       ///< 1/m; times the squared distance, in addition
+  double bearing_sigma_rad = 0.008;        ///< rad, for a distant body
+  double across_sigma_m = 0.007;           ///< m; error across the line of sight
+  double frame_bearing_sigma_rad = 0.018;  ///< rad; error that all bearings of a frame share
+  double teammate_sigma_m = 0.01;          ///< m; additional error of a teammate's position
+};
+
+/// Parameters of one robot.
+struct LocalizedRobotSpec {
+  std::string name;  ///< name of the robot in the scenario
+  int id = 0;        ///< id under which teammates detect this robot
+  SightingSpec sightings;
+  DriveSpec drive;
+};
+
+/// Parameters of the localisers of all robots.
+struct LocalizerSpec {
+  std::vector<LandmarkSpec> landmarks;
+  std::vector<LocalizedRobotSpec> robots;
+  OdometryNoiseSpec odometry_noise;
+  SightingNoiseSpec sighting_noise;
+};
+
+}  // namespace vantage::scenario

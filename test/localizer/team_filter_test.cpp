@@ -1,0 +1,200 @@
+#include "localizer/team_filter.hpp"
+
+#include <cmath>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "localizer/sighting_model.hpp"
+#include "test/localizer/simulated_team.hpp"
+#include "test/support/allocation_counter.hpp"
+
+namespace vantage::localizer {
+namespace {
+
+const Eigen::Matrix3d kStart = Eigen::Vector3d(0.04, 0.09, 0.01).asDiagonal();
+
+models::Sighting sighting_of(const scenario::LocalizerSpec& spec, int robot, const Pose2& pose,
+                             int id, const Eigen::Vector2d& point_m) {
+  const ExpectedSighting expected =
+      expected_sighting(spec.robots[static_cast<std::size_t>(robot)].sightings, pose, point_m);
+  return {{}, id, expected.range_m, expected.bearing_rad};
+}
+
+TEST(TeamFilter, EqualsInformationFormForSightingOfTeammate) {
+  // Oracle: P = (P0⁻¹ + Hᵀ R⁻¹ H)⁻¹ over the poses of both robots.
+  test::SimulatedTeam team(2, 1);
+  TeamFilter filter(team.spec);
+  const Pose2 first{0.0, 0.0, 0.2};
+  const Pose2 second{2.0, 0.5, 1.0};
+  filter.place(0, first, kStart);
+  filter.place(1, second, 2.0 * kStart);
+  const models::Sighting sighting =
+      sighting_of(team.spec, 0, first, team.spec.robots[1].id, second.position_m());
+  filter.observe(0, {&sighting, 1});
+
+  const ExpectedSighting expected =
+      expected_sighting(team.spec.robots[0].sightings, first, second.position_m());
+  const scenario::SightingNoiseSpec& noise = team.spec.sighting_noise;
+  const double d = expected.distance_m;
+  Eigen::Matrix2d R = Eigen::Matrix2d::Zero();
+  R(0, 0) = std::pow(noise.range_sigma_m + noise.range_sigma_per_m * d * d, 2);
+  R(1, 1) = std::pow(noise.bearing_sigma_rad, 2) + std::pow(noise.across_sigma_m / d, 2) +
+            std::pow(noise.frame_bearing_sigma_rad, 2);
+  R += std::pow(noise.teammate_sigma_m, 2) * expected.by_point * expected.by_point.transpose();
+  Eigen::Matrix<double, 2, 6> H = Eigen::Matrix<double, 2, 6>::Zero();
+  H.leftCols<3>() = expected.by_pose;
+  H.middleCols<2>(3) = expected.by_point;
+  Eigen::Matrix<double, 6, 6> P0 = Eigen::Matrix<double, 6, 6>::Zero();
+  P0.topLeftCorner<3, 3>() = kStart;
+  P0.bottomRightCorner<3, 3>() = 2.0 * kStart;
+  const Eigen::Matrix<double, 6, 6> P = (P0.inverse() + H.transpose() * R.inverse() * H).inverse();
+  EXPECT_LT((filter.covariance(0) - P.topLeftCorner<3, 3>()).norm(), 1e-12);
+  EXPECT_LT((filter.covariance(1) - P.bottomRightCorner<3, 3>()).norm(), 1e-12);
+  EXPECT_LT((filter.pose(0).position_m() - first.position_m()).norm(), 1e-9);
+}
+
+TEST(TeamFilter, ImprovesTeammateByLandmarkAfterMeeting) {
+  test::SimulatedTeam team(2, 1);
+  TeamFilter filter(team.spec);
+  const Pose2 first{0.0, 0.0, 0.0};
+  const Pose2 second{2.0, 0.0, 0.0};
+  filter.place(0, first, kStart);
+  filter.place(1, second, kStart);
+  const models::Sighting meeting =
+      sighting_of(team.spec, 0, first, team.spec.robots[1].id, second.position_m());
+  filter.observe(0, {&meeting, 1});
+  const double before = filter.covariance(0).determinant();
+  const models::Sighting landmark = sighting_of(team.spec, 1, second, team.spec.landmarks[0].id,
+                                                team.spec.landmarks[0].position_m);
+  filter.observe(1, {&landmark, 1});
+  EXPECT_LT(filter.covariance(0).determinant(), 0.7 * before);
+}
+
+TEST(TeamFilter, FollowsOdometryWithoutSightings) {
+  test::SimulatedTeam team(1, 1);
+  TeamFilter filter(team.spec);
+  filter.place(0, {1.0, 2.0, kPi / 2.0}, kStart);
+  const Eigen::Vector3d increment(0.5, 0.1, 0.3);
+  filter.advance(0.1, {&increment, 1});
+  EXPECT_NEAR(filter.pose(0).x_m, 0.9, 1e-12);
+  EXPECT_NEAR(filter.pose(0).y_m, 2.5, 1e-12);
+  EXPECT_NEAR(filter.pose(0).yaw_rad, kPi / 2.0 + 0.3, 1e-12);
+  EXPECT_GT(filter.covariance(0)(2, 2), kStart(2, 2));
+}
+
+TEST(TeamFilter, RejectsSightingBeyondTheGateAndKeepsItsPose) {
+  test::SimulatedTeam team(1, 1);
+  TeamFilter filter(team.spec);
+  const Pose2 pose{0.0, 0.0, 0.0};
+  filter.place(0, pose, 1e-4 * Eigen::Matrix3d::Identity());
+  models::Sighting wrong =
+      sighting_of(team.spec, 0, pose, team.spec.landmarks[0].id, team.spec.landmarks[0].position_m);
+  wrong.range_m -= 2.0;
+  filter.observe(0, {&wrong, 1});
+  EXPECT_EQ(filter.counts().rejected, 1);
+  EXPECT_EQ(filter.pose(0), pose);
+}
+
+TEST(TeamFilter, RecoversFromSlipOfTheWheels) {
+  test::SimulatedTeam team(1, 1);
+  TeamFilter filter(team.spec);
+  const Pose2 truth{0.0, 0.0, 0.5};
+  filter.place(0, {0.0, 0.0, 0.0}, 1e-4 * Eigen::Matrix3d::Identity());
+  for (int i = 0; i < 5; ++i) {
+    std::vector<models::Sighting> frame;
+    for (const int k : {0, 1, 2}) {
+      const scenario::LandmarkSpec& landmark = team.spec.landmarks[static_cast<std::size_t>(k)];
+      frame.push_back(sighting_of(team.spec, 0, truth, landmark.id, landmark.position_m));
+    }
+    filter.observe(0, frame);
+  }
+  EXPECT_GE(filter.counts().slips, 1);
+  EXPECT_NEAR(filter.pose(0).yaw_rad, 0.5, 0.03);
+}
+
+TEST(TeamFilter, CountsSightingsThatItCannotUse) {
+  test::SimulatedTeam team(2, 1);
+  TeamFilter filter(team.spec);
+  const models::Sighting of_mate{{}, 2, 1.0, 0.0};
+  const models::Sighting of_stranger{{}, 77, 1.0, 0.0};
+  filter.observe(0, {&of_mate, 1});
+  EXPECT_EQ(filter.counts().unplaced, 1);
+  filter.place(0, {}, kStart);
+  filter.observe(0, {&of_mate, 1});
+  EXPECT_EQ(filter.counts().unplaced, 2);
+  filter.observe(0, {&of_stranger, 1});
+  EXPECT_EQ(filter.counts().unknown, 1);
+  EXPECT_EQ(filter.counts().used, 0);
+}
+
+/// Runs the filter on the simulated team for `steps` steps and returns it.
+TeamFilter filter_after(test::SimulatedTeam& team, int steps, std::vector<double>* nees = nullptr) {
+  TeamFilter filter(team.spec);
+  std::vector<CommandedMotion> motions;
+  for (int r = 0; r < filter.robots(); ++r) {
+    filter.place(r, team.truth[static_cast<std::size_t>(r)], 1e-4 * Eigen::Matrix3d::Identity());
+    motions.emplace_back(team.spec.robots[static_cast<std::size_t>(r)].drive);
+    static_cast<void>(motions.back().advance_to(team.now));
+  }
+  std::vector<Eigen::Vector3d> increments(motions.size());
+  for (int i = 0; i < steps; ++i) {
+    team.step();
+    for (std::size_t r = 0; r < motions.size(); ++r) {
+      motions[r].command(team.commands[r].stamp.time, team.commands[r].motion_body.x(),
+                         team.commands[r].motion_body.z());
+      increments[r] = motions[r].advance_to(team.now);
+    }
+    filter.advance(test::SimulatedTeam::kStep_s, increments);
+    for (int r = 0; r < filter.robots(); ++r) {
+      filter.observe(r, team.frames[static_cast<std::size_t>(r)]);
+    }
+    for (int r = 0; nees != nullptr && i % 20 == 0 && r < filter.robots(); ++r) {
+      const Eigen::Vector2d error =
+          filter.pose(r).position_m() - team.truth[static_cast<std::size_t>(r)].position_m();
+      const Eigen::Matrix2d P = filter.covariance(r).topLeftCorner<2, 2>();
+      nees->push_back(error.dot(P.inverse() * error));
+    }
+  }
+  return filter;
+}
+
+TEST(TeamFilter, IsConsistentWithItsCovariance) {
+  std::vector<double> nees;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    test::SimulatedTeam team(3, seed);
+    filter_after(team, 600, &nees);
+  }
+  double sum = 0.0;
+  for (const double each : nees) {
+    sum += each;
+  }
+  const double mean = sum / static_cast<double>(nees.size());
+  EXPECT_GT(mean, 1.6);  // ideal: 2
+  EXPECT_LT(mean, 2.6);
+}
+
+TEST(TeamFilter, GivesTheSameBitsForTheSameInputs) {
+  test::SimulatedTeam first(3, 9);
+  test::SimulatedTeam second(3, 9);
+  EXPECT_EQ(filter_after(first, 100).state(), filter_after(second, 100).state());
+}
+
+TEST(TeamFilter, AllocatesNothingPerStep) {
+  test::SimulatedTeam team(5, 3);
+  TeamFilter filter = filter_after(team, 50);
+  TeamFilter copy(team.spec);
+  std::vector<Eigen::Vector3d> increments(5, Eigen::Vector3d(0.01, 0.0, 0.01));
+  const test::AllocationCounter allocations;
+  filter.advance(0.1, increments);
+  for (int r = 0; r < filter.robots(); ++r) {
+    filter.observe(r, team.frames[static_cast<std::size_t>(r)]);
+  }
+  copy.assign(filter);
+  EXPECT_EQ(allocations.count(), 0U);
+  EXPECT_GT(filter.counts().used, 0);
+}
+
+}  // namespace
+}  // namespace vantage::localizer
