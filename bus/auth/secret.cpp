@@ -37,7 +37,7 @@ class File {
 /// Reads the secret in `file` into `out`. Returns the fault; empty: none.
 std::string fault_of_reading(const std::string& file, std::span<std::uint8_t> out,
                              const std::string& what) {
-  const File opened(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  const File opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   struct stat status {};
   if (opened.fd() < 0 || fstat(opened.fd(), &status) != 0) {
     return "cannot read the " + what + ": " + reason(errno);
@@ -93,7 +93,7 @@ void read_secret_file(const std::string& file, std::span<std::uint8_t> out,
 
 void write_secret_file(const std::string& file, std::span<const std::uint8_t> bytes) {
   constexpr mode_t kOursAlone = S_IRUSR | S_IWUSR;
-  const File made(open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kOursAlone));
+  const File made(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kOursAlone));
   if (made.fd() < 0) {
     throw StartupError(file + ": cannot be created: " + reason(errno));
   }

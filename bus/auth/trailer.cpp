@@ -39,6 +39,8 @@ constexpr std::array kFamilies{
     Family{"EXTERNAL_", Role::kPlanner, true},
     Family{"VEHICLE_", Role::kVehicle, true},
     Family{"MEASUREMENT_", Role::kNode, true},
+    Family{"ODOMETRY_", Role::kNode, true},
+    Family{"POSE_", Role::kNode, true},
     Family{"SCAN_", Role::kNode, true},
     Family{"BELIEF_", Role::kNode, true},
     Family{"MIXTURE_", Role::kNode, true},

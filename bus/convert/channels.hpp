@@ -5,6 +5,7 @@
 
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
+#include "models/exchange/pose_messages.hpp"
 
 namespace vantage::bus {
 
@@ -37,6 +38,12 @@ inline const Channel<models::ScenarioNotice> kScenario{"SCENARIO"};
 /// `robot` "*" subscribes to the channels of all robots.
 inline Channel<models::RobotMeasurement> measurement_channel(const std::string& robot) {
   return {"MEASUREMENT_" + robot};
+}
+inline Channel<models::OdometryReport> odometry_channel(const std::string& robot) {
+  return {"ODOMETRY_" + robot};
+}
+inline Channel<models::PoseEstimate> pose_channel(const std::string& robot) {
+  return {"POSE_" + robot, false, kLease};
 }
 inline Channel<models::RobotBelief> belief_channel(const std::string& robot) {
   return {"BELIEF_" + robot};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "models/exchange/messages.hpp"
+#include "models/exchange/pose_messages.hpp"
 
 // Random valid messages with every field set, and their content as a flat list of bits. The lists
 // compare two messages exactly (NaN included) and reveal a field that both directions of a
@@ -145,6 +146,38 @@ inline models::BeliefMixture sample(Sampler& s) {
     mixture.targets.push_back(target);
   }
   return mixture;
+}
+
+template <>
+inline models::OdometryReport sample(Sampler& s) {
+  auto odometry = s.of_robot<models::OdometryReport>();
+  odometry.kind = static_cast<models::OdometryKind>(s.small(0, 1));
+  if (odometry.kind == models::OdometryKind::kIncrement) {
+    odometry.interval = Duration{s.whole(1, 1'000'000)};
+  }
+  odometry.motion_body = s.vector(3);
+  odometry.covariance = s.definite(3);
+  return odometry;
+}
+
+template <>
+inline models::PoseEstimate sample(Sampler& s) {
+  auto estimate = s.of_robot<models::PoseEstimate>();
+  estimate.source = static_cast<models::PoseSource>(s.small(0, 2));
+  estimate.world_from_body = s.pose2();
+  estimate.covariance = s.definite(3);
+  estimate.age_s = s.real(0.0, 9.0);
+  estimate.increments_from = s.time();
+  estimate.increment = Duration{s.whole(1, 1'000'000)};
+  for (int i = s.small(0, 5); i > 0; --i) {
+    estimate.increments.emplace_back(s.vector(3));
+  }
+  Time time = s.time();
+  for (int i = s.small(0, 5); i > 0; --i) {
+    time += Duration{s.whole(0, 1'000'000)};
+    estimate.sightings.push_back({time, s.small(0, 99), s.real(0.1, 9.0), s.real(-3.0, 3.0)});
+  }
+  return estimate;
 }
 
 template <>
@@ -342,6 +375,7 @@ class Flat {
     add_matrix(x.measurement.z);
     add_matrix(x.measurement.V);
   }
+  void add(const models::Sighting& x) { all(x.time, x.id, x.range_m, x.bearing_rad); }
   void add(const models::TargetBelief& x) {
     all(x.target_id, x.last_seen);
     add_matrix(x.information.vector);
@@ -386,6 +420,19 @@ class Flat {
     all(x.grid.resolution_m, x.grid.columns, x.grid.rows, x.last_seen_utime, x.inputs);
   }
   void fields(const models::BeliefMixture& x) { all(x.robot, x.step, x.targets); }
+  void fields(const models::OdometryReport& x) {
+    all(x.robot, static_cast<int>(x.kind), to_seconds(x.interval));
+    add_matrix(x.motion_body);
+    add_matrix(x.covariance);
+  }
+  void fields(const models::PoseEstimate& x) {
+    all(x.robot, static_cast<int>(x.source), x.world_from_body);
+    add_matrix(x.covariance);
+    all(x.age_s, x.increments_from, to_seconds(x.increment), x.sightings);
+    for (const Eigen::Vector3d& increment : x.increments) {
+      add_matrix(increment);
+    }
+  }
   void fields(const models::RangeScan& x) {
     all(x.robot, x.viewpoint, x.jammed, x.field_of_view_rad, x.range_max_m, x.ranges_m, x.inputs);
   }
