@@ -69,7 +69,7 @@ set(vantage_scenario_reader_libraries scenario_reader)
 set(vantage_scenario_reader_needs scenario)
 set(vantage_scenario_reader_packages yaml-cpp fmt)
 set(vantage_scenario_reader_public
-  scenario/reader/overrides scenario/reader/scenario_yaml)
+  scenario/reader/localizer_yaml scenario/reader/overrides scenario/reader/scenario_yaml)
 
 set(vantage_drivers_libraries
   quadrotor_driver rover_driver safety sensor_driver vehicle_port vicon_driver)

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "scenario/localizer_spec.hpp"
 #include "scenario/reader/mapping.hpp"
 #include "scenario/scenario.hpp"
 
@@ -15,6 +18,10 @@ void read_attacks(Mapping& top, Scenario& scenario);
 /// Reads the list `hosts`: names of A-Z and 0-9, each with the parts that it runs. A part may be
 /// listed only once. Precondition: the robots have been read.
 void read_hosts(Mapping& top, Scenario& scenario);
+
+/// Reads the section `localizer`: landmarks, and the sensor and drive of each robot that computes
+/// its own pose. Precondition: the robots have been read.
+std::optional<LocalizerSpec> read_localizer(Mapping& top, const Scenario& scenario);
 
 /// Reads the section `mapping`, which the mapping objective requires. Precondition: the world and
 /// the planner have been read.

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "scenario/neighbourhood.hpp"
+#include "scenario/reader/localizer_yaml.hpp"
 #include "scenario/reader/mapping.hpp"
 #include "scenario/reader/scenario_agents_yaml.hpp"
 #include "scenario/reader/scenario_detection_yaml.hpp"
@@ -347,10 +348,13 @@ void read_wind(Mapping& from, WindSpec& wind) {
   from.number("gust_sigma_mps", wind.gust_sigma_mps, from_to(0.0, kWindMaxMps));
 }
 
-void read_scenario(Mapping& top, Scenario& scenario) {
+/// Reads a scenario. `localizer`: receives the section of this name, which the Scenario does not
+/// contain; may be null.
+void read_scenario(Mapping& top, Scenario& scenario,
+                   std::optional<LocalizerSpec>* localizer = nullptr) {
   top.declare({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
                "target_truth", "estimator", "planner", "mapping", "network", "mocap", "attacks",
-               "hosts", "wind", "security"});
+               "hosts", "wind", "security", "localizer"});
   for (const char* key : {"name", "world", "robots"}) {
     top.require(key);
   }
@@ -380,6 +384,12 @@ void read_scenario(Mapping& top, Scenario& scenario) {
   tolerate([&] { check_without_ids(top, scenario); });
   tolerate([&] { read_attacks(top, scenario); });
   tolerate([&] { read_hosts(top, scenario); });
+  tolerate([&] {
+    std::optional<LocalizerSpec> spec = read_localizer(top, scenario);
+    if (localizer != nullptr) {
+      *localizer = std::move(spec);
+    }
+  });
 }
 
 }  // namespace
@@ -393,6 +403,14 @@ Scenario parse_scenario(const std::string& yaml, const std::string& name) {
   scenario.source_text = yaml;
   read_mapping({parse_yaml(yaml, name)}, [&](Mapping& top) { read_scenario(top, scenario); });
   return scenario;
+}
+
+std::optional<LocalizerSpec> parse_localizer(const std::string& yaml, const std::string& name) {
+  Scenario scenario;
+  std::optional<LocalizerSpec> localizer;
+  read_mapping({parse_yaml(yaml, name)},
+               [&](Mapping& top) { read_scenario(top, scenario, &localizer); });
+  return localizer;
 }
 
 std::vector<KeyRule> keys_of_scenario(const std::string& path) {
