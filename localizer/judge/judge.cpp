@@ -1,0 +1,393 @@
+#include "localizer/judge/judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include <Eigen/LU>
+
+#include "core/angle.hpp"
+#include "core/check.hpp"
+#include "localizer/team_smoother.hpp"
+
+namespace vantage::localizer {
+namespace {
+
+constexpr double kUnjudgedS = 60.0;    // after an unknown start
+constexpr double kInside2 = 5.991465;  // 95 % quantile of χ² with 2 degrees of freedom
+constexpr double kInside3 = 7.814728;
+constexpr double kStartSigma = 0.01;                      // m and rad
+const Duration kHindsightPass = std::chrono::seconds(2);  // between two passes of the smoother
+
+/// Collects errors and computes the figures.
+class Score {
+ public:
+  Score(const Recording& recording, const std::vector<bool>& trusted)
+      : recording_(recording), trusted_(trusted), by_robot_(recording.size()) {}
+
+  void add(std::size_t robot, Time time, const Pose2& pose, const Eigen::Matrix3d& covariance) {
+    const auto truth = recording_[robot].truth.at(time);
+    if (!truth) {
+      return;
+    }
+    const Eigen::Vector3d error(pose.x_m - truth->x_m, pose.y_m - truth->y_m,
+                                wrap_to_pi(pose.yaw_rad - truth->yaw_rad));
+    by_robot_[robot].push_back(error.head<2>().norm());
+    const Eigen::Matrix2d P = covariance.topLeftCorner<2, 2>();
+    const double of_position = error.head<2>().dot(P.inverse() * error.head<2>());
+    nees_position_ += of_position;
+    inside_position_ += of_position <= kInside2 ? 1 : 0;
+    ++positions_;
+    if (trusted_.empty() || trusted_[robot]) {
+      yaw_.push_back(std::abs(error.z()));
+      const double of_pose = error.dot(covariance.inverse() * error);
+      nees_pose_ += of_pose;
+      inside_pose_ += of_pose <= kInside3 ? 1 : 0;
+    }
+  }
+  /// Counts an instant at which `robot` should have a pose.
+  void add_missing(std::size_t robot, Time time) {
+    missing_ += recording_[robot].truth.at(time) ? 1 : 0;
+  }
+
+  [[nodiscard]] JudgeFigures figures() const {
+    JudgeFigures out;
+    std::vector<double> all;
+    for (const std::vector<double>& errors : by_robot_) {
+      out.robot_position_m.push_back(figures_of(errors));
+      all.insert(all.end(), errors.begin(), errors.end());
+    }
+    out.position_m = figures_of(all);
+    out.yaw_rad = figures_of(yaw_);
+    const double positions = std::max(1.0, static_cast<double>(positions_));
+    const double poses = std::max(1.0, static_cast<double>(yaw_.size()));
+    out.nees_position = nees_position_ / positions;
+    out.inside_position = inside_position_ / positions;
+    out.nees_pose = nees_pose_ / poses;
+    out.inside_pose = inside_pose_ / poses;
+    out.without_pose = missing_;
+    return out;
+  }
+
+ private:
+  static ErrorFigures figures_of(std::vector<double> errors) {
+    ErrorFigures out;
+    out.count = static_cast<int>(errors.size());
+    if (errors.empty()) {
+      return out;
+    }
+    std::sort(errors.begin(), errors.end());
+    double squares = 0.0;
+    for (const double error : errors) {
+      squares += error * error;
+    }
+    const auto quantile = [&](double share) {
+      return errors[static_cast<std::size_t>(share * static_cast<double>(errors.size() - 1))];
+    };
+    out.rmse = std::sqrt(squares / static_cast<double>(errors.size()));
+    out.median = quantile(0.5);
+    out.p95 = quantile(0.95);
+    out.max = errors.back();
+    return out;
+  }
+
+  const Recording& recording_;
+  std::vector<bool> trusted_;
+  std::vector<std::vector<double>> by_robot_;
+  std::vector<double> yaw_;
+  double nees_position_ = 0.0;
+  double nees_pose_ = 0.0;
+  double inside_position_ = 0.0;
+  double inside_pose_ = 0.0;
+  std::int64_t positions_ = 0;
+  int missing_ = 0;
+};
+
+struct Span {
+  std::int64_t first = 0;  ///< in steps of kIncrement
+  std::int64_t last = 0;
+};
+
+Time time_of(std::int64_t step) { return from_utime(step * kIncrement.count()); }
+
+Span span_of(const Recording& recording) {
+  Time begin = Time::min();
+  Time end = Time::max();
+  for (const RobotRecording& robot : recording) {
+    require(!robot.odometry.empty(), "every robot must have odometry");
+    require(!robot.truth.empty(), "every robot must have true poses");
+    begin = std::max(begin, robot.odometry.front().stamp.time);
+    end = std::min(end, robot.odometry.back().stamp.time);
+  }
+  const std::int64_t width = kIncrement.count();
+  const Span span{(to_utime(begin) + width - 1) / width, to_utime(end) / width};
+  require(span.first < span.last, "the robots' odometry must overlap in time");
+  return span;
+}
+
+/// Returns the first true pose at or after `time`.
+Pose2 start_of(const TruePath& truth, Time time) {
+  for (; time <= truth.end(); time += std::chrono::milliseconds(10)) {
+    if (const auto pose = truth.at(time)) {
+      return *pose;
+    }
+  }
+  throw UsageError("a known start needs a true pose after the begin of the span");
+}
+
+/// Calls `use` with the sightings of each frame stamped ≤ `until`, with corrected times, from
+/// `next` on.
+void pass_frames(const RobotRecording& robot, const scenario::SightingSpec& camera,
+                 std::size_t& next, Time until,
+                 const std::function<void(std::span<const models::Sighting>)>& use) {
+  for (; next < robot.frames.size() && robot.frames[next].stamp <= until; ++next) {
+    std::vector<models::Sighting> corrected = robot.frames[next].sightings;
+    for (models::Sighting& sighting : corrected) {
+      sighting.time = robot.frames[next].stamp - from_seconds(camera.stamp_delay_s);
+    }
+    use(corrected);
+  }
+}
+
+/// Returns the number of bytes of a POSE message without header.
+std::size_t bytes_of(const models::PoseEstimate& message) {
+  constexpr std::size_t kFixed = 190;
+  return kFixed + 24 * message.increments.size() + 28 * message.sightings.size();
+}
+
+JudgeFigures judge_team(const scenario::LocalizerSpec& spec, const Recording& recording,
+                        const JudgeOptions& options, const std::vector<bool>& trusted) {
+  const Span span = span_of(recording);
+  const std::size_t robots = recording.size();
+  std::vector<RobotLocalizer> localizers;
+  for (std::size_t robot = 0; robot < robots; ++robot) {
+    RobotLocalizer& localizer = localizers.emplace_back(spec, static_cast<int>(robot));
+    for (std::size_t each = 0; options.is_start_known && each < robots; ++each) {
+      localizer.place(static_cast<int>(each), start_of(recording[each].truth, time_of(span.first)),
+                      kStartSigma * kStartSigma * Eigen::Matrix3d::Identity());
+    }
+  }
+  Score score(recording, trusted);
+  std::mt19937_64 rng(options.seed);
+  std::uniform_real_distribution<double> uniform;
+  std::vector<std::size_t> next_odometry(robots, 0);
+  std::vector<std::size_t> next_frame(robots, 0);
+  for (std::size_t robot = 0; robot < robots; ++robot) {
+    pass_frames(recording[robot], spec.robots[robot].sightings, next_frame[robot],
+                time_of(span.first) - Duration{1}, [](auto) {});
+  }
+  std::vector<models::PoseEstimate> messages(robots);
+  std::vector<double> placed_after_s(robots, -1.0);
+  std::size_t bytes = 0;
+  for (std::int64_t step = span.first; step <= span.last; ++step) {
+    const Time now = time_of(step);
+    for (std::size_t robot = 0; robot < robots; ++robot) {
+      RobotLocalizer& localizer = localizers[robot];
+      const RobotRecording& inputs = recording[robot];
+      for (std::size_t& next = next_odometry[robot];
+           next < inputs.odometry.size() && inputs.odometry[next].stamp.time <= now; ++next) {
+        localizer.add_odometry(inputs.odometry[next]);
+      }
+      pass_frames(inputs, spec.robots[robot].sightings, next_frame[robot], now,
+                  [&](std::span<const models::Sighting> frame) { localizer.add_sightings(frame); });
+      localizer.advance_to(now);
+      const double since_s = to_seconds(now - time_of(span.first));
+      if (localizer.is_placed() && placed_after_s[robot] < 0.0) {
+        placed_after_s[robot] = since_s;
+      }
+      if (!options.is_start_known && since_s < kUnjudgedS) {
+        continue;
+      }
+      if (localizer.is_placed()) {
+        score.add(robot, now, localizer.pose(), localizer.covariance());
+      } else {
+        score.add_missing(robot, now);
+      }
+    }
+    if ((step - span.first) % options.message_every != 0) {
+      continue;
+    }
+    for (std::size_t from = 0; from < robots; ++from) {
+      localizers[from].write_message(messages[from]);
+      bytes += bytes_of(messages[from]);
+      for (std::size_t to = 0; to < robots; ++to) {
+        if (to != from && uniform(rng) >= options.loss) {
+          localizers[to].add_teammate(messages[from]);
+        }
+      }
+    }
+  }
+  JudgeFigures figures = score.figures();
+  figures.placed_after_s = placed_after_s;
+  figures.bytes_per_robot_s = static_cast<double>(bytes) / static_cast<double>(robots) /
+                              to_seconds(time_of(span.last) - time_of(span.first));
+  figures.filter = localizers.front().team().counts();
+  figures.inputs = localizers.front().counts();
+  return figures;
+}
+
+/// One joint filter over all data, with its record for hindsight.
+class JointRun {
+ public:
+  JointRun(const scenario::LocalizerSpec& spec, const Recording& recording, Span span)
+      : spec_(spec), filter_(spec), searches_(recording.size()), increments_(recording.size()) {
+    for (std::size_t robot = 0; robot < recording.size(); ++robot) {
+      motions_.emplace_back(spec.robots[robot].drive);
+      pass_frames(recording[robot], spec.robots[robot].sightings, next_frame_[robot],
+                  time_of(span.first) - Duration{1}, [](auto) {});
+    }
+  }
+
+  TeamFilter& filter() { return filter_; }
+  [[nodiscard]] const TeamSmoother& smoother() const { return smoother_; }
+  TeamSmoother& smoother() { return smoother_; }
+
+  /// Processes the step that ends at `to`.
+  void step(const Recording& recording, Time from, Time to) {
+    struct Frame {
+      Time time{};
+      std::size_t robot = 0;
+      std::vector<models::Sighting> sightings;
+    };
+    std::vector<Frame> frames;
+    for (std::size_t robot = 0; robot < recording.size(); ++robot) {
+      const RobotRecording& inputs = recording[robot];
+      for (std::size_t& next = next_odometry_[robot];
+           next < inputs.odometry.size() && inputs.odometry[next].stamp.time <= to; ++next) {
+        const models::OdometryReport& odometry = inputs.odometry[next];
+        require(odometry.kind == models::OdometryKind::kCommand,
+                "hindsight needs odometry of commands");
+        motions_[robot].command(odometry.stamp.time, odometry.motion_body.x(),
+                                odometry.motion_body.z());
+      }
+      // Hindsight may use a frame at its corrected time, although it was stamped later.
+      const auto& camera = spec_.robots[robot].sightings;
+      pass_frames(
+          inputs, camera, next_frame_[robot], to + from_seconds(camera.stamp_delay_s),
+          [&](std::span<const models::Sighting> frame) {
+            frames.push_back(
+                {std::clamp(frame.front().time, from, to), robot, {frame.begin(), frame.end()}});
+          });
+    }
+    std::stable_sort(frames.begin(), frames.end(),
+                     [](const Frame& a, const Frame& b) { return a.time < b.time; });
+    Time now = from;
+    for (const Frame& frame : frames) {
+      advance(now, frame.time);
+      now = frame.time;
+      observe(frame.robot, frame.sightings);
+    }
+    advance(now, to);
+  }
+
+ private:
+  void advance(Time from, Time to) {
+    if (to <= from) {
+      return;
+    }
+    for (std::size_t robot = 0; robot < motions_.size(); ++robot) {
+      static_cast<void>(motions_[robot].advance_to(from));
+      increments_[robot] = motions_[robot].advance_to(to);
+      searches_[robot].advance(to_seconds(to - from), increments_[robot]);
+    }
+    smoother_.begin_step(filter_, from);
+    filter_.advance(to_seconds(to - from), increments_);
+    smoother_.end_step(filter_);
+  }
+  void observe(std::size_t robot, std::span<const models::Sighting> sightings) {
+    const int index = static_cast<int>(robot);
+    if (filter_.is_placed(index)) {
+      filter_.observe(index, sightings);
+    } else if (const auto start = searches_[robot].observe(spec_, index, sightings)) {
+      filter_.place(index, start->world_from_body, start->covariance);
+    }
+  }
+
+  const scenario::LocalizerSpec& spec_;
+  TeamFilter filter_;
+  TeamSmoother smoother_;
+  std::vector<CommandedMotion> motions_;
+  std::vector<StartSearch> searches_;
+  std::vector<Eigen::Vector3d> increments_;
+  std::vector<std::size_t> next_odometry_ = std::vector<std::size_t>(increments_.size(), 0);
+  std::vector<std::size_t> next_frame_ = std::vector<std::size_t>(increments_.size(), 0);
+};
+
+JudgeFigures judge_hindsight(const scenario::LocalizerSpec& spec, const Recording& recording,
+                             const JudgeOptions& options, const std::vector<bool>& trusted) {
+  const Span span = span_of(recording);
+  const Time begin = time_of(span.first);
+  JointRun run(spec, recording, span);
+  TeamFilter& filter = run.filter();
+  for (std::size_t robot = 0; options.is_start_known && robot < recording.size(); ++robot) {
+    filter.place(static_cast<int>(robot), start_of(recording[robot].truth, begin),
+                 kStartSigma * kStartSigma * Eigen::Matrix3d::Identity());
+  }
+  Score score(recording, trusted);
+  std::vector<double> placed_after_s(recording.size(), -1.0);
+  const bool is_all = !std::isfinite(options.hindsight_s);
+  Time judged_until = begin;  // exclusive
+  // Judges the grid instants in [judged_until, until) with the data up to now.
+  const auto judge_until = [&](Time until) {
+    run.smoother().smooth(
+        filter, [&](Time time, const Eigen::VectorXd& state, const Eigen::MatrixXd& P) {
+          if (time < judged_until || time >= until || to_utime(time) % kIncrement.count() != 0) {
+            return;
+          }
+          const double since_s = to_seconds(time - begin);
+          for (std::size_t robot = 0; robot < recording.size(); ++robot) {
+            const int i = static_cast<int>(robot) * TeamFilter::kRobotDim;
+            const bool is_placed = placed_after_s[robot] >= 0.0 && placed_after_s[robot] <= since_s;
+            if (!options.is_start_known && since_s < kUnjudgedS) {
+              continue;
+            }
+            if (is_placed) {
+              score.add(robot, time, {state(i), state(i + 1), state(i + 2)}, P.block<3, 3>(i, i));
+            } else {
+              score.add_missing(robot, time);
+            }
+          }
+        });
+    judged_until = until;
+  };
+  for (std::int64_t step = span.first; step <= span.last; ++step) {
+    const Time now = time_of(step);
+    if (step > span.first) {
+      run.step(recording, time_of(step - 1), now);
+    }
+    for (std::size_t robot = 0; robot < recording.size(); ++robot) {
+      if (placed_after_s[robot] < 0.0 && filter.is_placed(static_cast<int>(robot))) {
+        placed_after_s[robot] = to_seconds(now - begin);
+      }
+    }
+    if (!is_all && (now - begin) % kHindsightPass == Duration{0}) {
+      // The filter contains frames stamped up to one step after `now`. Estimates until the next
+      // pass would contain more than hindsight_s if they waited for it.
+      const Time until = now - from_seconds(options.hindsight_s) + kHindsightPass + kIncrement;
+      if (until > judged_until) {
+        judge_until(until);
+        run.smoother().forget_before(judged_until);
+      }
+    }
+  }
+  judge_until(time_of(span.last + 1));
+  JudgeFigures figures = score.figures();
+  figures.placed_after_s = placed_after_s;
+  figures.filter = filter.counts();
+  return figures;
+}
+
+}  // namespace
+
+JudgeFigures judge(const scenario::LocalizerSpec& spec, const Recording& recording,
+                   const JudgeOptions& options, const std::vector<bool>& heading_trusted) {
+  require(recording.size() == spec.robots.size(),
+          "the recording must have the robots of the specification");
+  require(heading_trusted.empty() || heading_trusted.size() == recording.size(),
+          "heading_trusted must have one entry per robot");
+  return options.hindsight_s > 0.0 ? judge_hindsight(spec, recording, options, heading_trusted)
+                                   : judge_team(spec, recording, options, heading_trusted);
+}
+
+}  // namespace vantage::localizer

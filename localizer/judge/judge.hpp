@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "localizer/judge/recording.hpp"
+#include "localizer/robot_localizer.hpp"
+#include "scenario/localizer_spec.hpp"
+
+namespace vantage::localizer {
+
+/// How a recording is processed.
+struct JudgeOptions {
+  bool is_start_known = true;  ///< true: σ 0.01 m and 0.01 rad around the true pose
+  double loss = 0.0;           ///< probability that a receiver misses a message
+  std::uint64_t seed = 1;      ///< of the lost messages
+  int message_every = 2;       ///< steps of 0.1 s between the messages of a robot
+  /// s; an estimate for t uses data up to t + hindsight_s. 0: filter, one localiser per robot with
+  /// messages. Above 0: one joint filter without messages; infinity: all data.
+  double hindsight_s = 0.0;
+};
+
+/// Statistics of errors.
+struct ErrorFigures {
+  int count = 0;
+  double rmse = 0.0;
+  double median = 0.0;
+  double p95 = 0.0;
+  double max = 0.0;
+};
+
+/// Results of one recording, judged at every 0.1 s.
+struct JudgeFigures {
+  ErrorFigures position_m;  ///< of all robots
+  std::vector<ErrorFigures> robot_position_m;
+  ErrorFigures yaw_rad;                ///< of the robots whose true heading is trusted
+  double nees_position = 0.0;          ///< mean; ideal 2
+  double nees_pose = 0.0;              ///< mean over the robots with trusted heading; ideal 3
+  double inside_position = 0.0;        ///< share of positions inside their 95 % ellipse
+  double inside_pose = 0.0;            ///< share of poses inside their 95 % ellipsoid
+  std::vector<double> placed_after_s;  ///< per robot, s; −1: never
+  int without_pose = 0;                ///< instants at which a judged robot had no pose
+  double bytes_per_robot_s = 0.0;      ///< of the messages without transport headers
+  FilterCounts filter;                 ///< of the first robot's filter
+  InputCounts inputs;                  ///< of the first robot
+};
+
+/// Runs the localisers on `recording`.
+///
+/// The span begins at the latest first odometry stamp, rounded up to 0.1 s, and ends at the
+/// earliest last one. An estimate for time t uses only data stamped ≤ t + hindsight_s. With an
+/// unknown start, the first 60 s are not judged.
+/// @param heading_trusted  per robot: true if its true heading is accurate; empty: all
+JudgeFigures judge(const scenario::LocalizerSpec& spec, const Recording& recording,
+                   const JudgeOptions& options, const std::vector<bool>& heading_trusted = {});
+
+}  // namespace vantage::localizer
