@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-// Definitions of ROS 2 messages as in common_interfaces, without comments.
+// Definitions of ROS 2 messages as in common_interfaces and vision_msgs 4, without comments.
 
 namespace vantage::logs::ros2 {
 
@@ -109,6 +109,74 @@ diagnostic_msgs/KeyValue[] values
 )"},
     Definition{"diagnostic_msgs/KeyValue", R"(string key
 string value
+)"},
+    Definition{"visualization_msgs/MarkerArray", R"(visualization_msgs/Marker[] markers
+)"},
+    Definition{"visualization_msgs/Marker", R"(std_msgs/Header header
+string ns
+int32 id
+int32 type
+int32 action
+geometry_msgs/Pose pose
+geometry_msgs/Vector3 scale
+std_msgs/ColorRGBA color
+builtin_interfaces/Duration lifetime
+bool frame_locked
+geometry_msgs/Point[] points
+std_msgs/ColorRGBA[] colors
+string texture_resource
+sensor_msgs/CompressedImage texture
+visualization_msgs/UVCoordinate[] uv_coordinates
+string text
+string mesh_resource
+visualization_msgs/MeshFile mesh_file
+bool mesh_use_embedded_materials
+)"},
+    Definition{"visualization_msgs/UVCoordinate", R"(float32 u
+float32 v
+)"},
+    Definition{"visualization_msgs/MeshFile", R"(string filename
+uint8[] data
+)"},
+    Definition{"sensor_msgs/CompressedImage", R"(std_msgs/Header header
+string format
+uint8[] data
+)"},
+    Definition{"std_msgs/ColorRGBA", R"(float32 r
+float32 g
+float32 b
+float32 a
+)"},
+    Definition{"builtin_interfaces/Duration", R"(int32 sec
+uint32 nanosec
+)"},
+    Definition{"geometry_msgs/Twist", R"(geometry_msgs/Vector3 linear
+geometry_msgs/Vector3 angular
+)"},
+    Definition{"geometry_msgs/TwistWithCovariance", R"(geometry_msgs/Twist twist
+float64[36] covariance
+)"},
+    Definition{"nav_msgs/Odometry", R"(std_msgs/Header header
+string child_frame_id
+geometry_msgs/PoseWithCovariance pose
+geometry_msgs/TwistWithCovariance twist
+)"},
+    Definition{"vision_msgs/Detection3DArray", R"(std_msgs/Header header
+vision_msgs/Detection3D[] detections
+)"},
+    Definition{"vision_msgs/Detection3D", R"(std_msgs/Header header
+vision_msgs/ObjectHypothesisWithPose[] results
+vision_msgs/BoundingBox3D bbox
+string id
+)"},
+    Definition{"vision_msgs/ObjectHypothesisWithPose", R"(vision_msgs/ObjectHypothesis hypothesis
+geometry_msgs/PoseWithCovariance pose
+)"},
+    Definition{"vision_msgs/ObjectHypothesis", R"(string class_id
+float64 score
+)"},
+    Definition{"vision_msgs/BoundingBox3D", R"(geometry_msgs/Pose center
+geometry_msgs/Vector3 size
 )"},
 };
 

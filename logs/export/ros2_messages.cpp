@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include "logs/export/cdr.hpp"
 #include "logs/export/ros2_definitions.hpp"
 #include "models/belief/gaussian.hpp"
@@ -15,7 +17,6 @@
 namespace vantage::logs::ros2 {
 namespace {
 
-constexpr std::string_view kWorld = "world";
 constexpr double kUnknownVariance = 1e6;  // m² and rad²; for quantities without an estimate
 
 // Clamps the time to the range of 32-bit seconds (1901 to 2038).
@@ -45,33 +46,37 @@ Cdr& add_yaw(Cdr& out, double yaw_rad) {
       .number(std::cos(yaw_rad / 2.0));
 }
 
-void add_transform(Cdr& out, Time time, const std::string& child, const Pose3& world_from_body) {
-  const auto& place_m = world_from_body.translation_m;
-  const auto& turn = world_from_body.rotation;
-  add_header(out, time, kWorld).text(child);
+void add_pose(Cdr& out, const Pose3& pose) {
+  const auto& place_m = pose.translation_m;
   add_place(out, place_m.x(), place_m.y(), place_m.z());
+  const auto& turn = pose.rotation;
   out.number(turn.x()).number(turn.y()).number(turn.z()).number(turn.w());
 }
 
 template <class Bodies, class IsKnown>
-Message transforms(const std::string& topic, Time time, const Bodies& bodies,
-                   const IsKnown& is_known) {
+Message transforms(const std::string& topic, Time time, std::string_view world,
+                   const Bodies& bodies, const IsKnown& is_known) {
   Cdr out;
   out.count(static_cast<std::size_t>(std::count_if(bodies.begin(), bodies.end(), is_known)));
   for (const auto& body : bodies) {
     if (is_known(body)) {
-      add_transform(out, time, body.name, body.world_from_body);
+      add_header(out, time, world).text(body.name);
+      add_pose(out, body.world_from_body);
     }
   }
   return {topic, "tf2_msgs/msg/TFMessage", time, out.bytes()};
 }
 
+Eigen::Index position_dim_of(const models::Gaussian& known) {
+  return known.mean.size() == 3 ? 3 : 2;
+}
+
 Message pose_of(const models::RobotBelief& belief, const models::TargetBelief& target,
-                const models::Gaussian& known) {
+                const models::Gaussian& known, std::string_view world) {
   constexpr int kPoseDim = 6;
-  const Eigen::Index position_dim = known.mean.size() == 3 ? 3 : 2;
+  const Eigen::Index position_dim = position_dim_of(known);
   Cdr out;
-  add_header(out, belief.stamp.time, kWorld);
+  add_header(out, belief.stamp.time, world);
   add_place(out, known.mean(0), known.mean(1), position_dim == 3 ? known.mean(2) : 0.0);
   add_yaw(out, 0.0);
   for (Eigen::Index i = 0; i < kPoseDim; ++i) {
@@ -82,6 +87,54 @@ Message pose_of(const models::RobotBelief& belief, const models::TargetBelief& t
   }
   return {"/" + belief.robot + "/target_" + std::to_string(target.target_id),
           "geometry_msgs/msg/PoseWithCovarianceStamped", belief.stamp.time, out.bytes()};
+}
+
+constexpr std::int32_t kMarkerLifetime_s = 2;  ///< s; markers of a silent robot then disappear
+constexpr std::int32_t kAddMarker = 0;
+constexpr std::int32_t kDeleteAllMarkers = 3;
+constexpr std::int32_t kSphere = 2;
+
+struct MarkerHead {
+  Time time;
+  std::string_view frame;
+  std::string group;
+  std::int32_t id = 0;
+  std::int32_t action = kAddMarker;
+};
+
+/// Returns the ellipsoid with semi-axes of 2σ: its pose, and its diameters.
+std::pair<Pose3, Eigen::Vector3d> ellipsoid_of(const models::Gaussian& known) {
+  constexpr double kDiameterPerSigma = 4.0;
+  constexpr double kFlatSigma_m = 0.01;  // of a planar belief
+  const Eigen::Index dim = position_dim_of(known);
+  Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Identity() * (kFlatSigma_m * kFlatSigma_m);
+  covariance_m2.topLeftCorner(dim, dim) = known.covariance.topLeftCorner(dim, dim);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance_m2);
+  Eigen::Matrix3d rotation = axes.eigenvectors();
+  rotation.col(2) *= rotation.determinant() < 0.0 ? -1.0 : 1.0;
+  Pose3 pose;
+  pose.translation_m.head(dim) = known.mean.head(dim);
+  pose.rotation = Eigen::Quaterniond(rotation);
+  return {pose, kDiameterPerSigma * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt()};
+}
+
+/// Appends a marker without points, textures and meshes.
+void add_marker(Cdr& out, const MarkerHead& head, const Pose3& pose,
+                const Eigen::Vector3d& scale_m) {
+  constexpr float kRed = 0.2F;
+  constexpr float kGreen = 0.6F;
+  constexpr float kBlue = 1.0F;
+  constexpr float kAlpha = 0.5F;
+  add_header(out, head.time, head.frame).text(head.group);
+  out.number(head.id).number(kSphere).number(head.action);
+  add_pose(out, pose);
+  add_place(out, scale_m.x(), scale_m.y(), scale_m.z());
+  out.number(kRed).number(kGreen).number(kBlue).number(kAlpha);
+  out.number(kMarkerLifetime_s).number(std::uint32_t{0});  // seconds, nanoseconds
+  out.number(std::uint8_t{0}).count(0).count(0).text("");  // frame_locked … texture_resource
+  add_time(out, Time{}).text("").text("").count(0);        // texture: header, format, data
+  out.count(0).text("").text("").text("").count(0);        // uv_coordinates … mesh_file
+  out.number(std::uint8_t{0});                             // mesh_use_embedded_materials
 }
 
 std::string_view fields_of(std::string_view type) {
@@ -119,27 +172,65 @@ std::string definition_of(std::string_view type) {
   return text;
 }
 
-std::vector<Message> to_ros2(const models::MocapFrame& frame) {
-  return {transforms("/tf", frame.stamp.time, frame.bodies,
+std::vector<Message> to_ros2(const models::MocapFrame& frame, std::string_view world) {
+  return {transforms("/tf", frame.stamp.time, world, frame.bodies,
                      [](const models::MocapBody& body) { return !body.occluded; })};
 }
 
-std::vector<Message> to_ros2(const models::TruthFrame& truth) {
-  return {transforms("/truth/tf", truth.stamp.time, truth.bodies,
+std::vector<Message> to_ros2(const models::TruthFrame& truth, std::string_view world) {
+  return {transforms("/truth/tf", truth.stamp.time, world, truth.bodies,
                      [](const models::TruthBody&) { return true; })};
 }
 
-std::vector<Message> to_ros2(const models::RobotBelief& belief) {
+std::vector<Message> to_ros2(const models::RobotBelief& belief, std::string_view world) {
   std::vector<Message> out;
   for (const models::TargetBelief& target : belief.targets) {
     if (const auto known = models::to_gaussian(target.information)) {
-      out.push_back(pose_of(belief, target, *known));
+      out.push_back(pose_of(belief, target, *known, world));
     }
   }
   return out;
 }
 
-std::vector<Message> to_ros2(const models::RangeScan& scan) {
+Message markers_of(const models::RobotBelief& belief, std::string_view world) {
+  std::vector<std::pair<int, models::Gaussian>> known;
+  for (const models::TargetBelief& target : belief.targets) {
+    if (const auto gaussian = models::to_gaussian(target.information)) {
+      known.emplace_back(target.target_id, *gaussian);
+    }
+  }
+  MarkerHead head{belief.stamp.time, world, belief.robot + "/beliefs"};
+  Cdr out;
+  out.count(known.size() + 1);
+  head.action = kDeleteAllMarkers;
+  add_marker(out, head, Pose3{}, Eigen::Vector3d::Zero());
+  head.action = kAddMarker;
+  for (const auto& [id, gaussian] : known) {
+    head.id = id;
+    const auto [pose, diameters_m] = ellipsoid_of(gaussian);
+    add_marker(out, head, pose, diameters_m);
+  }
+  return {"/" + belief.robot + "/beliefs", "visualization_msgs/msg/MarkerArray", belief.stamp.time,
+          out.bytes()};
+}
+
+std::vector<Message> poses_of(const models::MocapFrame& frame,
+                              const std::vector<std::string>& robots, std::string_view world) {
+  std::vector<Message> out;
+  for (const std::string& robot : robots) {
+    const models::MocapBody* const body = frame.find(robot);
+    if (body != nullptr && !body->occluded) {
+      Cdr cdr;
+      add_header(cdr, frame.stamp.time, world);
+      add_pose(cdr, body->world_from_body);
+      out.push_back(
+          {"/" + robot + "/pose", "geometry_msgs/msg/PoseStamped", frame.stamp.time, cdr.bytes()});
+    }
+  }
+  return out;
+}
+
+std::vector<Message> to_ros2(const models::RangeScan& scan, std::string_view /*world*/) {
   if (scan.jammed || scan.ranges_m.empty()) {
     return {};
   }
@@ -165,11 +256,11 @@ std::vector<Message> to_ros2(const models::RangeScan& scan) {
   return {{"/" + scan.robot + "/scan", "sensor_msgs/msg/LaserScan", scan.stamp.time, out.bytes()}};
 }
 
-std::vector<Message> to_ros2(const models::RobotMap& map) {
+std::vector<Message> to_ros2(const models::RobotMap& map, std::string_view world) {
   constexpr std::int8_t kFree = 0;
   constexpr std::int8_t kOccupied = 100;
   Cdr out;
-  add_header(out, map.stamp.time, kWorld);
+  add_header(out, map.stamp.time, world);
   add_time(out, map.stamp.time).number(static_cast<float>(map.grid.resolution_m));
   out.number(static_cast<std::uint32_t>(map.grid.columns));
   out.number(static_cast<std::uint32_t>(map.grid.rows));
@@ -181,7 +272,7 @@ std::vector<Message> to_ros2(const models::RobotMap& map) {
   return {{"/" + map.robot + "/map", "nav_msgs/msg/OccupancyGrid", map.stamp.time, out.bytes()}};
 }
 
-std::vector<Message> to_ros2(const models::RobotPlan& plan) {
+std::vector<Message> to_ros2(const models::RobotPlan& plan, std::string_view world) {
   const Time start = plan.trajectory.start_time;
   const Duration step = from_seconds(plan.step_s);
   constexpr int kPosesMax = 1'000;
@@ -191,17 +282,17 @@ std::vector<Message> to_ros2(const models::RobotPlan& plan) {
     times.push_back(std::min(times.back() + step, end));
   }
   Cdr out;
-  add_header(out, start, kWorld).count(times.size());
+  add_header(out, start, world).count(times.size());
   for (const Time time : times) {
     const Pose2 pose = models::at(plan.trajectory, time).world_from_body;
-    add_header(out, time, kWorld);
+    add_header(out, time, world);
     add_place(out, pose.x_m, pose.y_m, plan.trajectory.height_m);
     add_yaw(out, pose.yaw_rad);
   }
   return {{"/" + plan.robot + "/plan", "nav_msgs/msg/Path", start, out.bytes()}};
 }
 
-std::vector<Message> to_ros2(const models::VehicleStatus& status) {
+std::vector<Message> to_ros2(const models::VehicleStatus& status, std::string_view /*world*/) {
   constexpr auto kNan = std::numeric_limits<float>::quiet_NaN();
   Cdr out;
   add_header(out, status.stamp.time, status.robot);
@@ -215,7 +306,7 @@ std::vector<Message> to_ros2(const models::VehicleStatus& status) {
            out.bytes()}};
 }
 
-std::vector<Message> to_ros2(const models::ProcessHealth& health) {
+std::vector<Message> to_ros2(const models::ProcessHealth& health, std::string_view /*world*/) {
   constexpr std::uint8_t kOk = 0;
   constexpr std::uint8_t kWarning = 1;
   const bool is_degraded = health.state == models::ProcessState::kDegraded;
