@@ -15,6 +15,7 @@
 #include "scenario/reader/mapping.hpp"
 #include "scenario/reader/scenario_agents_yaml.hpp"
 #include "scenario/reader/scenario_detection_yaml.hpp"
+#include "scenario/reader/scenario_ros2_yaml.hpp"
 #include "scenario/reader/scenario_sections_yaml.hpp"
 #include "scenario/reader/text_file.hpp"
 #include "scenario/reader/yaml_document.hpp"
@@ -354,7 +355,7 @@ void read_scenario(Mapping& top, Scenario& scenario,
                    std::optional<LocalizerSpec>* localizer = nullptr) {
   top.declare({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
                "target_truth", "estimator", "planner", "mapping", "network", "mocap", "attacks",
-               "hosts", "wind", "security", "localizer"});
+                "hosts", "wind", "security", "localizer", "ros2"});
   for (const char* key : {"name", "world", "robots"}) {
     top.require(key);
   }
@@ -381,6 +382,10 @@ void read_scenario(Mapping& top, Scenario& scenario,
   }
   top.section("security", [&](Mapping& from) { read_security(from, scenario.security); });
   top.section("mocap", [&](Mapping& from) { read_mocap(from, scenario.mocap); });
+  top.section("ros2", [&](Mapping& from) {
+    Ros2Spec checked;  // ros2_of() reads the section again
+    read_ros2(from, scenario, checked);
+  });
   tolerate([&] { check_without_ids(top, scenario); });
   tolerate([&] { read_attacks(top, scenario); });
   tolerate([&] { read_hosts(top, scenario); });

@@ -136,6 +136,19 @@ const BadEdit kRanges[] = {
     {"MocapTooFast", "rate_hz: 50", "@rate_hz: 5000", "mocap.rate_hz: must be above 0 and at most 1000, is 5000"},
 };
 
+const BadEdit kRos2[] = {
+    {"Ros2Domain", "seed: 1 ", "ros2:\n  @domain: 233\nseed: 1 ", "ros2.domain: must be at least 0 and at most 232, is '233'"},
+    {"Ros2Interface", "seed: 1 ", "ros2:\n  @interface: '<a>'\nseed: 1 ", "ros2.interface: must be the name of a network card, is '<a>'"},
+    {"Ros2Prefix", "seed: 1 ", "ros2:\n  @prefix: lab\nseed: 1 ", "ros2.prefix: must be a ROS 2 name such as /lab, is 'lab'"},
+    {"Ros2Topic", "seed: 1 ", "ros2:\n  poses: [{@topic: /1a, body: Q1}]\nseed: 1 ", "ros2.poses[0].topic: must be a full ROS 2 topic such as /Q1/pose, is '/1a'"},
+    {"Ros2PoseWithoutBody", "seed: 1 ", "ros2:\n  poses: [{@topic: /a}]\nseed: 1 ", "ros2.poses[0]: body: is missing"},
+    {"Ros2PosesOfASimulatedMocap", "seed: 1 ", "ros2:\n  @poses: [{topic: /a, body: Q1}]\nseed: 1 ", "ros2.poses: replace a real motion capture, but mocap is simulated"},
+    {"Ros2ReadsItsOwnTopic", "seed: 1 ", "ros2:\n  poses: [{@topic: /tf, type: tf}]\nseed: 1 ", "ros2.poses[0].topic: must not be /tf, on which vantage publishes"},
+    {"Ros2DetectionsNextToOurSensor", "seed: 1 ", "ros2:\n  detections: [{topic: /a, @robot: Q1}]\nseed: 1 ", "ros2.detections[0].robot: has a sensor of vantage: set sensor.device: external for Q1"},
+    {"Ros2DetectionsOfNoRobot", "seed: 1 ", "ros2:\n  detections: [{topic: /a, @robot: Q9}]\nseed: 1 ", "must be the name of a robot, is 'Q9'"},
+    {"Ros2TrustedTopic", "seed: 1 ", "ros2:\n  trusted_topics:\n    - @/b\nseed: 1 ", "must be a topic of `poses` or `detections`, is '/b'"},
+};
+
 const BadEdit kTeams[] = {
     {"DuplicateRobot", "  - name: Q2", "  - @name: Q1", "robots[1].name: must be unique; an earlier robot or target is called Q1"},
     {"LowerCaseRobot", "  - name: Q2", "  - @name: q2", "must contain only A-Z and 0-9, is 'q2'"},
@@ -166,6 +179,7 @@ INSTANTIATE_TEST_SUITE_P(Keys, BadScenario, testing::ValuesIn(kKeys), name_of);
 INSTANTIATE_TEST_SUITE_P(Values, BadScenario, testing::ValuesIn(kValues), name_of);
 INSTANTIATE_TEST_SUITE_P(Ranges, BadScenario, testing::ValuesIn(kRanges), name_of);
 INSTANTIATE_TEST_SUITE_P(Teams, BadScenario, testing::ValuesIn(kTeams), name_of);
+INSTANTIATE_TEST_SUITE_P(Ros2, BadScenario, testing::ValuesIn(kRos2), name_of);
 
 /// A whole file and its whole error message.
 struct BadFile {
