@@ -21,6 +21,15 @@ constexpr std::size_t kFirstBytes = 64;
 /// Largest accepted distance from the prediction, divided by the separation; less than 0.5.
 constexpr double kGateShare = 0.45;
 
+/// Returns the remedy for a server of another product at this port.
+std::string remedy_for(wire::vicon::ServerType server_type) {
+  const auto spoken = protocol_of(server_type);
+  return spoken ? std::string("; set mocap.protocol: ") + spoken->name() + ", or another mocap.port"
+                : "; check mocap.host and mocap.port";
+}
+
+}  // namespace
+
 GateSettings gate_of(const scenario::MocapSpec& spec, double separation_m) {
   GateSettings gate;
   if (separation_m > 0.0) {
@@ -31,15 +40,6 @@ GateSettings gate_of(const scenario::MocapSpec& spec, double separation_m) {
   gate.stuck_frames = spec.stuck_frames;
   return gate;
 }
-
-/// Returns the remedy for a server of another product at this port.
-std::string remedy_for(wire::vicon::ServerType server_type) {
-  const auto spoken = protocol_of(server_type);
-  return spoken ? std::string("; set mocap.protocol: ") + spoken->name() + ", or another mocap.port"
-                : "; check mocap.host and mocap.port";
-}
-
-}  // namespace
 
 ViconDriver::ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish,
                          double separation_m)

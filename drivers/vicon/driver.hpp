@@ -22,6 +22,9 @@ struct LinkCounts {
   std::int64_t backlogs = 0;          ///< connections closed here to empty a queue of frames
 };
 
+/// Returns the settings of the gate for a mocap system. `separation_m`: as for ViconDriver.
+GateSettings gate_of(const scenario::MocapSpec& spec, double separation_m);
+
 /// Driver of a mocap server, without sockets. Connection events, bytes and time are passed in; the
 /// driver returns frames, bytes to send, and requests to open or close the connection.
 ///

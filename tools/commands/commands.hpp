@@ -25,6 +25,7 @@ void add_plan_command(CLI::App& root, Runner& run);
 void add_python_command(CLI::App& root, Runner& run);
 void add_doctor_command(CLI::App& root, Runner& run);
 void add_experiment_command(CLI::App& root, Runner& run);
+void add_ros2_command(CLI::App& root, Runner& run);
 void add_view_command(CLI::App& root, Runner& run);
 void add_keys_command(CLI::App& root, Runner& run);
 void add_log_command(CLI::App& root, Runner& run);

@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
     vantage::tools::add_doctor_command(app, run);
     vantage::tools::add_experiment_command(app, run);
     vantage::tools::add_view_command(app, run);
+    vantage::tools::add_ros2_command(app, run);
     vantage::tools::add_log_command(app, run);
     vantage::tools::add_keys_command(app, run);
     vantage::tools::add_python_command(app, run);

@@ -14,6 +14,7 @@
 
 #include "core/address.hpp"
 #include "core/result.hpp"
+#include "scenario/reader/scenario_ros2_yaml.hpp"
 #include "scenario/vehicle_kinds.hpp"
 #include "trial/robot_processes.hpp"
 #include "wire/autopilot/parameter_rules.hpp"
@@ -241,7 +242,19 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
                         : ardupilot_process(robot, instance, system_id, settings));
     }
   }
-  if (scenario.mocap.device != DeviceSource::kDirect && runs(scenario::kMocapPart)) {
+  const std::optional<scenario::Ros2Spec> ros2 = scenario::ros2_of(scenario);
+  const bool has_ros2_poses = ros2 && !ros2->poses.empty();
+  if (ros2 && runs(scenario::kMocapPart)) {
+    ProcessSpec process{
+        "ros2",
+        {settings.executables + "/vantage", "ros2", settings.scenario_path, "--url", settings.url}};
+    process.patience_s = has_ros2_poses ? kDriverPatienceS : kPatienceS;
+    process.keep_open = settings.keep_open;
+    process.is_essential = has_ros2_poses;
+    out.push_back(std::move(process));
+  }
+  if (scenario.mocap.device != DeviceSource::kDirect && !has_ros2_poses &&
+      runs(scenario::kMocapPart)) {
     const std::string driver = scenario.mocap.protocol.driver();
     out.push_back(ours(driver, "vantage-" + driver, kDriverPatienceS));
     out.back().is_essential = true;

@@ -39,11 +39,12 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario);
 /// in this order:
 /// - the simulator, if anything is simulated;
 /// - the firmware of simulated vehicles;
-/// - the mocap driver, if its device is not `direct`;
+/// - `vantage ros2`, if the scenario has a section `ros2`;
+/// - the mocap driver, if its device is not `direct` and ROS 2 does not replace it;
 /// - the contact judge, if a robot is real;
 /// - the vehicle drivers of robots, unless their device is `direct`;
 /// - sensor, estimator and planner of each robot.
-/// The simulator and the mocap driver are essential: the trial ends without them.
+/// The simulator and the publisher of VICON are essential: the trial ends without them.
 std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
                                       const ProcessSettings& settings);
 

@@ -67,6 +67,25 @@ TEST(ProcessPlan, StartsNoProcessThatTheUserReplaces) {
   EXPECT_EQ(names, (std::vector<std::string>{"sim", "sensor Q2", "estimator Q1", "estimator Q2"}));
 }
 
+// Poses from ROS 2 replace the mocap driver, and the trial ends without them.
+TEST(ProcessPlan, StartsTheConnectionToRos2) {
+  scenario::Scenario scenario = two_robots();
+  scenario.mocap.device = scenario::DeviceSource::kReal;
+  for (const bool has_poses : {false, true}) {
+    scenario.source_text = has_poses ? "ros2: {poses: [{topic: /a, type: tf}]}" : "ros2: {}";
+    const auto plan = process_plan(scenario, {"/opt/bin", "s.yaml", "udpm://x", ""});
+    const auto named = [&](const std::string& name) {
+      return std::find_if(plan.begin(), plan.end(),
+                          [&](const ProcessSpec& process) { return process.name == name; });
+    };
+    ASSERT_NE(named("ros2"), plan.end());
+    EXPECT_EQ(named("ros2")->arguments, (std::vector<std::string>{"/opt/bin/vantage", "ros2",
+                                                                  "s.yaml", "--url", "udpm://x"}));
+    EXPECT_EQ(named("ros2")->is_essential, has_poses);
+    EXPECT_EQ(named("vicon") == plan.end(), has_poses);
+  }
+}
+
 TEST(ProcessPlan, StartsNoSimulatorWhenEveryDeviceIsReal) {
   scenario::Scenario scenario = two_robots();
   scenario.mocap.device = scenario::DeviceSource::kReal;
