@@ -6,7 +6,6 @@
 namespace vantage::bus::udpm {
 namespace {
 
-constexpr std::uint32_t kShortMagic = 0x4C433032;     // "LC02"
 constexpr std::uint32_t kFragmentMagic = 0x4C433033;  // "LC03"
 
 /// Returns the big-endian number in `width` bytes at `at`. Precondition: these bytes exist.

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include <arpa/inet.h>
+#include <linux/sock_diag.h>
 #include <net/if.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -188,6 +189,31 @@ bool MulticastSocket::send(std::span<const std::uint8_t> head,
   return sent == static_cast<ssize_t>(head.size() + payload.size());
 }
 
+void MulticastSocket::set_filter(std::span<const sock_filter> filter) {
+  // The kernel only reads through the pointer.
+  const sock_fprog program{static_cast<unsigned short>(filter.size()),
+                           const_cast<sock_filter*>(filter.data())};  // NOLINT
+  const bool is_attached =
+      !filter.empty() && set_option(receiver_.fd(), SOL_SOCKET, SO_ATTACH_FILTER, program);
+  if (!is_attached && is_filtered_) {
+    set_option(receiver_.fd(), SOL_SOCKET, SO_DETACH_FILTER, 0);
+  }
+  is_filtered_ = is_attached;
+  was_filtered_ = was_filtered_ || is_attached;
+}
+
+// Only receive() empties the buffer. So if the buffer was full since the last series, it is nearly
+// full now. The kernel frees up to a quarter of the buffer later than it was read. Datagrams that
+// arrived after an overflow report it, so the flag stays set until one of them was received.
+void MulticastSocket::begin_receiving() {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
+  socklen_t size = sizeof memory;
+  is_full_ = was_filtered_ &&
+             getsockopt(receiver_.fd(), SOL_SOCKET, SO_MEMINFO, memory.data(), &size) == 0 &&
+             memory[SK_MEMINFO_RMEM_ALLOC] > memory[SK_MEMINFO_RCVBUF] / 2;
+  is_overflow_possible_ = is_overflow_possible_ || is_full_;
+}
+
 bool MulticastSocket::wait(std::chrono::nanoseconds timeout) {
   constexpr std::int64_t kNsPerS = 1'000'000'000;
   const std::int64_t ns = std::max<std::int64_t>(timeout.count(), 0);
@@ -202,7 +228,10 @@ std::optional<Datagram> MulticastSocket::receive() {
     return std::nullopt;
   }
   if (const auto drops = heard.ancillary(SO_RXQ_OVFL)) {
-    kernel_drops_ += *drops - kernel_drops_seen_;
+    if (*drops != kernel_drops_seen_ && (is_overflow_possible_ || !was_filtered_)) {
+      kernel_drops_ += *drops - kernel_drops_seen_;
+      is_overflow_possible_ = is_full_;
+    }
     kernel_drops_seen_ = *drops;
   }
   const sockaddr_in& from = heard.from();

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <linux/filter.h>
 #include <netinet/in.h>
 
 #include "bus/transport/url.hpp"
@@ -52,6 +53,12 @@ class MulticastSocket {
   [[nodiscard]] const std::string& fault() const { return fault_; }
   /// Returns the number of times that the network was lost, or was missing at the start.
   [[nodiscard]] std::int64_t network_losses() const { return network_losses_; }
+  /// Makes the kernel drop datagrams that `filter` drops; empty: none. If the kernel refuses the
+  /// filter, all datagrams are received.
+  void set_filter(std::span<const sock_filter> filter);
+  /// Must be called before a series of receive(): determines whether the receive buffer can have
+  /// overflowed, because the kernel counts filtered datagrams as dropped, too.
+  void begin_receiving();
   /// Waits up to `timeout`; returns true when a datagram can be received.
   bool wait(std::chrono::nanoseconds timeout);
   /// Returns the next datagram that has arrived; nullopt when there is none. Never waits.
@@ -60,6 +67,7 @@ class MulticastSocket {
   /// Returns the size of the receive buffer that the kernel granted.
   [[nodiscard]] std::int64_t receive_buffer_bytes() const { return receive_buffer_bytes_; }
   /// Returns the number of datagrams dropped since opening because the receive buffer was full.
+  /// With a filter, filtered datagrams of the same time are counted, too.
   [[nodiscard]] std::int64_t kernel_drops() const { return kernel_drops_; }
 
  private:
@@ -92,6 +100,10 @@ class MulticastSocket {
   std::int64_t receive_buffer_bytes_ = 0;
   std::uint32_t kernel_drops_seen_ = 0;  ///< last value of the kernel's counter, which wraps
   std::int64_t kernel_drops_ = 0;
+  bool is_filtered_ = false;
+  bool was_filtered_ = false;          ///< the kernel's counter may contain filtered datagrams
+  bool is_full_ = false;               ///< at the begin of the present series of receive()
+  bool is_overflow_possible_ = false;  ///< since the last reported overflow
   bool is_joined_ = false;
   std::string fault_;
   std::int64_t network_losses_ = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "bus/transport/channel_filter.hpp"
 #include "bus/transport/channel_pattern.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
@@ -65,7 +66,33 @@ void UdpmTransport::keep_network() {
   }
 }
 
+void UdpmTransport::reset_filter() {
+  if (is_filter_current_) {
+    socket_.set_filter({});
+    is_filter_current_ = false;
+  }
+}
+
+void UdpmTransport::apply_filter() {
+  if (is_filter_current_) {
+    return;
+  }
+  std::vector<std::string_view> patterns;
+  for (const Subscription& each : subscriptions_) {
+    if (!each.pattern.empty()) {
+      patterns.push_back(each.pattern);
+    }
+  }
+  std::sort(patterns.begin(), patterns.end());
+  patterns.erase(std::unique(patterns.begin(), patterns.end()), patterns.end());
+  const auto filter = channel_filter(patterns);
+  socket_.set_filter(filter ? std::span<const sock_filter>(*filter)
+                            : std::span<const sock_filter>());
+  is_filter_current_ = true;
+}
+
 void UdpmTransport::subscribe(const std::string& channel, Handler handler) {
+  reset_filter();
   const auto spare = std::find_if(subscriptions_.begin(), subscriptions_.end(),
                                   [](const Subscription& each) { return each.pattern.empty(); });
   if (spare != subscriptions_.end()) {
@@ -82,6 +109,7 @@ void UdpmTransport::unsubscribe(const std::string& channel) {
       each = {};
     }
   }
+  reset_filter();
 }
 
 bool UdpmTransport::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
@@ -124,6 +152,7 @@ int UdpmTransport::handle(std::chrono::microseconds timeout) {
   }
   const Handling handling(is_handling_);
   keep_network();
+  apply_filter();
   const std::int64_t deadline_ns =
       monotonic_ns() + std::chrono::nanoseconds(std::max(timeout, {})).count();
   int handled = 0;
@@ -154,6 +183,7 @@ int UdpmTransport::handle(std::chrono::microseconds timeout) {
 }
 
 void UdpmTransport::take_arrived() {
+  socket_.begin_receiving();
   for (int i = 0; i < kDatagramsPerTaking; ++i) {
     const auto datagram = socket_.receive();
     if (!datagram) {

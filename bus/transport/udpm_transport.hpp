@@ -44,6 +44,10 @@ class UdpmTransport : public Transport {
     Handler handler;
   };
   void keep_network();
+  /// Removes the filter of channels until the next handle(), so that a changed set of subscriptions
+  /// is effective at once.
+  void reset_filter();
+  void apply_filter();
   bool send_fragments(const std::string& channel, std::span<const std::uint8_t> bytes,
                       const Cut& cut, std::uint32_t sequence);
   void take_arrived();
@@ -64,6 +68,7 @@ class UdpmTransport : public Transport {
   std::int64_t taken_at_ns_ = 0;            ///< time of the last read from the kernel
   std::deque<Subscription> subscriptions_;  ///< a deque, so that handlers may subscribe
   std::uint32_t next_sequence_ = 0;
+  bool is_filter_current_ = false;  ///< the kernel drops channels without a subscription
   bool is_handling_ = false;
   TransportStats stats_;
 };

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "bus/transport/channel_filter.hpp"
+#include "bus/transport/udpm_packet.hpp"
+#include "bus/transport/udpm_socket.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
 #include "test/integration/network_support.hpp"
@@ -40,6 +43,30 @@ TEST(UdpmLink, CountsDatagramsDroppedByTheSocket) {
 
 // During a flood, handle() returns before it has handled all waiting messages: a handler that takes
 // 1 ms is not called for each of them in one call.
+// The kernel counts filtered datagrams as dropped; they are no losses.
+TEST(UdpmLink, ReceivesOnlyFilteredChannels) {
+  bus::udpm::MulticastSocket socket(bus::parse_udpm(bus::parse_url(test::kUrl)));
+  const std::vector<std::string_view> patterns{"WANTED"};
+  const auto filter = bus::udpm::channel_filter(patterns);
+  ASSERT_TRUE(filter);
+  const auto sender = bus::open_transport(test::kUrl);
+  const Bytes payload(16, 1);
+  std::vector<std::string> received;
+  for (const bool is_filtered : {true, false}) {
+    socket.set_filter(is_filtered ? std::span<const sock_filter>(*filter)
+                                  : std::span<const sock_filter>());
+    for (const char* const channel : {"OTHER", "WANTED2", "WANTED"}) {
+      ASSERT_TRUE(sender->publish(channel, payload));
+    }
+    socket.begin_receiving();
+    while (const auto datagram = socket.receive()) {
+      received.emplace_back(bus::udpm::parse_packet(datagram->bytes)->channel);
+    }
+  }
+  EXPECT_EQ(received, (std::vector<std::string>{"WANTED", "OTHER", "WANTED2", "WANTED"}));
+  EXPECT_EQ(socket.kernel_drops(), 0);
+}
+
 TEST(UdpmLink, ReturnsDuringAFlood) {
   constexpr int kSent = 200;
   const auto sender = bus::open_transport(test::kUrl);
