@@ -87,7 +87,7 @@ void run_three_steps(std::int64_t sequence_of_notice, Notebook& notebook) {
   }
 }
 
-TEST(TargetsJson, TellsWhoFoundAndLastSawATarget) {
+TEST(TargetsJson, NamesTheRobotsThatFoundAndLastSawATarget) {
   Notebook notebook;
   run_three_steps(0, notebook);
   const Json targets = notebook.of("/targets/status").back().at("targets");

@@ -16,6 +16,31 @@ namespace {
 using nlohmann::json;
 using test::playback_request;
 
+TEST(OriginCheck, AcceptsOrdersOnlyFromTheSameServer) {
+  struct Row {
+    const char* origin;
+    const char* host;
+    bool is_same;
+  };
+  for (const Row& row : {Row{"http://127.0.0.1:8765", "127.0.0.1:8765", true},
+                         {"https://lab-pc", "lab-pc", true},
+                         {"http://[::1]:8765", "[::1]:8765", true},
+                         {"http://127.0.0.1:9000", "127.0.0.1:8765", false},
+                         {"http://localhost:8765", "127.0.0.1:8765", false},
+                         {"https://app.foxglove.dev", "127.0.0.1:8765", false},
+                         {"null", "null", false},
+                         {"", "", false},
+                         {"file://", "", false}}) {
+    EXPECT_EQ(is_same_origin(row.origin, row.host), row.is_same) << row.origin << " " << row.host;
+  }
+  for (const char* own : {"127.0.0.1", "127.1.2.3", "localhost", "::1"}) {
+    EXPECT_TRUE(is_loopback(own)) << own;
+  }
+  for (const char* other : {"0.0.0.0", "::", "192.168.1.2", "lab-pc", ""}) {
+    EXPECT_FALSE(is_loopback(other)) << other;
+  }
+}
+
 TEST(ServerInfoText, OffersPlaybackOnlyForLogs) {
   const json live = json::parse(server_info_text({"a", "s", std::nullopt}, true));
   EXPECT_EQ(live["op"], "serverInfo");

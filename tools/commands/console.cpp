@@ -2,13 +2,9 @@
 
 #include <memory>
 
-#include "bus/auth/authenticator.hpp"
-#include "bus/node/bus.hpp"
-#include "bus/node/clock.hpp"
-#include "bus/transport/transport.hpp"
 #include "core/process.hpp"
-#include "scenario/reader/scenario_yaml.hpp"
 #include "tools/commands/commands.hpp"
+#include "tools/console/operator_link.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -20,21 +16,9 @@ struct ConsoleArguments {
 };
 
 int run(const ConsoleArguments& arguments) {
-  const bus::SteadyClock clock;
-  std::unique_ptr<bus::auth::Authenticator> authenticator;
-  std::string url = arguments.url;
-  if (!arguments.scenario.empty()) {
-    const scenario::Scenario scenario = scenario::load_scenario(arguments.scenario);
-    bus::auth::require_operator(scenario);
-    authenticator = bus::auth::authenticator_for(scenario);
-    url = url.empty() ? scenario.network.url : url;
-  }
-  const auto transport = bus::open_transport(url);
-  bus::Bus bus(*transport, bus::random_run_id());
-  const StationOptions options{arguments.is_second, authenticator.get()};
-  bus.use_clock(clock);
-  bus.secure(std::move(authenticator), clock);
-  return run_console(bus, clock, options, stop_requested) ? 0 : 1;
+  OperatorLink link(arguments.url, arguments.scenario);
+  const StationOptions options{arguments.is_second, link.authenticator()};
+  return run_console(link.bus(), link.clock(), options, stop_requested) ? 0 : 1;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -17,10 +18,13 @@
 #include "logs/file/seekable_log.hpp"
 #include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
+#include "tools/console/operator_desk.hpp"
+#include "tools/console/operator_link.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 #include "tools/view/live_view.hpp"
 #include "tools/view/log_view.hpp"
+#include "tools/view/origin_check.hpp"
 #include "tools/view/record.hpp"
 
 namespace vantage::tools {
@@ -32,7 +36,9 @@ struct ViewArguments {
   std::string log;
   std::vector<std::string> types;
   std::string url;
+  std::string scenario;
   bool is_playing = false;
+  bool is_operating = false;
   WebOptions web;
   RecordOptions record;
 };
@@ -107,6 +113,60 @@ int record(logs::SeekableLog& log, const logs::TypeLibrary& types, const ViewArg
   return is_whole ? 0 : 1;
 }
 
+/// Returns the error that ended the work behind a view; empty while it goes on.
+using Failure = std::function<std::string()>;
+
+/// Serves a live view until a stop is requested. `announce` is called once with the server.
+int watch(const ViewArguments& arguments, const std::string& url, logs::TypeLibrary types,
+          const std::function<void(const WebServer&)>& announce,
+          const Failure& failure_behind = {}) {
+  WebOptions web = arguments.web;
+  web.source = bus::url_or_default(url);
+  const LiveView view(bus::open_transport(url), web, std::move(types));
+  announce_view(view.server(), "live");
+  if (announce) {
+    announce(view.server());
+  }
+  const auto failure = [&] {
+    std::string words = view.failure();
+    return words.empty() && failure_behind ? failure_behind() : words;
+  };
+  while (!stop_requested() && failure().empty()) {
+    std::this_thread::sleep_for(kWait);
+  }
+  if (!failure().empty()) {
+    throw std::runtime_error(failure());
+  }
+  return 0;
+}
+
+/// Serves a live view with an operator page.
+/// @throws StartupError if the page could be reached from other machines without --host.
+int operate(const ViewArguments& arguments, logs::TypeLibrary types) {
+  if (!is_loopback(arguments.web.bind) && arguments.web.hosts.empty()) {
+    throw StartupError(fmt::format(
+        "--bind {} opens the operator page to other machines; allow it with --host NAME, the name "
+        "under which browsers reach this machine",
+        arguments.web.bind));
+  }
+  OperatorLink link(arguments.url, arguments.scenario);
+  const std::string key = new_secret();
+  OperatorDesk desk(link, key);
+  ViewArguments operating = arguments;
+  operating.web.operate = [&desk](const std::string& what, const std::string& secret,
+                                  const std::string& token, const std::string& body) {
+    DeskAnswer answer = desk.answer(what, secret, token, body);
+    return std::pair(answer.code, std::move(answer.json));
+  };
+  return watch(
+      operating, link.url(), std::move(types),
+      [&key](const WebServer& server) {
+        print_line("operate  " + server.url() + "/#operate=" + key +
+                   "   (everyone with this address can command the vehicles)");
+      },
+      [&desk] { return desk.failure(); });
+}
+
 int run(const ViewArguments& arguments) {
   logs::TypeLibrary types(arguments.types);
   if (!arguments.log.empty()) {
@@ -123,17 +183,8 @@ int run(const ViewArguments& arguments) {
         [&](const WebServer& server) { announce_view(server, arguments.log); }, stop_requested);
     return 0;
   }
-  WebOptions web = arguments.web;
-  web.source = bus::url_or_default(arguments.url);
-  const LiveView view(bus::open_transport(arguments.url), web, std::move(types));
-  announce_view(view.server(), "live");
-  while (!stop_requested() && view.failure().empty()) {
-    std::this_thread::sleep_for(kWait);
-  }
-  if (!view.failure().empty()) {
-    throw std::runtime_error(view.failure());
-  }
-  return 0;
+  return arguments.is_operating ? operate(arguments, std::move(types))
+                                : watch(arguments, arguments.url, std::move(types), {});
 }
 
 /// Returns the folder of the installed program's page, if there is one, else that of this build.
@@ -224,6 +275,16 @@ void add_view_command(CLI::App& root, Runner& chosen) {
                       ".lcm files, or folders with them, that define messages of other programs");
   command->add_option("--url", arguments->url, "LCM URL to listen to (default: $LCM_DEFAULT_URL)")
       ->excludes(log);
+  auto* is_operating =
+      command
+          ->add_flag("--operate", arguments->is_operating,
+                     "serve an operator page as well: arm, take off, follow, hold, land, emergency "
+                     "stop; one page at a time operates, and its heartbeat ends with the page")
+          ->excludes(log);
+  command
+      ->add_option("--scenario", arguments->scenario,
+                   "scenario file; its security keys sign the commands of the operator page")
+      ->needs(is_operating);
   command
       ->add_flag("--play", arguments->is_playing, "start playing the log at once (default: paused)")
       ->needs(log);
@@ -231,10 +292,12 @@ void add_view_command(CLI::App& root, Runner& chosen) {
   add_web_options(*command, arguments->web);
   command->footer(
       "Serves a web page and the Foxglove WebSocket protocol on one port; Foxglove and Lichtblick\n"
-      "can connect without an extension. The view is read-only: it publishes nothing on the bus.\n"
+      "can connect without an extension. The view is read-only: it publishes nothing on the bus,\n"
+      "except with --operate. The operator page needs the address that --operate prints.\n"
       "Ends with Ctrl-C.\n"
       "Examples:\n"
       "  vantage view\n"
+      "  vantage view --operate --scenario config/lab-hil.yaml\n"
       "  vantage view demo-out/lab.lcmlog\n"
       "  vantage view arm.lcmlog --types arm/lcmtypes\n"
       "  vantage view demo-out/lab.lcmlog --record lab.webm --from-s 10 --to-s 40\n"

@@ -20,7 +20,6 @@
 namespace vantage::tools {
 namespace {
 
-constexpr double kSilentAfterS = 1.0;
 constexpr const char* kKeys =
     "keys: SPACE emergency stop of ALL;  selected robots: a arm  t take off  f follow  h hold  "
     "l land  e emergency stop;  select: 0 all  1-9 TAB one robot  r NAME ENTER any robot;  q quit";
@@ -188,11 +187,20 @@ bool OrderSender::make_room() {
   return true;
 }
 
+bool OrderSender::set_attended(bool is_attended, Time now) {
+  if (is_attended == is_attended_) {
+    return false;
+  }
+  is_attended_ = is_attended;
+  station_.restart(now);
+  return true;
+}
+
 bool OrderSender::tick(Time now) {
   now_ = now;
-  const bool changed = station_.tick(now);
+  const bool changed = is_attended_ && station_.tick(now);
   repeat(now);
-  if (station_.sends_heartbeat() && now >= next_heartbeat_) {
+  if (is_attended_ && station_.sends_heartbeat() && now >= next_heartbeat_) {
     send(now, models::OperatorAction::kHeartbeat, "");
     next_heartbeat_ = now + from_seconds(kHeartbeatPeriod_s);
   }

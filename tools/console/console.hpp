@@ -46,6 +46,7 @@ class OrderSender {
  public:
   static constexpr double kHeartbeatPeriod_s = 0.2;
   static constexpr double kApartMaxS = 1.0;
+  static constexpr double kSilentAfterS = 1.0;  ///< s; a vehicle without a status is then silent
   static constexpr double kLogReportS = 3.0;
   static constexpr std::size_t kVehiclesMax = 1024;
   /// s; vehicles with a status within this time are not evicted
@@ -63,6 +64,10 @@ class OrderSender {
   /// Sends the heartbeat and the repetitions that are due. Returns true if the station's role
   /// changed.
   bool tick(Time now);
+  /// Sets whether an operator is present; at first one is. Without an operator no heartbeat is
+  /// sent. When an operator returns, the station begins again by listening. Returns true on a
+  /// change.
+  bool set_attended(bool is_attended, Time now);
   /// Sends an order. Returns false and sends nothing if the station is not permitted to send it.
   bool send(Time now, models::OperatorAction action, const std::string& robot);
   /// True while repetitions are still to be sent.
@@ -74,6 +79,12 @@ class OrderSender {
   /// Returns the offset of the vehicles' clock from this station's clock; 0 if small or unknown.
   [[nodiscard]] Duration vehicles_ahead(Time now) const;
   [[nodiscard]] std::vector<std::string> robots() const;
+  struct ReceivedStatus {
+    models::VehicleStatus status;
+    Time at{};
+  };
+  /// Returns the newest status of each vehicle.
+  [[nodiscard]] const std::map<std::string, ReceivedStatus>& vehicles() const { return vehicles_; }
   /// Returns why vehicles will not obey an order in their newest state, such as "no effect on Q1:
   /// not in operation, arm and take off first"; empty if all will, or if none was received
   /// recently.
@@ -111,10 +122,7 @@ class OrderSender {
   Station station_;
   Time now_;
   Time next_heartbeat_{};
-  struct ReceivedStatus {
-    models::VehicleStatus status;
-    Time at{};
-  };
+  bool is_attended_ = true;
   std::map<std::string, ReceivedStatus> vehicles_;
   std::map<std::string, Time>
       log_lost_;  ///< time of the last report of an unwritten log, by process

@@ -13,6 +13,11 @@ void Station::on_command(const models::OperatorCommand& command, Time now) {
   other_run_id_ = command.stamp.run_id;
 }
 
+void Station::restart(Time start) {
+  start_ = start;
+  role_ = Role::kListening;
+}
+
 bool Station::tick(Time now) {
   const bool is_other_active = other_heartbeat_ && to_seconds(now - *other_heartbeat_) < kSilentS;
   const Role before = role_;

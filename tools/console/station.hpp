@@ -35,6 +35,8 @@ class Station {
 
   /// Handles a command received on COMMAND, from any station.
   void on_command(const models::OperatorCommand& command, Time now);
+  /// Begins again by listening, after the operator has left and returned.
+  void restart(Time start);
   /// Updates the role. Returns true if it changed.
   bool tick(Time now);
 

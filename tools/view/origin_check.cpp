@@ -67,4 +67,13 @@ bool is_known_origin(std::string_view origin, std::string_view host,
          std::find(more.begin(), more.end(), origin) != more.end();
 }
 
+bool is_same_origin(std::string_view origin, std::string_view host) {
+  const std::string_view from = host_of(origin);
+  return !from.empty() && from == host;
+}
+
+bool is_loopback(std::string_view address) {
+  return address == "localhost" || address == "::1" || address.starts_with("127.");
+}
+
 }  // namespace vantage::tools

@@ -18,4 +18,12 @@ bool is_our_host(std::string_view header, std::span<const std::string> more);
 bool is_known_origin(std::string_view origin, std::string_view host,
                      std::span<const std::string> more);
 
+/// True if an Origin header names exactly the server that the Host header names. Requests that
+/// change something must pass this check: a browser sends the Origin with every POST, and a page of
+/// another site or port cannot change it.
+bool is_same_origin(std::string_view origin, std::string_view host);
+
+/// True if an address to serve on can be reached from this machine only.
+bool is_loopback(std::string_view address);
+
 }  // namespace vantage::tools

@@ -4,26 +4,23 @@
 #include <array>
 #include <condition_variable>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <string_view>
-#include <system_error>
 #include <thread>
 
-#include <arpa/inet.h>
 #include <civetweb.h>
 #include <fmt/format.h>
-#include <netinet/in.h>
 #include <sys/socket.h>
 
 #include "core/check.hpp"
 #include "core/deadline.hpp"
 #include "tools/view/connection_table.hpp"
 #include "tools/view/origin_check.hpp"
+#include "tools/view/peer_sockets.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -37,6 +34,8 @@ constexpr int kOpcodeMask = 0x0F;
 constexpr std::size_t kRequestBytesMax = 1U << 20U;
 constexpr long long kVideoBytesMax = 2LL << 30;
 constexpr std::string_view kRecordingPath = "/api/recording";
+constexpr std::string_view kOperatePath = "/api/operate/";
+constexpr long long kOrderBytesMax = 4096;
 
 constexpr const char* kNoPage =
     "<!doctype html><meta charset=utf-8><title>vantage</title>"
@@ -82,12 +81,12 @@ std::string content_policy() {
          "connect-src 'self' ws: wss:";
 }
 
-void answer(mg_connection* socket, const char* type, const std::string& body) {
+void answer(mg_connection* socket, const char* type, const std::string& body, int code = 200) {
   mg_printf(socket,
-            "HTTP/1.1 200 OK\r\nContent-Type: %s\r\nContent-Length: %zu\r\n"
+            "HTTP/1.1 %d %s\r\nContent-Type: %s\r\nContent-Length: %zu\r\n"
             "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n"
             "Connection: close\r\n\r\n",
-            type, body.size());
+            code, mg_get_response_code_text(socket, code), type, body.size());
   mg_write(socket, body.data(), body.size());
 }
 
@@ -100,53 +99,9 @@ int refuse(mg_connection* socket, int code, const char* reason, const char* why)
   return code;
 }
 
-ConnectionTable::Peer peer_of(const sockaddr_storage& address) {
-  std::array<char, INET6_ADDRSTRLEN> text{};
-  std::uint16_t port = 0;
-  if (address.ss_family == AF_INET) {
-    sockaddr_in in{};
-    std::memcpy(&in, &address, sizeof in);
-    port = ntohs(in.sin_port);
-    ::inet_ntop(AF_INET, &in.sin_addr, text.data(), text.size());
-  } else if (address.ss_family == AF_INET6) {
-    sockaddr_in6 in{};
-    std::memcpy(&in, &address, sizeof in);
-    port = ntohs(in.sin6_port);
-    ::inet_ntop(AF_INET6, &in.sin6_addr, text.data(), text.size());
-  }
-  return {text.data(), port};
-}
-
 ConnectionTable::Peer peer_of(const mg_connection* socket) {
   const mg_request_info& info = *mg_get_request_info(socket);
   return {info.remote_addr, info.remote_port};
-}
-
-/// Returns the remote end of a connected socket if its own port is `port`; nullopt for any other
-/// descriptor.
-std::optional<ConnectionTable::Peer> peer_at(int descriptor, int port) {
-  sockaddr_storage own{};
-  sockaddr_storage other{};
-  socklen_t own_size = sizeof own;
-  socklen_t other_size = sizeof other;
-  const bool is_connected =
-      ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&own), &own_size) == 0 &&
-      ::getpeername(descriptor, reinterpret_cast<sockaddr*>(&other), &other_size) == 0;
-  return is_connected && peer_of(own).port == port ? std::optional(peer_of(other)) : std::nullopt;
-}
-
-/// Returns this process's connections to `port` with their descriptors. Reads them from /proc, as
-/// civetweb reports a connection only after its request has arrived.
-std::map<ConnectionTable::Peer, int> connections_to(int port) {
-  std::map<ConnectionTable::Peer, int> out;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
-    const int descriptor = std::atoi(entry.path().filename().c_str());
-    if (auto peer = peer_at(descriptor, port)) {
-      out.emplace(std::move(*peer), descriptor);
-    }
-  }
-  return out;
 }
 
 Time now() { return from_utime(monotonic_ns() / 1'000); }
@@ -215,7 +170,10 @@ struct WebServer::State {
     const std::string_view method = mg_get_request_info(socket)->request_method;
     const bool is_recording = method == "POST" && of(socket).options.recording != nullptr &&
                               mg_get_request_info(socket)->local_uri == kRecordingPath;
-    if (method != "GET" && method != "HEAD" && !is_recording) {
+    const bool is_order =
+        method == "POST" && of(socket).options.operate &&
+        std::string_view(mg_get_request_info(socket)->local_uri).starts_with(kOperatePath);
+    if (method != "GET" && method != "HEAD" && !is_recording && !is_order) {
       return refuse(socket, 405, "Method Not Allowed", "this server is read-only");
     }
     if (!is_permitted(socket, of(socket).options)) {
@@ -362,6 +320,39 @@ struct WebServer::State {
     return 200;
   }
 
+  /// Passes a request of an operator page on. The headers with key and token cannot be sent by a
+  /// page of another origin without a preflight request, which this server refuses.
+  static int on_operate(mg_connection* socket, void* state) {
+    const auto header = [socket](const char* name) {
+      const char* value = mg_get_header(socket, name);
+      return std::string(value == nullptr ? "" : value);
+    };
+    const mg_request_info& info = *mg_get_request_info(socket);
+    if (std::string_view(info.request_method) != "POST") {
+      return refuse(socket, 405, "Method Not Allowed", "orders are sent with POST");
+    }
+    if (!is_same_origin(header("Origin"), header("Host"))) {
+      return refuse(socket, 403, "Forbidden", "orders are accepted from this server's page only");
+    }
+    if (header("Content-Type") != "application/json") {
+      return refuse(socket, 415, "Unsupported Media Type", "orders are JSON");
+    }
+    if (info.content_length < 0 || info.content_length > kOrderBytesMax) {
+      return refuse(socket, 413, "Payload Too Large", "the order is too long or has no length");
+    }
+    std::string body(static_cast<std::size_t>(info.content_length), '\0');
+    std::size_t read = 0;
+    for (int part = 1; part > 0 && read < body.size(); read += static_cast<std::size_t>(part)) {
+      part = std::max(0, mg_read(socket, body.data() + read, body.size() - read));
+    }
+    body.resize(read);
+    const std::string what = std::string(info.local_uri).substr(kOperatePath.size());
+    const auto [code, json] = static_cast<State*>(state)->options.operate(
+        what, header("X-Vantage-Key"), header("X-Vantage-Token"), body);
+    answer(socket, "application/json", json, code);
+    return code;
+  }
+
   static int on_no_page(mg_connection* socket, void* /*state*/) {
     answer(socket, "text/html; charset=utf-8", kNoPage);
     return 200;
@@ -377,6 +368,10 @@ struct WebServer::State {
     mg_set_request_handler(context, "/api/history", &on_history, this);
     mg_set_request_handler(context, "/api/topics", &on_topics, this);
     mg_set_request_handler(context, "/api/series", &on_series, this);
+    if (options.operate) {
+      mg_set_request_handler(context, std::string(kOperatePath).append("*").c_str(), &on_operate,
+                             this);
+    }
     if (options.recording != nullptr) {
       mg_set_request_handler(context, kRecordingPath.data(), &on_recording, this);
     }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/view/broker.hpp"
@@ -13,7 +14,7 @@ namespace vantage::tools {
 
 struct WebOptions {
   std::string bind = "127.0.0.1";
-  int port = 8765;  ///< 0: any unused port
+  int port = 8765;     ///< 0: any unused port
   std::string source;  ///< LCM URL that a live view listens to, for the page; empty: none
   std::string
       page_folder;  ///< folder of the built page; without index.html a note is served instead
@@ -29,6 +30,11 @@ struct WebOptions {
   /// Answers GET /api/series?topic=…&field=…: one number over the complete log. Called on any
   /// thread, one call at a time. Empty function: live, without a log.
   std::function<std::string(const std::string& topic, const std::string& pointer)> series;
+  /// Answers POST /api/operate/WHAT of an operator page: (WHAT, key, token, body) → status and
+  /// JSON. Called on any thread. Empty function: this server takes no orders.
+  std::function<std::pair<int, std::string>(const std::string& what, const std::string& key,
+                                            const std::string& token, const std::string& body)>
+      operate;
   /// Receives the video of a recording page (POST /api/recording?key=…); null: not accepted.
   RecordingReceiver* recording = nullptr;
 };

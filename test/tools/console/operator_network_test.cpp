@@ -112,6 +112,37 @@ TEST(OrderSender, StampsOrdersByVehicleClock) {
   }
 }
 
+// An operator page that leaves ends the heartbeat, as the end of a console does.
+TEST(OrderSender, SendsNoHeartbeatWithoutAnOperator) {
+  test::BusPair net(11, 13);
+  int beats = 0;
+  net.other.subscribe<models::OperatorCommand>(
+      bus::kCommand, [&](const models::OperatorCommand& command) {
+        beats += command.action == OperatorAction::kHeartbeat ? 1 : 0;
+      });
+  OrderSender sender(net.own, {}, kStart);
+  Time now = kStart;
+  const auto beats_in = [&](double duration_s) {
+    beats = 0;
+    for (double s = 0.0; s < duration_s; s += 0.05) {
+      now += from_seconds(0.05);
+      (void)sender.tick(now);
+      net.other.handle(std::chrono::microseconds(0));
+    }
+    return beats;
+  };
+  EXPECT_TRUE(sender.set_attended(false, now));
+  EXPECT_FALSE(sender.set_attended(false, now)) << "no change";
+  EXPECT_EQ(beats_in(3.0), 0);
+  EXPECT_TRUE(sender.send(now, OperatorAction::kEmergencyStop, "")) << "always possible";
+  EXPECT_FALSE(sender.send(now, OperatorAction::kFollow, ""));
+  EXPECT_TRUE(sender.set_attended(true, now));
+  EXPECT_EQ(beats_in(Station::kListenS - 0.1), 0) << "listens for other stations first";
+  EXPECT_GE(beats_in(2.0), 8);
+  EXPECT_TRUE(sender.set_attended(false, now));
+  EXPECT_EQ(beats_in(2.0), 0);
+}
+
 TEST(OrderSender, ShowsALogError) {
   test::BusPair net(11, 12);
   bus::Bus& station_bus = net.own;

@@ -6,6 +6,7 @@ import { Charts, live_window } from "./charts.js";
 import { Connection, seconds_of } from "./connection.js";
 import { write_legend } from "./legend.js";
 import { Layouts } from "./layouts.js";
+import { Operator, take_key } from "./operate.js";
 import { read_link, save, write_link } from "./link.js";
 import { appearance, color_of_role, color_of_target, set_ground, target_css } from "./appearance.js";
 import { css_of } from "./outline.js";
@@ -21,17 +22,19 @@ import { World } from "./world.js";
 
 const by_id = (id) => document.getElementById(id);
 
+const operate_key = take_key(); // taken before the link in the address is read
+
 /** Layers of the picture that can be switched: pattern of their topics, key, initial state. */
 const kLayers = [
-  { name: "map", label: "Map", topic: /^\/(grid|map)$/, key: "g", shown: true },
-  { name: "views", label: "Fields of view", topic: /^\/views$/, key: "f", shown: true },
-  { name: "plans", label: "Plans", topic: /^\/plan\/[^/]+$/, key: "p", shown: true },
-  { name: "proposals", label: "Proposals", topic: /^\/proposal\/[^/]+$/, key: "s", shown: true },
-  { name: "trails", label: "Trails", topic: /^\/trails$/, key: "t", shown: true }, // made by the page with selectable length; replaces /tracks
-  { name: "estimates", label: "Estimates", topic: /^\/estimates$/, key: "e", shown: true },
-  { name: "truth", label: "True targets", topic: /^\/targets$/, key: "o", shown: true },
-  { name: "looks", label: "Measurements", topic: /^\/measurement\/[^/]+$/, key: "m", shown: false },
-  { name: "beliefs", label: "Each robot's estimates", topic: /^\/belief\/[^/]+$/, key: "b", shown: false },
+  { name: "map", hint: "map, or time since each cell was seen", label: "Map", topic: /^\/(grid|map)$/, key: "g", shown: true },
+  { name: "views", hint: "fields of view of the sensors", label: "Views", topic: /^\/views$/, key: "f", shown: true },
+  { name: "plans", hint: "committed plans", label: "Plans", topic: /^\/plan\/[^/]+$/, key: "p", shown: true },
+  { name: "proposals", hint: "proposals of the robots in this round", label: "Proposals", topic: /^\/proposal\/[^/]+$/, key: "s", shown: true },
+  { name: "trails", hint: "past paths", label: "Trails", topic: /^\/trails$/, key: "t", shown: true }, // made by the page with selectable length; replaces /tracks
+  { name: "estimates", hint: "team's estimates of the targets", label: "Estimates", topic: /^\/estimates$/, key: "e", shown: true },
+  { name: "truth", hint: "true positions of the targets", label: "Truth", topic: /^\/targets$/, key: "o", shown: true },
+  { name: "looks", hint: "measurements", label: "Measurements", topic: /^\/measurement\/[^/]+$/, key: "m", shown: false },
+  { name: "beliefs", hint: "each robot's own estimates", label: "Per robot", topic: /^\/belief\/[^/]+$/, key: "b", shown: false },
 ];
 /** Topics that are always subscribed: poses, the scene, and the topics of charts and panels. */
 const kAlways = [/^\/transforms$/, /^\/world$/, /^\/robots$/, /^\/scenario$/, /^\/attack$/, /^\/team$/,
@@ -121,6 +124,8 @@ function write_hidden_charts() {
   box.hidden = off.length === 0;
   box.replaceChildren(new Option("+ chart", ""), ...off.map(({ spec, title }) => new Option(title.textContent, spec.key)));
 }
+
+const operator = operate_key ? new Operator(by_id("operator"), operate_key) : null;
 
 const trails = new Trails();
 const topics = new Topics(by_id("topics"), {
@@ -549,7 +554,7 @@ function draw_trails() {
 
 for (const layer of kLayers) {
   layer.button = make("button", "chip", layer.label);
-  layer.button.title = `${layer.name} (${layer.key.toUpperCase()})`;
+  layer.button.title = `${layer.hint} (${layer.key.toUpperCase()})`;
   layer.button.dataset.layer = layer.name;
   layer.button.setAttribute("aria-pressed", layer.shown);
   layer.button.onclick = () => toggle(layer);
@@ -977,8 +982,15 @@ const kNamed = { " ": "space", ArrowLeft: "←", ArrowRight: "→", "=": "+" };
 
 document.addEventListener("keydown", (event) => {
   const { tagName } = event.target;
-  if (event.ctrlKey || event.metaKey || event.altKey || tagName === "SELECT" || tagName === "INPUT") return;
+  const is_stop = operator !== null && event.key === " " && tagName !== "INPUT";
+  if (!is_stop && (event.ctrlKey || event.metaKey || event.altKey || tagName === "SELECT" || tagName === "INPUT")) return;
   const name = kNamed[event.key] ?? event.key.toLowerCase();
+  if (operator && name === "space") {
+    // The emergency stop has priority over all other meanings of the key.
+    event.preventDefault();
+    if (!event.repeat) operator.send("estop", "");
+    return;
+  }
   if (name === "space" && (tagName === "BUTTON" || tagName === "SUMMARY")) return; // space presses the focused button
   if (by_id("layouts").open || (name === "escape" && by_id("help").open)) return;
   const found = kKeys.find(([key]) => key === name);

@@ -145,7 +145,7 @@ export class Vehicles {
       head.append(badge, make("span", "quiet", `battery ${Math.round(100 * state.battery_share)} %`));
     }
     if (plan) {
-      const note = make("span", "quiet", plan.late ? `plan ${(-1e3 * plan.margin_s).toFixed(0)} ms late` : `plan ${plan.source}, ${(1e3 * plan.margin_s).toFixed(0)} ms early`);
+      const note = make("span", "quiet", plan.late ? `plan ${(-1e3 * plan.margin_s).toFixed(0)} ms late` : `plan${plan.source === "searched" ? "" : ` ${plan.source},`} ${(1e3 * plan.margin_s).toFixed(0)} ms early`);
       if (plan.late || plan.source !== "searched") note.classList.add("warn");
       head.append(note);
     }
@@ -167,7 +167,7 @@ export class Processes {
     this.table = new Table(box, {
       row: (process) => this.row(this.healths.get(process)),
       crowd: 0,
-      is_normal: (process) => this.healths.get(process).state === "running",
+      is_normal: (process) => this.healths.get(process).state !== "degraded",
       words: (processes) => counted(processes.map((process) => this.healths.get(process).state)),
     });
     this.healths = new Map();
