@@ -117,6 +117,15 @@ StateMatrix update_covariance(const StateMatrix& covariance, const PositionMatri
   return symmetrised(covariance - reduction);
 }
 
+StateMatrix update_state_covariance(const StateMatrix& covariance, const StateMatrix& M) {
+  const Eigen::Index n = covariance.rows();
+  const StateMatrix I_MS = StateMatrix::Identity(n, n) + M * covariance;
+  const StateMatrix gain = I_MS.partialPivLu().solve(M);
+  const StateMatrix reduction = covariance * gain * covariance;
+  const StateMatrix updated = covariance - reduction;
+  return 0.5 * (updated + updated.transpose());
+}
+
 double log_det(const StateMatrix& covariance) {
   const Eigen::LLT<StateMatrix> cholesky(covariance);
   if (cholesky.info() != Eigen::Success) {

@@ -48,6 +48,8 @@ std::optional<Information> predict(const Information& belief, const StateMatrix&
 /// components only. Computed as Σ − Σ_{:p} (I + M Σ_pp)⁻¹ M Σ_{p:}, symmetrised. Works for singular
 /// M and never inverts Σ.
 StateMatrix update_covariance(const StateMatrix& covariance, const PositionMatrix& M);
+/// As update_covariance() for information M about the whole state, square like `covariance`.
+StateMatrix update_state_covariance(const StateMatrix& covariance, const StateMatrix& M);
 /// Returns log det of the covariance by Cholesky; −∞ when it is singular.
 double log_det(const StateMatrix& covariance);
 /// Returns the differential entropy of the belief, ½ log det(2πe Σ), nats.

@@ -23,6 +23,7 @@ class SensorKind {
   static const SensorKind kBearing;
   static const SensorKind kRangeBearing;
   static const SensorKind kCamera;
+  static const SensorKind kRangeRate;
 
  private:
   const SensorLaw* law_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include <Eigen/Core>
@@ -17,6 +18,21 @@ struct SightLine {
   Eigen::Vector3d offset_world_m;  ///< z: true height difference, even for planar targets
   double horizontal_m;
   double range_m;  ///< horizontal distance for planar targets, otherwise distance in space
+  /// Velocity of the target, m/s; zero if its state has none.
+  Eigen::Vector2d velocity_world_mps = Eigen::Vector2d::Zero();
+};
+
+/// Allowed values of a sensor's parameter.
+enum class ParameterRule { kAny, kAtLeastZero, kAboveZero };
+
+/// A parameter of one kind of sensor. Scenarios, planning problems and Python read it under its
+/// name. Values are stored in SensorModel; read them with own_parameter().
+struct SensorParameter {
+  std::string_view name;  ///< ends in the unit: "range_rate_sigma_mps"
+  std::string_view unit;  ///< "m/s"
+  double initial;         ///< default
+  ParameterRule rule;
+  std::string_view purpose;  ///< one phrase for help texts
 };
 
 /// Position information of a planar target if M depends only on the unit line of sight u: M = along
@@ -35,14 +51,22 @@ struct ReachedDistances {
   double range_near_m;  ///< smallest range, ≥ range_min_m
   double drop_m;        ///< height of the sensor above the target; a planar target is on the ground
   int position_dim;
+  std::optional<double> speed_mps;  ///< largest speed; nullopt: the target's state has no velocity
 };
 
 /// One kind of sensor. Functions are pure and do not allocate; noise covariances are diagonal.
+///
+/// z may depend on the target's velocity (SightLine::velocity_world_mps) if `velocity_jacobian` is
+/// set. The sensor's own velocity is not an argument: such a kind reports the motion of the target
+/// relative to the ground.
 struct SensorLaw {
   std::string_view name;  ///< name in scenarios
-  /// z is the calibrated range, the wrapped bearing, or both in this order. Both flags are false
-  /// for a kind that measures anything else. A range has no direction if the target is at the
-  /// sensor itself; a bearing has none if the target is directly above or below the sensor.
+  /// The parameters that only this kind has, at most kMaxOwnParameters.
+  std::span<const SensorParameter> parameters = {};
+  /// z is the calibrated range, the wrapped bearing, or both in this order; a range may be followed
+  /// by rows that depend on the velocity. Both flags are false for a kind that measures anything
+  /// else. A range has no direction if the target is at the sensor itself; a bearing has none if
+  /// the target is directly above or below the sensor.
   bool measures_range = false;
   bool measures_bearing = false;
   /// z = H (target − sensor), where H only depends on the heading: a Kalman update is exact.
@@ -54,16 +78,23 @@ struct SensorLaw {
                                int position_dim) = nullptr;
   MeasurementJacobian (*jacobian)(const SensorModel&, const Viewpoint&, const SightLine&,
                                   int position_dim) = nullptr;
+  /// Returns ∂z/∂velocity, measurement_dim × 2, for a target whose state has a velocity; null: z
+  /// does not depend on the velocity.
+  MeasurementJacobian (*velocity_jacobian)(const SensorModel&, const Viewpoint&,
+                                           const SightLine&) = nullptr;
   /// Returns the variances of z, row by row.
   MeasurementVector (*variances)(const SensorModel&, const Viewpoint&, const SightLine&,
                                  int position_dim) = nullptr;
   /// Returns an upper bound of λ_max of the information over the disc; +∞ where it is unbounded.
+  /// With a speed, the information is that about the state (position, velocity), else that about
+  /// the position.
   double (*information_bound)(const SensorModel&, const ReachedDistances&) = nullptr;
   /// See position_from(); null: z does not determine the position.
   std::optional<PositionVector> (*position_from)(const SensorModel&, const Viewpoint&,
                                                  const MeasurementVector& z,
                                                  int position_dim) = nullptr;
-  /// Null if information() depends on more than the line of sight. Planners then call information()
+  /// Null if information() depends on more than the line of sight or the kind measures velocity.
+  /// Planners then call information()
   /// for each measurement, and bounds count its information in all directions.
   PlanarLaw (*planar_law)(const SensorModel&) = nullptr;
   /// For sensors that only measure the direction to a target and need a minimum depth. Returns the
@@ -78,6 +109,16 @@ double variance_growth(const SensorModel& sensor, double range_m);
 /// True if the field of view is a full circle.
 bool has_full_view(const SensorModel& sensor);
 SightLine sight_line(const Viewpoint& from, const PositionVector& target_world_m);
+/// Returns the value of law().parameters[i], the default if `sensor` does not set it.
+double own_parameter(const SensorModel& sensor, int i);
+/// Returns the index of the own parameter `name` of the kind; nullopt: the kind has no such one.
+std::optional<int> find_parameter(SensorKind kind, std::string_view name);
+/// Returns the rule in words: "above 0".
+std::string_view words_of(ParameterRule rule);
+/// True if `rule` allows `value`; false for a value that is not finite.
+bool is_allowed(ParameterRule rule, double value);
+/// Returns the first parameter of `sensor` whose value breaks its rule; null: none.
+const SensorParameter* broken_parameter(const SensorModel& sensor);
 /// Returns the bearing from body x, wrapped, rad.
 double bearing_rad(const Viewpoint& from, const SightLine& to);
 

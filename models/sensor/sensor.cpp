@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/index.hpp"
 #include "models/sensor/law.hpp"
 
 namespace vantage::models {
@@ -14,11 +15,60 @@ constexpr double square(double x) { return x * x; }
 
 int dim_of(const PositionVector& position) { return static_cast<int>(position.rows()); }
 
+/// Returns the position in a state of a TargetModel.
+PositionVector position_of(const StateVector& target) {
+  return target.head(target.rows() == 3 ? 3 : 2);
+}
+
+SightLine sight_line(const Viewpoint& from, const PositionVector& target_world_m,
+                     const Eigen::Vector2d& velocity_world_mps) {
+  SightLine to = models::sight_line(from, target_world_m);
+  to.velocity_world_mps = velocity_world_mps;
+  return to;
+}
+
 }  // namespace
 
 double distance_m(const Viewpoint& a, const Viewpoint& b) {
   const Eigen::Vector2d level_m = a.world_from_body.position_m() - b.world_from_body.position_m();
   return std::hypot(level_m.norm(), a.height_m - b.height_m);
+}
+
+double own_parameter(const SensorModel& sensor, int i) {
+  const double value = sensor.own[index(i)];
+  return std::isnan(value) ? sensor.kind.law().parameters[index(i)].initial : value;
+}
+
+std::optional<int> find_parameter(SensorKind kind, std::string_view name) {
+  const std::span<const SensorParameter> all = kind.law().parameters;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].name == name) {
+      return static_cast<int>(i);
+    }
+  }
+  return std::nullopt;
+}
+
+std::string_view words_of(ParameterRule rule) {
+  return rule == ParameterRule::kAny           ? "finite"
+         : rule == ParameterRule::kAtLeastZero ? "at least 0"
+                                               : "above 0";
+}
+
+bool is_allowed(ParameterRule rule, double value) {
+  const bool fits = rule == ParameterRule::kAny ||
+                    (rule == ParameterRule::kAtLeastZero ? value >= 0.0 : value > 0.0);
+  return fits && std::isfinite(value);
+}
+
+const SensorParameter* broken_parameter(const SensorModel& sensor) {
+  const std::span<const SensorParameter> all = sensor.kind.law().parameters;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!is_allowed(all[i].rule, own_parameter(sensor, static_cast<int>(i)))) {
+      return &all[i];
+    }
+  }
+  return nullptr;
 }
 
 SightLine sight_line(const Viewpoint& from, const PositionVector& target_world_m) {
@@ -69,10 +119,24 @@ bool in_view(const SensorModel& sensor, const Viewpoint& from,
   return law.can_measure == nullptr || law.can_measure(sensor, from, to);
 }
 
+bool measures_velocity(const SensorModel& sensor) {
+  return sensor.kind.law().velocity_jacobian != nullptr;
+}
+
+Eigen::Vector2d velocity_of(const StateVector& target) {
+  return target.rows() == 4 ? Eigen::Vector2d(target.tail<2>()) : Eigen::Vector2d::Zero();
+}
+
 MeasurementVector observe(const SensorModel& sensor, const Viewpoint& from,
-                          const PositionVector& target_world_m) {
-  return sensor.kind.law().observe(sensor, from, sight_line(from, target_world_m),
-                                   dim_of(target_world_m));
+                          const PositionVector& target_world_m,
+                          const Eigen::Vector2d& velocity_world_mps) {
+  return sensor.kind.law().observe(
+      sensor, from, sight_line(from, target_world_m, velocity_world_mps), dim_of(target_world_m));
+}
+
+MeasurementVector observe_state(const SensorModel& sensor, const Viewpoint& from,
+                                const StateVector& target) {
+  return observe(sensor, from, position_of(target), velocity_of(target));
 }
 
 MeasurementMatrix noise_covariance(const SensorModel& sensor, const Viewpoint& from,
@@ -83,9 +147,24 @@ MeasurementMatrix noise_covariance(const SensorModel& sensor, const Viewpoint& f
 }
 
 MeasurementJacobian observation_jacobian(const SensorModel& sensor, const Viewpoint& from,
-                                         const PositionVector& target_world_m) {
-  return sensor.kind.law().jacobian(sensor, from, sight_line(from, target_world_m),
-                                    dim_of(target_world_m));
+                                         const PositionVector& target_world_m,
+                                         const Eigen::Vector2d& velocity_world_mps) {
+  return sensor.kind.law().jacobian(
+      sensor, from, sight_line(from, target_world_m, velocity_world_mps), dim_of(target_world_m));
+}
+
+MeasurementJacobian state_jacobian(const SensorModel& sensor, const Viewpoint& from,
+                                   const StateVector& target) {
+  const SensorLaw& law = sensor.kind.law();
+  const PositionVector position_m = position_of(target);
+  const SightLine to = sight_line(from, position_m, velocity_of(target));
+  const MeasurementJacobian by_position = law.jacobian(sensor, from, to, dim_of(position_m));
+  MeasurementJacobian H = MeasurementJacobian::Zero(by_position.rows(), target.rows());
+  H.leftCols(by_position.cols()) = by_position;
+  if (law.velocity_jacobian != nullptr && target.rows() == 4) {
+    H.rightCols(2) = law.velocity_jacobian(sensor, from, to);
+  }
+  return H;
 }
 
 MeasurementVector innovation(const SensorModel& sensor, const MeasurementVector& z,
@@ -113,8 +192,27 @@ PositionMatrix information(const SensorModel& sensor, const Viewpoint& from,
   return M;
 }
 
+StateMatrix state_information(const SensorModel& sensor, const Viewpoint& from,
+                              const StateVector& target) {
+  StateMatrix M = StateMatrix::Zero(target.rows(), target.rows());
+  const PositionVector position_m = position_of(target);
+  if (!measures_velocity(sensor)) {
+    M.topLeftCorner(position_m.rows(), position_m.rows()) = information(sensor, from, position_m);
+    return M;
+  }
+  if (!in_view(sensor, from, position_m)) {
+    return M;
+  }
+  const MeasurementJacobian H = state_jacobian(sensor, from, target);
+  const MeasurementMatrix V = noise_covariance(sensor, from, position_m);
+  for (Eigen::Index row = 0; row < H.rows(); ++row) {  // V is diagonal for every sensor kind
+    M += H.row(row).transpose() * H.row(row) / V(row, row);
+  }
+  return M;
+}
+
 double information_bound(const SensorModel& sensor, const Viewpoint& from, double reach_m,
-                         const PositionVector& target_world_m) {
+                         const PositionVector& target_world_m, std::optional<double> speed_mps) {
   const SightLine to = sight_line(from, target_world_m);
   const bool in_space = target_world_m.rows() == 3;
   const double dz_m = in_space ? to.offset_world_m.z() : 0.0;
@@ -125,6 +223,7 @@ double information_bound(const SensorModel& sensor, const Viewpoint& from, doubl
   reached.range_near_m = std::max(sensor.range_min_m, std::hypot(reached.horizontal_near_m, dz_m));
   reached.drop_m = -to.offset_world_m.z();
   reached.position_dim = dim_of(target_world_m);
+  reached.speed_mps = speed_mps;
   if (reached.range_near_m >= sensor.range_max_m ||
       std::hypot(reached.horizontal_far_m, dz_m) < sensor.range_min_m) {
     return 0.0;
@@ -133,8 +232,9 @@ double information_bound(const SensorModel& sensor, const Viewpoint& from, doubl
 }
 
 Measurement sample(const SensorModel& sensor, const Viewpoint& from,
-                   const PositionVector& target_world_m, std::mt19937_64& rng) {
-  Measurement measurement{observe(sensor, from, target_world_m),
+                   const PositionVector& target_world_m, std::mt19937_64& rng,
+                   const Eigen::Vector2d& velocity_world_mps) {
+  Measurement measurement{observe(sensor, from, target_world_m, velocity_world_mps),
                           noise_covariance(sensor, from, target_world_m)};
   std::normal_distribution<double> unit_normal;
   for (Eigen::Index row = 0; row < measurement.z.rows(); ++row) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <limits>
 #include <optional>
 #include <random>
 
@@ -11,9 +13,9 @@
 #include "models/target/target_model.hpp"
 
 // Gaussian sensors, z = h(x, y) + v with v ~ N(0, V(x, y)): the five sensors of the dissertation
-// and any other with a law (models/sensor/law.hpp). All of them measure only a target's position.
-// The position is planar (2 rows: on the ground, z = 0) or in space (3 rows). No function
-// allocates.
+// and any other with a law (models/sensor/law.hpp). They measure a target's position and, for kinds
+// with measures_velocity(), its velocity. The position is planar (2 rows: on the ground, z = 0) or
+// in space (3 rows). No function allocates.
 
 namespace vantage::models {
 
@@ -34,6 +36,9 @@ struct Viewpoint {
 };
 /// Returns the distance between two viewpoints in space, m.
 double distance_m(const Viewpoint& a, const Viewpoint& b);
+
+/// Largest number of parameters that one kind of sensor declares (SensorLaw::parameters).
+inline constexpr int kMaxOwnParameters = 4;
 
 /// Systematic error of a ranging sensor: it reports range_scale · true range + range_bias_m.
 struct RangeCalibration {
@@ -62,6 +67,9 @@ struct SensorModel {
   bool variance_grows_with_range = false;
   double variance_floor = 0.1;
   RangeCalibration calibration;
+  /// Values of the kind's own parameters, in the order of SensorLaw::parameters; NaN: default.
+  std::array<double, kMaxOwnParameters> own = {kUnset, kUnset, kUnset, kUnset};
+  static constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
   /// Returns the rows of z for a target with `position_dim` coordinates.
   [[nodiscard]] int measurement_dim(int position_dim) const;
@@ -70,7 +78,8 @@ struct SensorModel {
 /// One measurement of one target.
 struct Measurement {
   MeasurementVector z;  ///< position: target in the body frame, m; range: m; bearing: rad from
-                        ///< body x; range-bearing: (m, rad); camera: image coordinates, pixels
+                        ///< body x; range-bearing: (m, rad); camera: image coordinates, pixels;
+                        ///< range-rate: (m, m/s)
   MeasurementMatrix V;  ///< covariance of z
 };
 
@@ -79,18 +88,35 @@ struct Measurement {
 bool in_view(const SensorModel& sensor, const Viewpoint& from,
              const PositionVector& target_world_m);
 
-/// Returns h(x, y), calibrated: the measurement of a noise-free sensor. Precondition: the target is
-/// not at the sensor's own position (in_view() implies this).
+/// True if measurements depend on the target's velocity.
+bool measures_velocity(const SensorModel& sensor);
+
+/// Returns h(x, y), calibrated: the measurement of a noise-free sensor. The velocity only matters
+/// if measures_velocity(). Precondition: the target is not at the sensor's own position (in_view()
+/// implies this).
 MeasurementVector observe(const SensorModel& sensor, const Viewpoint& from,
-                          const PositionVector& target_world_m);
+                          const PositionVector& target_world_m,
+                          const Eigen::Vector2d& velocity_world_mps = Eigen::Vector2d::Zero());
 
 /// Returns V(x, y), the covariance of the noise.
 MeasurementMatrix noise_covariance(const SensorModel& sensor, const Viewpoint& from,
                                    const PositionVector& target_world_m);
 
 /// Returns ∂h/∂position, measurement_dim × position_dim, including the calibration's scale.
-MeasurementJacobian observation_jacobian(const SensorModel& sensor, const Viewpoint& from,
-                                         const PositionVector& target_world_m);
+MeasurementJacobian observation_jacobian(
+    const SensorModel& sensor, const Viewpoint& from, const PositionVector& target_world_m,
+    const Eigen::Vector2d& velocity_world_mps = Eigen::Vector2d::Zero());
+
+/// Returns the velocity in a state (x, y, ẋ, ẏ); zero for a state without velocity.
+Eigen::Vector2d velocity_of(const StateVector& target);
+
+/// As observe(), for the state of a TargetModel: 2 or 3 rows of position, or (x, y, ẋ, ẏ).
+MeasurementVector observe_state(const SensorModel& sensor, const Viewpoint& from,
+                                const StateVector& target);
+
+/// Returns ∂h/∂state, measurement_dim × rows of the state.
+MeasurementJacobian state_jacobian(const SensorModel& sensor, const Viewpoint& from,
+                                   const StateVector& target);
 
 /// Returns z − ẑ with bearings wrapped into (−π, π]. Do not subtract bearings directly.
 MeasurementVector innovation(const SensorModel& sensor, const MeasurementVector& z,
@@ -101,18 +127,26 @@ MeasurementVector innovation(const SensorModel& sensor, const MeasurementVector&
 PositionMatrix information(const SensorModel& sensor, const Viewpoint& from,
                            const PositionVector& target_world_m);
 
+/// Returns the information about the state, Hᵀ V⁻¹ H with H = state_jacobian(); zero if the target
+/// is not in_view. Its position block is information() if !measures_velocity().
+StateMatrix state_information(const SensorModel& sensor, const Viewpoint& from,
+                              const StateVector& target);
+
 /// Returns an upper bound of information() over all viewpoints within `reach_m` (horizontally) of
 /// `from` and all headings. The bound is a multiple of the identity; its factor is returned. The
 /// factor is 0 if no such viewpoint can see the target. It is +∞ for a bearing sensor without a
 /// minimum range that may be above the target. `reach_m` is enlarged by a nanometre to cover
-/// accumulated rounding errors. Source: dissertation app. G with the corrections of 2.29 (r² for
-/// r).
+/// accumulated rounding errors. With `speed_mps`, the bound is that of state_information() about
+/// any state (position, velocity) at this position with at most this speed. Source: dissertation
+/// app. G with the corrections of 2.29 (r² for r).
 double information_bound(const SensorModel& sensor, const Viewpoint& from, double reach_m,
-                         const PositionVector& target_world_m);
+                         const PositionVector& target_world_m,
+                         std::optional<double> speed_mps = std::nullopt);
 
 /// Returns one noisy measurement of a target that is in view.
 Measurement sample(const SensorModel& sensor, const Viewpoint& from,
-                   const PositionVector& target_world_m, std::mt19937_64& rng);
+                   const PositionVector& target_world_m, std::mt19937_64& rng,
+                   const Eigen::Vector2d& velocity_world_mps = Eigen::Vector2d::Zero());
 
 /// Returns the target position for which a noise-free measurement equals `z`. nullopt for sensors
 /// that cannot determine it (only range or only bearing), and if no position gives `z`. If `z` does

@@ -12,12 +12,13 @@ constinit const SensorKind SensorKind::kRange(sensor_kinds::range);
 constinit const SensorKind SensorKind::kBearing(sensor_kinds::bearing);
 constinit const SensorKind SensorKind::kRangeBearing(sensor_kinds::range_bearing);
 constinit const SensorKind SensorKind::kCamera(sensor_kinds::camera);
+constinit const SensorKind SensorKind::kRangeRate(sensor_kinds::range_rate);
 
 std::span<const SensorKind> all_sensor_kinds() {
   static constexpr std::array kAll{
       SensorKind(sensor_kinds::position), SensorKind(sensor_kinds::range),
       SensorKind(sensor_kinds::bearing),  SensorKind(sensor_kinds::range_bearing),
-      SensorKind(sensor_kinds::camera),
+      SensorKind(sensor_kinds::camera),   SensorKind(sensor_kinds::range_rate),
   };
   return kAll;
 }

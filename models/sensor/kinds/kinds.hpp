@@ -13,6 +13,7 @@ extern const SensorLaw range;
 extern const SensorLaw bearing;
 extern const SensorLaw range_bearing;
 extern const SensorLaw camera;
+extern const SensorLaw range_rate;
 
 /// Returns a law with the required functions; the caller sets the optional fields.
 constexpr SensorLaw law_of(std::string_view name, decltype(SensorLaw::measurement_dim) dim,

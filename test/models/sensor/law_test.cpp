@@ -24,7 +24,8 @@ TEST(SensorLaw, PlanarLawEqualsInformation) {
   test::Random random(68);
   for (const SensorKind kind : kKinds) {
     const SensorLaw& law = kind.law();
-    ASSERT_EQ(law.planar_law == nullptr, kind == SensorKind::kCamera);
+    ASSERT_EQ(law.planar_law == nullptr,
+              kind == SensorKind::kCamera || law.velocity_jacobian != nullptr);
     for (int i = 0; i < 300 && law.planar_law != nullptr; ++i) {
       SensorModel sensor = of_kind(kind);
       sensor.range_sigma_m = random.uniform(0.05, 0.5);
@@ -93,11 +94,14 @@ TEST(SensorLaw, CameraDepthPerMetreMatchesView) {
 
 TEST(SensorLaw, DescribesTheMeasurementOfEachKind) {
   for (const SensorKind kind : kKinds) {
-    const bool range = kind == SensorKind::kRange || kind == SensorKind::kRangeBearing;
+    const bool range = kind == SensorKind::kRange || kind == SensorKind::kRangeBearing ||
+                       kind == SensorKind::kRangeRate;
     const bool bearing = kind == SensorKind::kBearing || kind == SensorKind::kRangeBearing;
     EXPECT_EQ(kind.law().measures_range, range) << kind.name();
     EXPECT_EQ(kind.law().measures_bearing, bearing) << kind.name();
     EXPECT_EQ(kind.law().is_linear, kind == SensorKind::kPosition) << kind.name();
+    EXPECT_EQ(kind.law().velocity_jacobian != nullptr, kind == SensorKind::kRangeRate)
+        << kind.name();
     const SensorModel sensor = of_kind(kind);
     for (const int dim : {2, 3}) {
       const Viewpoint from{{0.0, 0.0, 0.0}, 2.0};
