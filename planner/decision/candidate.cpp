@@ -28,6 +28,7 @@ class CandidateMaker {
         kept_(static_cast<std::size_t>(problem.horizon_steps) + 1) {
     for (const models::SensorModel& sensor : problem.sensors) {
       range_max_m_ = std::max(range_max_m_, sensor.range_max_m);
+      measures_velocity_ = measures_velocity_ || models::measures_velocity(sensor);
     }
   }
 
@@ -42,15 +43,28 @@ class CandidateMaker {
             range_max_m_ * range_max_m_) {
           continue;  // out of range: the spatial distance is at least the planar distance
         }
-        const models::PositionVector target_m = mean_m.head(spatial ? 3 : 2);
-        const models::PositionMatrix M = information_at(sight_world(problem_), problem_.sensors,
-                                                        {poses[t], problem_.height_m}, target_m);
-        if (M.isZero(0.0)) {
-          continue;
-        }
+        const models::Viewpoint from{poses[t], problem_.height_m};
         PredictedMeasurement seen{
             static_cast<std::uint16_t>(m), static_cast<std::uint16_t>(t + 1), {}};
-        pack(spatial ? BlockLayout::kSpatial : BlockLayout::kPlanar, M, seen.information.m);
+        if (measures_velocity_ && beliefs_.layout(m) == BlockLayout::kMoving) {
+          models::StateVector state(4);
+          state << mean_m.head<2>(), beliefs_.velocity_mps(m, static_cast<int>(t) + 1);
+          const models::StateMatrix M =
+              state_information_at(sight_world(problem_), problem_.sensors, from, state);
+          if (M.isZero(0.0)) {
+            continue;
+          }
+          pack(BlockLayout::kMoving, M, seen.information.m);
+          seen.information.is_of_state = true;
+        } else {
+          const models::PositionVector target_m = mean_m.head(spatial ? 3 : 2);
+          const models::PositionMatrix M =
+              information_at(sight_world(problem_), problem_.sensors, from, target_m);
+          if (M.isZero(0.0)) {
+            continue;
+          }
+          pack(spatial ? BlockLayout::kSpatial : BlockLayout::kPlanar, M, seen.information.m);
+        }
         candidate.measurements.push_back(seen);
       }
     }
@@ -99,6 +113,7 @@ class CandidateMaker {
   const BeliefTable& beliefs_;
   std::vector<TargetCourses::Course> kept_;  // scratch of follow(), by step
   double range_max_m_ = 0.0;
+  bool measures_velocity_ = false;
 };
 
 struct Leaf {

@@ -37,17 +37,19 @@ double TargetCourses::follow(int target, int from, Course course,
       if (of_robot.empty() || of_robot.front().step != t) {
         continue;
       }
-      for (int i = 0; i < entries; ++i) {
-        M.m[i] += of_robot.front().information.m[i];
+      const PackedInformation& added = of_robot.front().information;
+      for (int i = 0; i < (added.is_of_state ? kMaxPacked : entries); ++i) {
+        M.m[i] += added.m[i];
       }
+      M.is_of_state = M.is_of_state || added.is_of_state;
       of_robot = of_robot.subspan(1);
       is_seen = true;
     }
     if (is_seen) {
       if (is_mutual) {
-        course.gained.multiply(gain(layout, M.m, course.block));
+        course.gained.multiply(gain(layout, M, course.block));
       }
-      update(layout, M.m, course.block, course.block);
+      update(layout, M, course.block, course.block);
       course.is_seen = true;
     }
     if (!is_mutual && course.is_seen) {

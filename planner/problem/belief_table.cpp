@@ -12,6 +12,17 @@ BlockLayout layout_of(const models::TargetModel& model) {
   return model.position_dim == 3 ? BlockLayout::kSpatial : BlockLayout::kPlanar;
 }
 
+// Packs information about the position, or about the state of a moving target.
+PackedInformation packed_information(const models::StateMatrix& M, int position_dim) {
+  PackedInformation packed;
+  packed.is_of_state = M.rows() == 4;
+  pack(packed.is_of_state  ? BlockLayout::kMoving
+       : position_dim == 3 ? BlockLayout::kSpatial
+                           : BlockLayout::kPlanar,
+       M, packed.m);
+  return packed;
+}
+
 }  // namespace
 
 void pack(BlockLayout layout, const models::StateMatrix& covariance, double* out) {
@@ -53,6 +64,7 @@ BeliefTable::BeliefTable(int targets_max, int horizon_max) {
   layouts_.reserve(targets);
   motions_.reserve(targets);
   means_.reserve(cells);
+  velocities_.reserve(cells);
   open_loop_.reserve(cells * kMaxPacked);
   measures_.reserve(cells);
   per_measures_.reserve(cells);
@@ -66,7 +78,7 @@ void BeliefTable::predict_into(int m, int t, const double* in, double* out) cons
   if (has_fixed_) {
     const std::size_t cell = at(m, t - 1);
     if (is_fixed_[cell] != 0) {
-      update(layouts_[index(m)], fixed_[cell].m, out, out);
+      update(layouts_[index(m)], fixed_[cell], out, out);
     }
   }
 }
@@ -83,6 +95,7 @@ void BeliefTable::reset(const SearchProblem& problem) {
   }
   const std::size_t cells = index(targets) * index(horizon + 1);
   means_.resize(cells);
+  velocities_.resize(cells);
   open_loop_.resize(cells * kMaxPacked);
   measures_.resize(cells);
   per_measures_.resize(cells);
@@ -94,12 +107,11 @@ void BeliefTable::reset(const SearchProblem& problem) {
     is_fixed_.assign(index(targets) * index(horizon), 0);
     for (int m = 0; m < targets; ++m) {
       for (int t = 0; t < horizon; ++t) {
-        const models::PositionMatrix& M = problem.fixed_information[index(m)][index(t)];
+        const models::StateMatrix& M = problem.fixed_information[index(m)][index(t)];
         if (M.size() == 0 || M.isZero(0.0)) {
           continue;
         }
-        pack(position_dim(m) == 3 ? BlockLayout::kSpatial : BlockLayout::kPlanar, M,
-             fixed_[at(m, t)].m);
+        fixed_[at(m, t)] = packed_information(M, position_dim(m));
         is_fixed_[at(m, t)] = 1;
         has_fixed_ = true;
       }
@@ -117,6 +129,7 @@ void BeliefTable::reset(const SearchProblem& problem) {
         predict_into(m, t, open_loop(m, t - 1), &open_loop_[kMaxPacked * at(m, t)]);
       }
       means_[at(m, t)] = Eigen::Vector3d(mean(0), mean(1), p == 3 ? mean(2) : 0.0);
+      velocities_[at(m, t)] = models::velocity_of(mean);
       const double* block = open_loop(m, t);
       const double measure =
           cost_ == CostKind::kLogDet ? determinant(layout(m), block) : trace(layout(m), block);

@@ -28,6 +28,10 @@ class BeliefTable {
 
   /// Returns the predicted position of target m at depth t = 0 … T (z = 0 for planar targets).
   [[nodiscard]] const Eigen::Vector3d& mean_m(int m, int t) const { return means_[at(m, t)]; }
+  /// Returns the predicted velocity of target m at depth t; zero for a target without velocity.
+  [[nodiscard]] const Eigen::Vector2d& velocity_mps(int m, int t) const {
+    return velocities_[at(m, t)];
+  }
   /// Returns the packed covariance of target m at depth t without measurements of this search.
   [[nodiscard]] const double* open_loop(int m, int t) const {
     return &open_loop_[kMaxPacked * at(m, t)];
@@ -55,6 +59,7 @@ class BeliefTable {
   std::vector<BlockLayout> layouts_;
   std::vector<StepMotion> motions_;
   std::vector<Eigen::Vector3d> means_;
+  std::vector<Eigen::Vector2d> velocities_;
   std::vector<double> open_loop_;
   std::vector<double> measures_;
   std::vector<double> per_measures_;

@@ -1,5 +1,8 @@
 #include "planner/problem/block_kernels.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 namespace vantage::planner {
 namespace {
 
@@ -38,7 +41,27 @@ int difference(BlockLayout layout, const double* a, double epsilon, const double
   return 3;
 }
 
+// Returns the Cholesky factor of I + Lᵀ M L with Σ = L Lᵀ.
+Eigen::LLT<Eigen::Matrix4d> whitened_gain4(const double* m, const Eigen::Matrix4d& L) {
+  return Eigen::LLT<Eigen::Matrix4d>(Eigen::Matrix4d::Identity() + L.transpose() * unpack4(m) * L);
+}
+
 }  // namespace
+
+double state_gain(const double* m, const double* b) {
+  const Eigen::Matrix4d L = Eigen::LLT<Eigen::Matrix4d>(unpack4(b)).matrixL();
+  const double root = whitened_gain4(m, L).matrixLLT().diagonal().prod();
+  return root * root;
+}
+
+void update_state(const double* m, const double* in, double* out) {
+  const Eigen::Matrix4d L = Eigen::LLT<Eigen::Matrix4d>(unpack4(in)).matrixL();
+  const Eigen::Matrix4d X = whitened_gain4(m, L).matrixL().solve(L.transpose());
+  const Eigen::Matrix4d S = X.transpose() * X;
+  const double packed[] = {S(0, 0), S(0, 1), S(1, 1), S(0, 2), S(0, 3),
+                           S(1, 2), S(1, 3), S(2, 2), S(2, 3), S(3, 3)};
+  std::copy(std::begin(packed), std::end(packed), out);
+}
 
 StepMotion step_motion(const models::TargetModel& model, double step_s) {
   const models::StateMatrix W = model.process_noise(step_s);

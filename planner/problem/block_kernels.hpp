@@ -11,6 +11,7 @@
 // Covariance arithmetic on packed blocks, the inner loop of every search. Legend:
 //   P  position covariance, C = cov(position, velocity), V velocity covariance
 //   M  information of one position measurement, G = (I + M P)⁻¹ M
+// Information about a moving target's whole state is packed like its block (PackedInformation).
 // Three layouts, by the target's state:
 //   kPlanar  (x, y)            [Pxx Pxy Pyy]
 //   kSpatial (x, y, z)         [Pxx Pxy Pxz Pyy Pyz Pzz]
@@ -27,9 +28,11 @@ constexpr int packed_size(BlockLayout layout) {
   return layout == BlockLayout::kPlanar ? 3 : layout == BlockLayout::kSpatial ? 6 : 10;
 }
 
-/// Symmetric 2×2 or 3×3 information, packed as the position part of a block.
+/// Symmetric 2×2 or 3×3 information, packed as the position part of a block. With `is_of_state`,
+/// the information about a moving target's state, packed as its block.
 struct PackedInformation {
-  double m[6] = {0, 0, 0, 0, 0, 0};
+  double m[kMaxPacked] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  bool is_of_state = false;
 };
 
 /// Motion of one axis over one step: A = [a b; c d] and W = [position cross; cross velocity].
@@ -211,6 +214,18 @@ inline Eigen::LLT<Eigen::Matrix3d> whitened_gain3(const double* m, const Eigen::
   return Eigen::LLT<Eigen::Matrix3d>(Eigen::Matrix3d::Identity() + L.transpose() * unpack3(m) * L);
 }
 
+inline Eigen::Matrix4d unpack4(const double* p) {
+  Eigen::Matrix4d full;
+  full << p[0], p[1], p[3], p[4], p[1], p[2], p[5], p[6], p[3], p[5], p[7], p[8], p[4], p[6], p[8],
+      p[9];
+  return full;
+}
+
+/// Returns det(I + M Σ) of a moving block, M packed like the block.
+double state_gain(const double* m, const double* b);
+/// Computes (Σ⁻¹ + M)⁻¹ of a moving block, M packed like the block. `in` and `out` may be the same.
+void update_state(const double* m, const double* in, double* out);
+
 /// Returns det(I + M P) for any layout.
 inline double gain(BlockLayout layout, const double* m, const double* b) {
   if (layout == BlockLayout::kSpatial) {
@@ -290,6 +305,26 @@ inline double trace_reduction(BlockLayout layout, const double* m, const double*
   posterior_gain2(m, b, g);
   const Square2 s = squared_rows(layout, b);
   return g[0] * s.xx + 2.0 * g[1] * s.xy + g[2] * s.yy;
+}
+
+/// As above, for information about the position or the state.
+inline double gain(BlockLayout layout, const PackedInformation& M, const double* b) {
+  return M.is_of_state ? state_gain(M.m, b) : gain(layout, M.m, b);
+}
+inline void update(BlockLayout layout, const PackedInformation& M, const double* in, double* out) {
+  if (M.is_of_state) {
+    update_state(M.m, in, out);
+    return;
+  }
+  update(layout, M.m, in, out);
+}
+inline double trace_reduction(BlockLayout layout, const PackedInformation& M, const double* b) {
+  if (M.is_of_state) {
+    double after[kMaxPacked];
+    update_state(M.m, b, after);
+    return trace(layout, b) - trace(layout, after);
+  }
+  return trace_reduction(layout, M.m, b);
 }
 
 /// True only if a + εI − b is positive semidefinite. Uses Cholesky with a tolerance that can make

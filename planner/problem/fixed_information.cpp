@@ -1,5 +1,7 @@
 #include "planner/problem/fixed_information.hpp"
 
+#include <algorithm>
+
 #include "core/infinity.hpp"
 #include "planner/problem/information_at.hpp"
 
@@ -40,7 +42,7 @@ bool may_see(const FixedTeammate& teammate, const models::Rectangle& bounding_bo
 
 }  // namespace
 
-std::vector<std::vector<models::PositionMatrix>> fixed_information(
+std::vector<std::vector<models::StateMatrix>> fixed_information(
     const SearchProblem& problem, const std::vector<FixedTeammate>& teammates) {
   const auto steps = static_cast<std::size_t>(problem.horizon_steps);
   // Each teammate's viewpoints, [step][teammate], computed once for all targets.
@@ -58,18 +60,28 @@ std::vector<std::vector<models::PositionMatrix>> fixed_information(
            &teammate.sensor});
     }
   }
-  std::vector<std::vector<models::PositionMatrix>> fixed(problem.targets.size());
+  const bool measures_velocity =
+      std::any_of(teammates.begin(), teammates.end(),
+                  [](const FixedTeammate& each) { return models::measures_velocity(each.sensor); });
+  std::vector<std::vector<models::StateMatrix>> fixed(problem.targets.size());
   for (std::size_t m = 0; m < problem.targets.size(); ++m) {
     const SearchTarget& target = problem.targets[m];
     const int p = target.model.position_dim;
     models::StateVector mean = target.prior.mean;
-    fixed[m].assign(steps, models::PositionMatrix::Zero(p, p));
+    const bool is_of_state = measures_velocity && target.model.has_velocity();
+    const int n = is_of_state ? target.model.dim() : p;
+    fixed[m].assign(steps, models::StateMatrix::Zero(n, n));
     for (std::size_t t = 0; t < steps; ++t) {
       mean = target.model.expected(mean, problem.step_s);
       const models::PositionVector position_m = mean.head(p);
       for (const View& view : views[t]) {
-        fixed[m][t] +=
-            information_at(sight_world(problem), {view.sensor, 1}, view.from, position_m);
+        if (is_of_state) {
+          fixed[m][t] +=
+              state_information_at(sight_world(problem), {view.sensor, 1}, view.from, mean);
+        } else {
+          fixed[m][t] +=
+              information_at(sight_world(problem), {view.sensor, 1}, view.from, position_m);
+        }
       }
     }
   }

@@ -6,6 +6,7 @@
 #include "core/check.hpp"
 #include "core/index.hpp"
 #include "core/infinity.hpp"
+#include "models/sensor/law.hpp"
 #include "models/target/law.hpp"
 
 namespace vantage::planner {
@@ -28,6 +29,10 @@ void require_valid(const models::SensorModel& sensor) {
          "search: a sensor's sigmas must be > 0");
   demand(!sensor.variance_grows_with_range || is_positive(sensor.variance_floor),
          "search: a sensor's variance_floor must be > 0");
+  if (const models::SensorParameter* const broken = models::broken_parameter(sensor)) {
+    throw UsageError("search: a sensor's " + std::string(broken->name) + " must be " +
+                     std::string(models::words_of(broken->rule)));
+  }
 }
 
 void require_valid(const SearchTarget& target) {
@@ -56,10 +61,12 @@ void require_valid_information(const SearchProblem& problem) {
     demand(problem.fixed_information[m].size() >= static_cast<std::size_t>(problem.horizon_steps),
            "search: fixed_information must have a matrix for every step");
     const int p = problem.targets[m].model.position_dim;
-    for (const models::PositionMatrix& M : problem.fixed_information[m]) {
-      demand(M.size() == 0 || (M.rows() == p && M.cols() == p && M.allFinite()),
+    const int n = problem.targets[m].model.dim();
+    for (const models::StateMatrix& M : problem.fixed_information[m]) {
+      demand(M.size() == 0 ||
+                 ((M.rows() == p || M.rows() == n) && M.cols() == M.rows() && M.allFinite()),
              "search: each matrix of fixed_information must be empty, or finite and square of "
-             "size position_dim");
+             "size position_dim or dim");
     }
   }
 }
@@ -76,15 +83,29 @@ double required_separation_from_m(const SearchProblem& problem, const Pose2& sta
   return std::min(problem.separation_m, std::max(0.0, away_m.norm() - kChords_m));
 }
 
-// Adds the information of the robot's own sensors about a target at `mean_m` to `M`.
-void add_own_information(const SearchProblem& problem, const Pose2& pose,
-                         const models::PositionVector& mean_m, models::PositionMatrix& M) {
+// Adds the information of the robot's own sensors about the position of `target`, believed to be
+// `belief`, to `M`; information about its state updates the belief at once. True if there is any.
+bool add_own_information(const SearchProblem& problem, const SearchTarget& target,
+                         const Pose2& pose, models::Gaussian& belief, models::PositionMatrix& M) {
+  const models::PositionVector mean_m = belief.mean.head(target.model.position_dim);
   const models::World* const world = sight_world(problem);
-  if (world == nullptr || models::line_of_sight(*world, pose.position_m(), mean_m.head<2>())) {
-    for (const models::SensorModel& sensor : problem.sensors) {
-      M += models::information(sensor, {pose, problem.height_m}, mean_m);
+  if (world != nullptr && !models::line_of_sight(*world, pose.position_m(), mean_m.head<2>())) {
+    return false;
+  }
+  bool is_measured = false;
+  for (const models::SensorModel& sensor : problem.sensors) {
+    const models::Viewpoint from{pose, problem.height_m};
+    if (models::measures_velocity(sensor) && target.model.has_velocity()) {
+      const models::StateMatrix information = models::state_information(sensor, from, belief.mean);
+      is_measured = is_measured || !information.isZero(0.0);
+      belief.covariance = models::update_state_covariance(belief.covariance, information);
+    } else {
+      const models::PositionMatrix information = models::information(sensor, from, mean_m);
+      is_measured = is_measured || !information.isZero(0.0);
+      M += information;
     }
   }
+  return is_measured;
 }
 
 }  // namespace
@@ -171,9 +192,14 @@ double score(const SearchProblem& problem, const std::vector<Pose2>& poses) {
       belief = models::predict(belief, target.model, problem.step_s);
       models::PositionMatrix M = models::PositionMatrix::Zero(p, p);
       if (!problem.fixed_information.empty() && problem.fixed_information[m][t].size() > 0) {
-        M += problem.fixed_information[m][t];
+        const models::StateMatrix& fixed = problem.fixed_information[m][t];
+        if (fixed.rows() == p) {
+          M += fixed;
+        } else {
+          belief.covariance = models::update_state_covariance(belief.covariance, fixed);
+        }
       }
-      add_own_information(problem, poses[t], belief.mean.head(p), M);
+      add_own_information(problem, target, poses[t], belief, M);
       belief.covariance = models::update_covariance(belief.covariance, M);
       cost += problem.cost == CostKind::kLogDet ? models::log_det(belief.covariance)
                                                 : belief.covariance.trace();
@@ -194,8 +220,7 @@ double terminal_cost(const SearchProblem& problem, const std::vector<Pose2>& pos
       belief = models::predict(belief, target.model, problem.step_s);
       const int p = target.model.position_dim;
       models::PositionMatrix M = models::PositionMatrix::Zero(p, p);
-      add_own_information(problem, poses[t], belief.mean.head(p), M);
-      if (!M.isZero(0.0)) {
+      if (add_own_information(problem, target, poses[t], belief, M)) {
         measured.push_back(static_cast<std::uint16_t>(m));
         break;
       }

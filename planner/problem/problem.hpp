@@ -34,7 +34,8 @@ struct SearchTarget {
 
 /// One robot's planning problem: choose `horizon_steps` controls, each held for `step_s`, that
 /// minimise the summed cost of the beliefs. At each step every block is predicted and then updated
-/// with the sensors' information at the new pose about the target's predicted mean.
+/// with the sensors' information at the new pose about the target's predicted mean. A target whose
+/// state has no velocity is at rest for sensors that measure velocity.
 /// Source: dissertation eq. 2.10 (Problem 2), with the sum over t = 1 … T.
 struct SearchProblem {
   Time start_time{};
@@ -48,8 +49,9 @@ struct SearchProblem {
   CostKind cost = CostKind::kLogDet;
 
   /// Information of the teammates' fixed plans about target m on arrival at depth t:
-  /// fixed_information[m][t − 1], position_dim square. Empty: none.
-  std::vector<std::vector<models::PositionMatrix>> fixed_information;
+  /// fixed_information[m][t − 1], about the position (position_dim square) or the state (dim
+  /// square). Empty: none.
+  std::vector<std::vector<models::StateMatrix>> fixed_information;
 
   /// Added to J_T of every complete plan; empty: none. The targets that count as measured are those
   /// of which a sensor of this robot gives information at a step before the last.

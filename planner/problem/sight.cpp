@@ -86,8 +86,11 @@ bool SightTable::add_planar_information(const Sensor& sensor, double dx_m, doubl
   return true;
 }
 
-bool SightTable::add_information(const Eigen::Vector3d& target_m, bool spatial, const Pose2& at,
-                                 double cos_yaw, double sin_yaw, PackedInformation& out) const {
+bool SightTable::add_information(const Eigen::Vector3d& target_m,
+                                 const Eigen::Vector2d& velocity_mps, BlockLayout layout,
+                                 const Pose2& at, double cos_yaw, double sin_yaw,
+                                 PackedInformation& out) const {
+  const bool spatial = layout == BlockLayout::kSpatial;
   bool seen = false;
   for (std::size_t s = 0; s < sensors_.size(); ++s) {
     if (!spatial && !sensors_[s].lacks_planar_law) {
@@ -102,13 +105,24 @@ bool SightTable::add_information(const Eigen::Vector3d& target_m, bool spatial, 
     if (!models::in_view(sensor, from, target)) {
       continue;
     }
+    seen = true;
+    if (layout == BlockLayout::kMoving && models::measures_velocity(sensor)) {
+      models::StateVector state(4);
+      state << target, velocity_mps;
+      double packed[kMaxPacked];
+      pack(layout, models::state_information(sensor, from, state), packed);
+      for (int i = 0; i < kMaxPacked; ++i) {
+        out.m[i] += packed[i];
+      }
+      out.is_of_state = true;
+      continue;
+    }
     const models::PositionMatrix M = models::information(sensor, from, target);
     double packed[6];
     pack(spatial ? BlockLayout::kSpatial : BlockLayout::kPlanar, M, packed);
     for (int i = 0; i < (spatial ? 6 : 3); ++i) {
       out.m[i] += packed[i];
     }
-    seen = true;
   }
   return seen && (!has_obstacles_ || line_of_sight(at.position_m(), target_m.head<2>()));
 }

@@ -43,12 +43,16 @@ class SightTable {
 
   /// Returns the longest range of all sensors, m.
   [[nodiscard]] double range_max_m() const { return range_max_m_; }
-  /// True if compute_lanes() supports every planar target, that is, no sensor is a camera.
+  /// True if compute_lanes() supports every planar target: all sensors have a planar law.
   [[nodiscard]] bool has_lanes() const { return !lacks_planar_law_; }
 
-  /// Adds the information from `at` to `out`, packed. False if the target is not visible.
-  [[nodiscard]] bool add_information(const Eigen::Vector3d& target_m, bool spatial, const Pose2& at,
-                                     double cos_yaw, double sin_yaw, PackedInformation& out) const;
+  /// Adds the information from `at` to `out`, packed. False if the target is not visible. For a
+  /// moving target, sensors that measure velocity make it information about the state; the target
+  /// then has the velocity `velocity_mps`.
+  [[nodiscard]] bool add_information(const Eigen::Vector3d& target_m,
+                                     const Eigen::Vector2d& velocity_mps, BlockLayout layout,
+                                     const Pose2& at, double cos_yaw, double sin_yaw,
+                                     PackedInformation& out) const;
 
   /// False if a planar target is certainly out of range. Precondition: has_lanes().
   [[nodiscard]] bool may_be_in_range(const Eigen::Vector3d& target_m, const Pose2& at) const {

@@ -153,16 +153,16 @@ void Expander::look_at_one_each(int m, int t, const Children& children, Gains& g
   const double* P = predicted(m, t);
   for (int i = 0; i < children.count; ++i) {
     PackedInformation M;
-    if (!sight_.add_information(beliefs_.mean_m(m, t), layout == BlockLayout::kSpatial,
+    if (!sight_.add_information(beliefs_.mean_m(m, t), beliefs_.velocity_mps(m, t), layout,
                                 children.world_from_body(i), children.views.cos_yaw[i],
                                 children.views.sin_yaw[i], M)) {
       continue;
     }
     if (beliefs_.cost() == CostKind::kTrace) {
-      gains.sum[i] += trace_reduction(layout, M.m, P);
+      gains.sum[i] += trace_reduction(layout, M, P);
       continue;
     }
-    gains.product[i] *= gain(layout, M.m, P);
+    gains.product[i] *= gain(layout, M, P);
     if (gains.product[i] > kProductMax) {
       gains.sum[i] += std::log(gains.product[i]);
       gains.product[i] = 1.0;
@@ -252,12 +252,12 @@ Expander::Kept Expander::update_blocks(const Pose2& at, double cos_yaw, double s
       continue;
     }
     PackedInformation M;
-    if (!sight_.add_information(beliefs_.mean_m(m, t), layout == BlockLayout::kSpatial, at, cos_yaw,
-                                sin_yaw, M)) {
+    if (!sight_.add_information(beliefs_.mean_m(m, t), beliefs_.velocity_mps(m, t), layout, at,
+                                cos_yaw, sin_yaw, M)) {
       continue;
     }
     keep_touched_before(m);
-    update(layout, M.m, predicted(m, t), keep(m));
+    update(layout, M, predicted(m, t), keep(m));
     if (next_touched < touched_.size() && touched_[next_touched] == m) {
       ++next_touched;
     }

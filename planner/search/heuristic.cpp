@@ -30,6 +30,7 @@ InformationHeuristic::InformationHeuristic(int targets_max, int horizon_max)
   const std::size_t depths = index(horizon_max + 1);
   points_.reserve(targets);
   sights_m_.reserve(targets);
+  speeds_mps_.reserve(targets);
   motions_.reserve(targets);
   has_static_position_.reserve(targets);
   has_fixed_.reserve(targets);
@@ -53,10 +54,13 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
     step_m_ = std::max(step_m_, end.position_m().norm());
   }
   step_m_ += kRounding_m;
+  measures_velocity_ = std::any_of(problem.sensors.begin(), problem.sensors.end(),
+                                   [](const auto& each) { return measures_velocity(each); });
 
   const int targets = beliefs.target_count();
   points_.clear();
   sights_m_.clear();
+  speeds_mps_.clear();
   motions_.clear();
   has_static_position_.clear();
   has_fixed_.clear();
@@ -71,13 +75,18 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
     }
     points_.push_back(beliefs.mean_m(m, 0).head<2>());
     sights_m_.push_back(sight_m);
+    double speed_mps = 0.0;
+    for (int t = 0; t <= horizon_; ++t) {
+      speed_mps = std::max(speed_mps, beliefs.velocity_mps(m, t).norm());
+    }
+    speeds_mps_.push_back(speed_mps);
     motions_.push_back(step_motion(target.model, problem.step_s));
     const bool has_static_position = !target.model.has_velocity();
     has_static_position_.push_back(has_static_position ? 1 : 0);
     bool fixed = false;
     if (!problem.fixed_information.empty()) {
       for (int t = 0; t < horizon_; ++t) {
-        const models::PositionMatrix& M = problem.fixed_information[index(m)][index(t)];
+        const models::StateMatrix& M = problem.fixed_information[index(m)][index(t)];
         fixed = fixed || (M.size() > 0 && !M.isZero(0.0));
       }
     }
@@ -144,6 +153,12 @@ LookBound InformationHeuristic::look_bound(int m, double nearest_m, double farth
   }
   const double reach_m = steps * step_m_ + (farthest_m - middle_m);
   for (const models::SensorModel& sensor : problem_->sensors) {
+    if (measures_velocity_ && measures_velocity(sensor) &&
+        beliefs_->layout(m) == BlockLayout::kMoving) {
+      bound.of_state +=
+          models::information_bound(sensor, from, reach_m, target, speeds_mps_[index(m)]);
+      continue;
+    }
     const double strongest = models::information_bound(sensor, from, reach_m, target);
     if (strongest == 0.0) {
       continue;
@@ -196,7 +211,7 @@ bool InformationHeuristic::for_each_step(int m, int t, const double* block, cons
     const bool in_reach = to.nearest_m < sight_m(m) + (k - t) * step_m_ + kRounding_m;
     const LookBound look =
         in_reach ? look_bound(m, to.nearest_m, to.farthest_m, k - t) : LookBound{};
-    if (!std::isfinite(look.strongest())) {
+    if (!std::isfinite(look.strongest() + look.of_state)) {
       return false;
     }
     double measure = 0.0;
@@ -206,7 +221,13 @@ bool InformationHeuristic::for_each_step(int m, int t, const double* block, cons
     }
     if (by_recursion) {
       beliefs_->predict_into(m, k, recursed, recursed);
-      if (look.strongest() > 0.0) {
+      if (look.of_state > 0.0) {
+        PackedInformation M;
+        M.is_of_state = true;
+        M.m[0] = M.m[2] = look.strongest() + look.of_state;
+        M.m[7] = M.m[9] = look.of_state;
+        update_state(M.m, recursed, recursed);
+      } else if (look.strongest() > 0.0) {
         PackedInformation M;
         M.m[0] = look.strongest();
         (layout == BlockLayout::kSpatial ? M.m[3] : M.m[2]) = look.strongest();

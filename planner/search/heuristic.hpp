@@ -68,10 +68,12 @@ class InformationHeuristic {
   }
   [[nodiscard]] const StepMotion& motion(int m) const { return motions_[index(m)]; }
   [[nodiscard]] bool has_fixed(int m) const { return has_fixed_[index(m)] != 0; }
-  /// True if AveragedBlock bounds target m: planar, same A on both axes, no teammates' information.
+  /// True if AveragedBlock bounds target m: planar, same A on both axes, no teammates' information,
+  /// no sensor measures its velocity.
   [[nodiscard]] bool is_averaged(int m) const {
     return beliefs_->layout(m) != BlockLayout::kSpatial && !has_fixed(m) &&
-           motion(m).is_isotropic();
+           motion(m).is_isotropic() &&
+           !(measures_velocity_ && beliefs_->layout(m) == BlockLayout::kMoving);
   }
   /// Returns the cost of target m over the steps after `depth` if the target is never measured.
   [[nodiscard]] double open_loop_rest(int m, int depth) const {
@@ -110,9 +112,11 @@ class InformationHeuristic {
   const BeliefTable* beliefs_ = nullptr;
   int horizon_ = 0;
   double step_m_ = 0.0;
+  bool measures_velocity_ = false;  ///< true: a sensor measures velocities
   GeodesicTable geodesics_;
   std::vector<Eigen::Vector2d> points_;
   std::vector<double> sights_m_;
+  std::vector<double> speeds_mps_;  ///< per target: largest predicted speed
   std::vector<StepMotion> motions_;
   std::vector<std::uint8_t> has_static_position_;
   std::vector<std::uint8_t> has_fixed_;

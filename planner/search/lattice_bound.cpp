@@ -81,6 +81,10 @@ void LatticeBound::reset(const SearchProblem& problem, const BeliefTable& belief
   for (int m = 0; m < targets_; ++m) {
     applies_ = applies_ && beliefs.layout(m) != BlockLayout::kSpatial;
   }
+  const auto is_of_state = [](const models::StateMatrix& M) { return M.rows() > 2; };
+  for (const std::vector<models::StateMatrix>& fixed : problem.fixed_information) {
+    applies_ = applies_ && std::none_of(fixed.begin(), fixed.end(), is_of_state);
+  }
   find_rare_gains();
 }
 

@@ -95,7 +95,7 @@ double LinearisedCost::linearise_block(int m, int depth, const double* block,
       cost += gradient.xx * M(0, 0) + 2.0 * gradient.xy * M(0, 1) + gradient.yy * M(1, 1);
     }
     if (!problem_->fixed_information.empty()) {
-      const models::PositionMatrix& fixed = problem_->fixed_information[index(m)][index(k - 1)];
+      const models::StateMatrix& fixed = problem_->fixed_information[index(m)][index(k - 1)];
       if (fixed.size() > 0) {
         M += fixed;
       }

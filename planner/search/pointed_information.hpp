@@ -7,12 +7,15 @@
 namespace vantage::planner {
 
 /// Bound of one measurement over all reachable positions: M ⪯ `all_round` I + a sum of
-/// `pointed_count` rank-one terms with total strength `pointed`. Units: m⁻².
+/// `pointed_count` rank-one terms with total strength `pointed`, in the position, plus `of_state` I
+/// in the state of a moving target. Units: m⁻².
 struct LookBound {
   double all_round = 0.0;
   double pointed = 0.0;
   int pointed_count = 0;
+  double of_state = 0.0;
 
+  /// Returns the largest information about the position, without `of_state`.
   [[nodiscard]] double strongest() const { return all_round + pointed; }
   /// Returns a bound of ½ tr M of a planar target.
   [[nodiscard]] double average() const { return all_round + 0.5 * pointed; }

@@ -33,17 +33,23 @@ void SightingValue::reset(const SearchProblem& problem, const Expander& expander
     for (const models::SensorModel& sensor : problem_->sensors) {
       const models::Viewpoint from{{target_m(0) - 0.5 * sensor.range_max_m, target_m(1), 0.0},
                                    problem_->height_m};
-      double packed[6] = {};
-      pack(spatial ? BlockLayout::kSpatial : BlockLayout::kPlanar,
-           models::information(sensor, from, target_m), packed);
-      for (int i = 0; i < 6; ++i) {
+      double packed[kMaxPacked] = {};
+      if (layout == BlockLayout::kMoving && models::measures_velocity(sensor)) {
+        models::StateVector state(4);
+        state << target_m, beliefs.velocity_mps(m, t);
+        pack(layout, models::state_information(sensor, from, state), packed);
+        M.is_of_state = true;
+      } else {
+        pack(spatial ? BlockLayout::kSpatial : BlockLayout::kPlanar,
+             models::information(sensor, from, target_m), packed);
+      }
+      for (int i = 0; i < kMaxPacked; ++i) {
         M.m[i] += packed[i];
       }
     }
     const double* block = beliefs.open_loop(m, t);
-    look_values_[index(m)] = beliefs.cost() == CostKind::kTrace
-                                 ? trace_reduction(layout, M.m, block)
-                                 : std::log(gain(layout, M.m, block));
+    look_values_[index(m)] = beliefs.cost() == CostKind::kTrace ? trace_reduction(layout, M, block)
+                                                                : std::log(gain(layout, M, block));
   }
 }
 

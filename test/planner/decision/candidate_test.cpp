@@ -132,7 +132,7 @@ TEST(CandidateTrajectories, SupplyNoGainWithFixedInformation) {
     problem.field = nullptr;
     bool is_fixed = false;
     for (auto& of_target : problem.fixed_information) {
-      for (models::PositionMatrix& M : of_target) {
+      for (models::StateMatrix& M : of_target) {
         is_fixed = is_fixed || !M.isZero(0.0);
       }
     }
@@ -142,7 +142,7 @@ TEST(CandidateTrajectories, SupplyNoGainWithFixedInformation) {
     }
     // If the table of fixed information contains only zeros, gains are supplied.
     for (auto& of_target : problem.fixed_information) {
-      for (models::PositionMatrix& M : of_target) {
+      for (models::StateMatrix& M : of_target) {
         M.setZero();
       }
     }

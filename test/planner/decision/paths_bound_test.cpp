@@ -227,7 +227,7 @@ TEST(PathsBound, IsExactWhenAllPathsSeeTheSame) {
     // Fixed information must not change the bound of the team.
     for (std::size_t robot = 0; robot < team.size(); ++robot) {
       team[robot].fixed_information.assign(
-          2, std::vector<models::PositionMatrix>(3, models::PositionMatrix::Identity(2, 2)));
+          2, std::vector<models::StateMatrix>(3, models::PositionMatrix::Identity(2, 2)));
       EXPECT_EQ(of({0, 1, 2}).information_nats, all.information_nats) << robot;
     }
     team = observer_team();

@@ -55,7 +55,7 @@ TEST(BeliefTable, EqualsModelPredictionAtEachDepth) {
           const auto& all = problem.fixed_information;
           const auto step = static_cast<std::size_t>(t - 1);
           if (!all.empty() && all[static_cast<std::size_t>(m)][step].size() > 0) {
-            const models::PositionMatrix& M = all[static_cast<std::size_t>(m)][step];
+            const models::StateMatrix& M = all[static_cast<std::size_t>(m)][step];
             belief.covariance = models::update_covariance(belief.covariance, M);
             is_told = is_told || M.norm() > 0.0;
           }
@@ -97,7 +97,7 @@ TEST(BeliefTable, AllocatesNothingWithinItsCapacity) {
   problem.targets.assign(5, {{models::TargetKind::kDoubleIntegrator, 2, 0.1},
                              {Eigen::Vector4d::Zero(), Eigen::Matrix4d::Identity()}});
   problem.fixed_information.assign(
-      5, std::vector<models::PositionMatrix>(7, Eigen::Matrix2d::Identity()));
+      5, std::vector<models::StateMatrix>(7, Eigen::Matrix2d::Identity()));
   BeliefTable table(5, 7);
   const test::AllocationCounter allocations;
   table.reset(problem);

@@ -77,6 +77,34 @@ TEST(BlockKernels, UnpackInvertsPack) {
   });
 }
 
+TEST(BlockKernels, UseInformationAboutTheStateLikeInverses) {
+  std::mt19937_64 rng(23);
+  for (int i = 0; i < 400; ++i) {
+    const Eigen::Matrix4d S = random_spd(rng, 4, uniform(rng, 0.01, 10.0), 2.0);
+    Eigen::Matrix4d M = Eigen::Matrix4d::Zero();
+    for (int rank = pick(rng, 0, 3); rank > 0; --rank) {
+      const Eigen::Vector4d h(uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0),
+                              uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0));
+      M += std::pow(10.0, uniform(rng, -2.0, 2.0)) * h * h.transpose();
+    }
+    double block[kMaxPacked];
+    PackedInformation information;
+    information.is_of_state = true;
+    pack(BlockLayout::kMoving, models::StateMatrix(S), block);
+    pack(BlockLayout::kMoving, models::StateMatrix(M), information.m);
+    const Eigen::Matrix4d expected = (S.inverse() + M).inverse();
+    double after[kMaxPacked];
+    update(BlockLayout::kMoving, information, block, after);
+    EXPECT_TRUE(is_near(unpack(BlockLayout::kMoving, after), expected, 1e-8 * S.norm()));
+    const double gained = (Eigen::Matrix4d::Identity() + M * S).determinant();
+    EXPECT_NEAR(gain(BlockLayout::kMoving, information, block) / gained, 1.0, 1e-9);
+    EXPECT_NEAR(trace_reduction(BlockLayout::kMoving, information, block),
+                S.trace() - expected.trace(), 1e-8 * S.trace());
+    update(BlockLayout::kMoving, information, block, block);  // in place
+    EXPECT_TRUE(is_near(unpack(BlockLayout::kMoving, block), expected, 1e-8 * S.norm()));
+  }
+}
+
 TEST(BlockKernels, PredictLikeTheModels) {
   for_random_blocks([](const Case& c, std::mt19937_64& rng) {
     models::TargetModel model;

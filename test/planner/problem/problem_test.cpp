@@ -23,7 +23,7 @@ SearchProblem valid_problem() {
                       {Eigen::Vector2d(1.0, 2.0), Eigen::Matrix2d::Identity()}},
                      {{models::TargetKind::kDoubleIntegrator, 2, 0.01},
                       {Eigen::Vector4d::Zero(), Eigen::Matrix4d::Identity()}}};
-  const std::vector<models::PositionMatrix> steps(3, Eigen::Matrix2d::Identity());
+  const std::vector<models::StateMatrix> steps(3, Eigen::Matrix2d::Identity());
   problem.fixed_information = {steps, steps};
   return problem;
 }

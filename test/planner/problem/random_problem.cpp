@@ -99,7 +99,7 @@ void add_world(std::mt19937_64& rng, OwnedProblem& owned) {
 
 void add_fixed_information(std::mt19937_64& rng, planner::SearchProblem& problem) {
   for (const planner::SearchTarget& target : problem.targets) {
-    std::vector<models::PositionMatrix> steps;
+    std::vector<models::StateMatrix> steps;
     for (int t = 0; t < problem.horizon_steps; ++t) {
       const int p = target.model.position_dim;
       switch (pick(rng, 0, 2)) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "planner/problem/belief_table.hpp"
 #include "test/planner/problem/random_problem.hpp"
 
 namespace vantage::planner {
@@ -87,8 +88,9 @@ TEST(SightTable, SingleQueriesEqualTheModels) {
           sight_world(owned.problem) != nullptr &&
           !models::line_of_sight(*owned.problem.world, at.position_m(), target_m.head<2>());
       PackedInformation packed;
-      const bool seen =
-          sight.add_information(target_m, spatial, at, views.cos_yaw[i], views.sin_yaw[i], packed);
+      const bool seen = sight.add_information(
+          target_m, Eigen::Vector2d::Zero(), spatial ? BlockLayout::kSpatial : BlockLayout::kPlanar,
+          at, views.cos_yaw[i], views.sin_yaw[i], packed);
       ASSERT_EQ(seen, !M.isZero(0.0) && !hidden) << "seed " << seed;
       if (!seen) {
         continue;
@@ -99,6 +101,43 @@ TEST(SightTable, SingleQueriesEqualTheModels) {
       EXPECT_NEAR(packed.m[0], M(0, 0), slack) << "seed " << seed;
       EXPECT_NEAR(packed.m[1], M(0, 1), slack) << "seed " << seed;
       EXPECT_NEAR(packed.m[last], M(M.rows() - 1, M.rows() - 1), slack) << "seed " << seed;
+    }
+  }
+  EXPECT_GT(seen_count, 1'000);
+}
+
+TEST(SightTable, StateInformationEqualsTheModels) {
+  std::mt19937_64 rng(43);
+  SightTable sight;
+  int seen_count = 0;
+  std::vector<Pose2> poses;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    OwnedProblem owned = test::random_problem(seed);
+    owned.problem.world = nullptr;
+    owned.problem.field = nullptr;
+    owned.problem.sensors[0].kind = models::SensorKind::kRangeRate;
+    sight.reset(owned.problem);
+    ASSERT_FALSE(sight.has_lanes());
+    const Views views = random_views(rng, poses);
+    models::StateVector state(4);
+    state << uniform(rng, -5.0, 5.0), uniform(rng, -5.0, 5.0), uniform(rng, -1.0, 1.0),
+        uniform(rng, -1.0, 1.0);
+    const Eigen::Vector3d target_m(state(0), state(1), 0.0);
+    for (int i = 0; i < views.count; ++i) {
+      const Pose2& at = poses[static_cast<std::size_t>(i)];
+      models::StateMatrix M = models::StateMatrix::Zero(4, 4);
+      for (const models::SensorModel& sensor : owned.problem.sensors) {
+        M += models::state_information(sensor, {at, owned.problem.height_m}, state);
+      }
+      PackedInformation packed;
+      const bool seen = sight.add_information(target_m, state.tail<2>(), BlockLayout::kMoving, at,
+                                              views.cos_yaw[i], views.sin_yaw[i], packed);
+      ASSERT_EQ(seen, !M.isZero(0.0)) << "seed " << seed;
+      if (!seen) {
+        continue;
+      }
+      ++seen_count;
+      EXPECT_TRUE(unpack(BlockLayout::kMoving, packed.m).isApprox(M, 1e-10)) << "seed " << seed;
     }
   }
   EXPECT_GT(seen_count, 1'000);

@@ -38,10 +38,10 @@ TEST(RoundSchedule, ReceivesAllProposalsBeforeTheFirstPlan) {
 }
 
 // Returns the sum of the information matrix traces of all targets; 0 without information.
-double information_sum(const std::vector<std::vector<models::PositionMatrix>>& information) {
+double information_sum(const std::vector<std::vector<models::StateMatrix>>& information) {
   double sum = 0.0;
   for (const auto& of_target : information) {
-    for (const models::PositionMatrix& each : of_target) {
+    for (const models::StateMatrix& each : of_target) {
       sum += each.trace();
     }
   }

@@ -327,7 +327,7 @@ double isotropic_bound(const SearchProblem& problem) {
       models::PositionMatrix M = models::PositionMatrix::Zero(n, n);
       if (!problem.fixed_information.empty()) {
         const auto& fixed = problem.fixed_information[m][static_cast<std::size_t>(t - 1)];
-        M += fixed.size() > 0 ? fixed : models::PositionMatrix(models::PositionMatrix::Zero(n, n));
+        M += fixed.size() > 0 ? fixed : models::StateMatrix(models::StateMatrix::Zero(n, n));
       }
       for (const models::SensorModel& sensor : problem.sensors) {
         M += models::information_bound(sensor, {problem.start, problem.height_m}, t * step_m,

@@ -91,7 +91,7 @@ SearchProblem transformed(const SearchProblem& problem, bool is_mirrored, double
     target.prior.covariance = 0.5 * (turned + turned.transpose());
   }
   for (auto& of_target : out.fixed_information) {
-    for (models::PositionMatrix& M : of_target) {
+    for (models::StateMatrix& M : of_target) {
       if (M.size() > 0) {
         const Eigen::Index p = M.rows();
         Eigen::MatrixXd all = Eigen::MatrixXd::Identity(p, p);
@@ -218,7 +218,7 @@ TEST(InformationHeuristic, AtDepthEqualsProblemFromThere) {
     std::mt19937_64 rng(seed);
     for (std::size_t m = 0; m < problem.fixed_information.size(); ++m) {
       const int p = problem.targets[m].model.position_dim;
-      for (models::PositionMatrix& M : problem.fixed_information[m]) {
+      for (models::StateMatrix& M : problem.fixed_information[m]) {
         M = random_spd(rng, p, 5.0, 1.0);  // at each step, also after `depth`
       }
     }

@@ -88,6 +88,14 @@ void search(const planner::SearchProblem& problem, const OracleState& state, dou
   }
 }
 
+// Returns (Σ⁻¹ + M)⁻¹ by two inversions, with more digits than a double has.
+models::StateMatrix with_state_information(const models::StateMatrix& covariance,
+                                           const models::StateMatrix& M) {
+  using Matrix = Eigen::Matrix<long double, 4, 4>;
+  const Matrix sum = Matrix(covariance.cast<long double>()).inverse() + M.cast<long double>();
+  return Matrix(sum.inverse()).cast<double>();
+}
+
 }  // namespace
 
 OracleState start_of(const planner::SearchProblem& problem) {
@@ -119,15 +127,23 @@ std::vector<models::Gaussian> look_from(const planner::SearchProblem& problem,
     models::Gaussian belief = models::predict(beliefs[m], model, problem.step_s);
     const models::PositionVector mean_m = belief.mean.head(model.position_dim);
     if (!problem.fixed_information.empty()) {
-      const models::PositionMatrix& fixed =
+      const models::StateMatrix& fixed =
           problem.fixed_information[m][static_cast<std::size_t>(depth - 1)];
-      if (fixed.size() > 0) {
+      if (fixed.rows() == 4) {
+        belief.covariance = with_state_information(belief.covariance, fixed);
+      } else if (fixed.size() > 0) {
         belief.covariance = models::update_covariance(belief.covariance, fixed);
       }
     }
     if (problem.world == nullptr || !problem.obstacles_block_sight ||
         models::line_of_sight(*problem.world, pose.position_m(), mean_m.head<2>())) {
       for (const models::SensorModel& sensor : problem.sensors) {
+        if (models::measures_velocity(sensor) && model.has_velocity()) {
+          belief.covariance = with_state_information(
+              belief.covariance,
+              models::state_information(sensor, {pose, problem.height_m}, belief.mean));
+          continue;
+        }
         belief.covariance = models::update_covariance(
             belief.covariance, models::information(sensor, {pose, problem.height_m}, mean_m));
       }

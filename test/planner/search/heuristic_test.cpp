@@ -23,7 +23,8 @@ OwnedProblem problem_with(models::SensorKind kind, std::uint64_t seed) {
   models::SensorModel& sensor = owned.problem.sensors[0];
   sensor.kind = kind;
   // Without a minimum range the information would be unlimited.
-  if (kind.law().measures_bearing || kind == test::signal_strength()) {
+  if (kind.law().measures_bearing || kind.law().velocity_jacobian != nullptr ||
+      kind == test::signal_strength()) {
     sensor.range_min_m = std::max(sensor.range_min_m, 0.3);
   }
   return owned;

@@ -219,7 +219,7 @@ SearchProblem mirrored(SearchProblem problem) {
     }
   }
   for (auto& of_target : problem.fixed_information) {
-    for (models::PositionMatrix& M : of_target) {
+    for (models::StateMatrix& M : of_target) {
       M(0, 1) = M(1, 0) = -M(0, 1);
     }
   }

@@ -434,7 +434,7 @@ TEST_F(PassedOver, AppliesToMovingOrSpreadingTargets) {
   EXPECT_EQ(near_.takes_part(), (std::vector<std::uint8_t>(4, 0)));
   problem_.horizon_steps = 4;
   problem_.fixed_information.assign(
-      4, std::vector<models::PositionMatrix>(4, Eigen::Matrix2d::Identity()));
+      4, std::vector<models::StateMatrix>(4, Eigen::Matrix2d::Identity()));
   problem_.fixed_information[2].assign(4, Eigen::Matrix3d::Identity());
   reset();
   EXPECT_TRUE(near_.is_empty()) << "teammates look at all of them";
