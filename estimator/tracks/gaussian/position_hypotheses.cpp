@@ -9,14 +9,13 @@
 #include "core/angle.hpp"
 #include "core/index.hpp"
 #include "estimator/posterior/missed_detection.hpp"
+#include "estimator/posterior/unscented.hpp"
 #include "models/target/law.hpp"
 
 namespace vantage::estimator {
 namespace {
 
 using models::Gaussian;
-using models::MeasurementMatrix;
-using models::MeasurementVector;
 using models::PositionVector;
 
 constexpr int kBearings = 36;            ///< cells of the first grid around a full circle
@@ -25,63 +24,6 @@ constexpr double kCellOverlap = 1.2;     ///< σ of a cell, relative to that of 
 constexpr double kWeightMin = 1e-4;      ///< share below which a hypothesis is dropped
 constexpr double kMergeDistance = 0.7;   ///< σ; hypotheses whose means are nearer are merged
 constexpr double kContradiction = 1e-6;  ///< likelihood, relative to that of a perfect match
-
-/// Belief after a measurement, and the likelihood of the measurement relative to a perfect match.
-struct Updated {
-  Gaussian belief;
-  double likelihood = 0.0;           ///< density
-  double relative_likelihood = 0.0;  ///< exp(−½ ν² in σ)
-};
-
-/// Updates a belief by an unscented Kalman filter over the position; the velocity changes through
-/// its correlation. nullopt if a matrix is singular.
-std::optional<Updated> unscented_update(const Gaussian& belief, const models::SensorModel& sensor,
-                                        const models::Viewpoint& from,
-                                        const models::Measurement& measurement) {
-  const Eigen::Vector2d mean_m = belief.mean.head<2>();
-  const Eigen::Matrix2d P = belief.covariance.topLeftCorner<2, 2>();
-  const Eigen::LLT<Eigen::Matrix2d> root(P);
-  if (root.info() != Eigen::Success) {
-    return std::nullopt;
-  }
-  const Eigen::Matrix2d L = std::sqrt(2.0) * Eigen::Matrix2d(root.matrixL());
-  const auto rows = measurement.z.size();
-  const MeasurementVector centre = models::observe(sensor, from, PositionVector(mean_m));
-  MeasurementVector deviations[4];
-  MeasurementVector mean_z = MeasurementVector::Zero(rows);
-  for (int k = 0; k < 4; ++k) {
-    const Eigen::Vector2d at_m = mean_m + (k < 2 ? 1.0 : -1.0) * L.col(k % 2);
-    deviations[k] =
-        models::innovation(sensor, models::observe(sensor, from, PositionVector(at_m)), centre);
-    mean_z += 0.25 * deviations[k];
-  }
-  MeasurementMatrix S = measurement.V;
-  models::MeasurementJacobian Czp = models::MeasurementJacobian::Zero(rows, 2);
-  for (int k = 0; k < 4; ++k) {
-    const Eigen::Vector2d away_m = (k < 2 ? 1.0 : -1.0) * L.col(k % 2);
-    const MeasurementVector dz = deviations[k] - mean_z;
-    S += 0.25 * dz * dz.transpose();
-    Czp += 0.25 * dz * away_m.transpose();
-  }
-  const Eigen::LLT<MeasurementMatrix> S_root(S);
-  if (S_root.info() != Eigen::Success) {
-    return std::nullopt;
-  }
-  const MeasurementVector nu = models::innovation(sensor, measurement.z, centre) - mean_z;
-  const double mahalanobis2 = nu.dot(S_root.solve(nu));
-  const double root_det = S_root.matrixLLT().diagonal().prod();
-  // H of the linear regression: C_zp P⁻¹. The state's gain is Σ Hᵀ S⁻¹.
-  const models::MeasurementJacobian H = root.solve(Czp.transpose()).transpose();
-  const auto cross = (belief.covariance.leftCols<2>() * H.transpose()).eval();
-  const auto gain = S_root.solve(cross.transpose()).transpose().eval();
-  Updated out{belief, 0.0, std::exp(-0.5 * mahalanobis2)};
-  out.belief.mean += gain * nu;
-  out.belief.covariance -= gain * S * gain.transpose();
-  out.belief.covariance =
-      (0.5 * (out.belief.covariance + out.belief.covariance.transpose())).eval();
-  out.likelihood = out.relative_likelihood / root_det;
-  return out;
-}
 
 double largest_eigenvalue(const Eigen::Matrix2d& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(symmetric, Eigen::EigenvaluesOnly);

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include "estimator/posterior/posterior_moments.hpp"
+#include "estimator/posterior/unscented.hpp"
 #include "estimator/posterior/view_limits.hpp"
 #include "models/sensor/law.hpp"
 #include "models/target/law.hpp"
@@ -134,6 +135,72 @@ bool shift_position(Information& belief, const PositionPrior& prior,
   return true;
 }
 
+/// True if h is nearly linear over the whole state, by the same measure as is_linear_enough().
+bool is_state_linear_enough(const models::Gaussian& prior, const MeasurementJacobian& H,
+                            const MeasurementVector& expected, const models::SensorModel& sensor,
+                            const models::Viewpoint& from,
+                            const Eigen::LLT<MeasurementMatrix>& noise) {
+  if (!H.allFinite() || !expected.allFinite()) {
+    return false;
+  }
+  const Eigen::Index n = prior.mean.size();
+  const StateMatrix L = prior.covariance.llt().matrixL();
+  for (int corner = 0; corner < (1 << n); ++corner) {
+    models::StateVector u(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      u(i) = ((corner >> i) & 1) == 0 ? -kCorner_sigma : kCorner_sigma;
+    }
+    const models::StateVector away = L * u;
+    const MeasurementVector bend =
+        models::innovation(
+            sensor, models::observe_state(sensor, from, models::StateVector(prior.mean + away)),
+            expected) -
+        H * away;
+    if (!(bend.dot(noise.solve(bend)) <= kBendMax * kBendMax)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// As measure(), for a sensor that measures the velocity of a target whose state has one.
+Use measure_state(Information& belief, const models::Gaussian& prior,
+                  const models::SensorModel& sensor, const models::Viewpoint& from,
+                  const models::Measurement& measurement,
+                  const Eigen::LLT<MeasurementMatrix>& noise, double gate_sigma) {
+  const auto is_beyond_gate = [&](double mahalanobis2) {
+    return gate_sigma > 0.0 && mahalanobis2 > gate_sigma * gate_sigma;
+  };
+  const MeasurementVector expected = models::observe_state(sensor, from, prior.mean);
+  const MeasurementJacobian H = models::state_jacobian(sensor, from, prior.mean);
+  if (is_state_linear_enough(prior, H, expected, sensor, from, noise)) {
+    const MeasurementVector nu = models::innovation(sensor, measurement.z, expected);
+    const MeasurementMatrix S = H * prior.covariance * H.transpose() + measurement.V;
+    const MeasurementVector whitened = S.llt().matrixL().solve(nu);
+    if (is_beyond_gate(whitened.squaredNorm())) {
+      return Use::kGated;
+    }
+    const MeasurementJacobian weighted = noise.solve(H);  // V⁻¹ H
+    belief.matrix += H.transpose() * weighted;
+    belief.matrix = (0.5 * (belief.matrix + belief.matrix.transpose())).eval();
+    belief.vector += weighted.transpose() * (nu + H * prior.mean);
+    return Use::kUsed;
+  }
+  const auto updated = unscented_update(prior, sensor, from, measurement);
+  if (!updated) {
+    return Use::kSingular;
+  }
+  if (is_beyond_gate(updated->mahalanobis2)) {
+    return Use::kGated;
+  }
+  const auto after = models::to_information(updated->belief);
+  if (!after) {
+    return Use::kSingular;
+  }
+  belief = *after;
+  return Use::kUsed;
+}
+
 }  // namespace
 
 bool is_same(const models::Gaussian& a, const models::Gaussian& b) {
@@ -162,6 +229,9 @@ Use measure(Information& belief, const models::SensorModel& sensor, const models
   const Eigen::LLT<MeasurementMatrix> noise(measurement.V);
   if (!prior || noise.info() != Eigen::Success) {
     return Use::kSingular;
+  }
+  if (belief.vector.size() == 4 && models::measures_velocity(sensor)) {
+    return measure_state(belief, *prior, sensor, from, measurement, noise, gate_sigma);
   }
   const auto is_beyond_gate = [&](double mahalanobis2) {
     return gate_sigma > 0.0 && mahalanobis2 > gate_sigma * gate_sigma;

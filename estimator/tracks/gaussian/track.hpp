@@ -49,6 +49,8 @@ enum class [[nodiscard]] Use{kUsed, kGated, kSingular};
 /// Otherwise the position's marginal is set to the posterior_moments(), and the velocity changes
 /// through its correlation. This happens near or below the robot, after a long time without
 /// detection, and at the edge of view.
+/// For a sensor that measures velocity, H has columns for the velocity, the limits of range and
+/// view are ignored, and an unscented_update() of the whole state replaces the posterior_moments().
 /// @param gate_sigma  > 0: returns kGated, belief unchanged, when z is farther than this from the
 /// prediction: √(νᵀ (H Ω⁻¹ Hᵀ + V)⁻¹ ν), or the square root of PositionMoments::mahalanobis2
 /// Returns kSingular, belief unchanged, when Ω or V is not positive definite, or no position is

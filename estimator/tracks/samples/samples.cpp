@@ -321,7 +321,8 @@ template <class Likelihood>
 Weights Samples::weighed(const Likelihood& likelihood) const {
   Weights weights;
   for (std::size_t i = 0; i < kSize; ++i) {
-    weights[i] = weights_[i] * likelihood(models::PositionVector(states_[i].head<2>()));
+    weights[i] = weights_[i] * likelihood(models::PositionVector(states_[i].head<2>()),
+                                          Eigen::Vector2d(states_[i].tail<2>()));
   }
   return weights;
 }
@@ -370,7 +371,7 @@ void Samples::regularise() {
 
 bool Samples::keep_out_of(const std::vector<models::Obstacle>& obstacles) {
   bool is_any_inside = false;
-  const Weights weights = weighed([&](const models::PositionVector& y_m) {
+  const Weights weights = weighed([&](const models::PositionVector& y_m, const auto&) {
     const Eigen::Vector2d p_m = y_m;
     const bool is_inside =
         std::any_of(obstacles.begin(), obstacles.end(),
@@ -384,7 +385,7 @@ bool Samples::keep_out_of(const std::vector<models::Obstacle>& obstacles) {
 bool Samples::miss(const models::SensorModel& sensor, const models::Viewpoint& from,
                    const models::World& world, double detection_probability) {
   bool is_any_seen = false;
-  const Weights weights = weighed([&](const models::PositionVector& y_m) {
+  const Weights weights = weighed([&](const models::PositionVector& y_m, const auto&) {
     const bool is_seen = can_report(sensor, from, world, y_m);
     is_any_seen = is_any_seen || is_seen;
     return is_seen ? 1.0 - detection_probability : 1.0;
@@ -400,13 +401,14 @@ bool Samples::measure(const models::SensorModel& sensor, const models::Viewpoint
   }
   const LimitSoftness softness = limit_softness(sensor, measurement.V);
   bool is_any_near = gate_sigma <= 0.0;
-  const Weights weights = weighed([&](const models::PositionVector& y_m) {
-    const models::MeasurementVector nu =
-        models::innovation(sensor, measurement.z, models::observe(sensor, from, y_m));
-    const double mahalanobis2 = nu.dot(noise.solve(nu));
-    is_any_near = is_any_near || mahalanobis2 <= gate_sigma * gate_sigma;
-    return view_probability(sensor, softness, from, y_m) * std::exp(-0.5 * mahalanobis2);
-  });
+  const Weights weights =
+      weighed([&](const models::PositionVector& y_m, const Eigen::Vector2d& velocity_mps) {
+        const models::MeasurementVector nu = models::innovation(
+            sensor, measurement.z, models::observe(sensor, from, y_m, velocity_mps));
+        const double mahalanobis2 = nu.dot(noise.solve(nu));
+        is_any_near = is_any_near || mahalanobis2 <= gate_sigma * gate_sigma;
+        return view_probability(sensor, softness, from, y_m) * std::exp(-0.5 * mahalanobis2);
+      });
   return is_any_near && take(weights, kExplainMin);
 }
 

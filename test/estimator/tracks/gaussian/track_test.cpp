@@ -143,12 +143,10 @@ TEST(Measure, EqualsTheCovarianceFormForLinearSensors) {
       belief.covariance(0, 2) = belief.covariance(2, 0) = 0.1 * c.belief.covariance(0, 0);
       auto information = models::to_information(belief).value();
       ASSERT_EQ(measure(information, c.sensor, c.from, c.z, 0.0), Use::kUsed);
-      const models::PositionVector about_m = belief.mean.head(2);
-      models::MeasurementJacobian H = models::MeasurementJacobian::Zero(c.z.z.rows(), 4);
-      H.leftCols(2) = models::observation_jacobian(c.sensor, c.from, about_m);
-      const Gaussian expected = models::update(
-          belief, H, c.z.V,
-          models::innovation(c.sensor, c.z.z, models::observe(c.sensor, c.from, about_m)));
+      const Gaussian expected =
+          models::update(belief, models::state_jacobian(c.sensor, c.from, belief.mean), c.z.V,
+                         models::innovation(c.sensor, c.z.z,
+                                            models::observe_state(c.sensor, c.from, belief.mean)));
       const Gaussian actual = models::to_gaussian(information).value();
       alike += is_near(actual.mean, expected.mean, 1e-8) &&
                        is_near(actual.covariance, expected.covariance, 1e-8)
