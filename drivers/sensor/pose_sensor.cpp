@@ -65,6 +65,18 @@ PoseSensor::PoseSensor(const scenario::Scenario& scenario, const std::string& ro
       position_dim_(scenario.estimator.target_model.position_dim),
       seed_(scenario.seed) {}
 
+std::optional<Eigen::Vector2d> velocity_since(const models::MocapFrame& earlier,
+                                              const models::MocapFrame& frame,
+                                              const std::string& name,
+                                              const Eigen::Vector2d& position_m) {
+  const models::MocapBody* const body = earlier.find(name);
+  const double passed_s = to_seconds(frame.stamp.time - earlier.stamp.time);
+  if (body == nullptr || body->occluded || !(passed_s > 0.0)) {
+    return std::nullopt;
+  }
+  return (position_m - body->world_from_body.translation_m.head<2>()) / passed_s;
+}
+
 std::optional<models::RobotMeasurement> empty_measurement(const models::MocapFrame& frame,
                                                           const std::string& robot, bool jammed) {
   const models::MocapBody* const self = frame.find(robot);
@@ -79,8 +91,8 @@ std::optional<models::RobotMeasurement> empty_measurement(const models::MocapFra
   return seen;
 }
 
-std::optional<models::RobotMeasurement> PoseSensor::measure(const models::MocapFrame& frame,
-                                                            bool jammed) const {
+std::optional<models::RobotMeasurement> PoseSensor::measure(
+    const models::MocapFrame& frame, bool jammed, const models::MocapFrame* earlier) const {
   std::optional<models::RobotMeasurement> seen = empty_measurement(frame, robot_, jammed);
   if (!seen || jammed) {
     return seen;
@@ -99,8 +111,19 @@ std::optional<models::RobotMeasurement> PoseSensor::measure(const models::MocapF
                                position_m.head<2>())) {
       continue;
     }
+    Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
+    if (measures_velocity()) {
+      const auto since = earlier == nullptr
+                             ? std::nullopt
+                             : velocity_since(*earlier, frame, target.name, position_m.head<2>());
+      if (!since) {
+        continue;
+      }
+      velocity_mps = *since;
+    }
     std::mt19937_64 noise = noise_of(seed_, robot_, target.id, frame.stamp.time);
-    const models::Measurement z = models::sample(sensor_, seen->viewpoint, position_m, noise);
+    const models::Measurement z =
+        models::sample(sensor_, seen->viewpoint, position_m, noise, velocity_mps);
     if (std::uniform_real_distribution<double>()(noise) < detection_.detection_probability) {
       seen->detections.push_back({target.id, z});
     }

@@ -24,6 +24,14 @@ std::mt19937_64 noise_of(std::uint64_t seed, const std::string& robot, int strea
 inline constexpr int kScanStream = -1;
 inline constexpr int kClutterStream = -2;
 
+/// Returns the mean horizontal velocity of body `name`, at `position_m` in `frame`, since an
+/// earlier frame; nullopt if the body is absent or occluded there, or `earlier` is not before
+/// `frame`.
+std::optional<Eigen::Vector2d> velocity_since(const models::MocapFrame& earlier,
+                                              const models::MocapFrame& frame,
+                                              const std::string& name,
+                                              const Eigen::Vector2d& position_m);
+
 /// Returns a measurement of `robot` at the instant of `frame` without detections; nullopt if the
 /// frame has no pose of the robot.
 std::optional<models::RobotMeasurement> empty_measurement(const models::MocapFrame& frame,
@@ -43,8 +51,15 @@ class PoseSensor {
   /// attack `jammed` is set and the scan is empty. A sensor without ids adds false alarms
   /// and sorts all measurements by value, so that their order does not identify targets. The caller
   /// sets run id, sequence and inputs. Returns nullopt if the frame has no pose of the robot.
-  [[nodiscard]] std::optional<models::RobotMeasurement> measure(const models::MocapFrame& frame,
-                                                                bool jammed) const;
+  /// @param earlier  a frame before `frame`; a sensor that measures velocities computes each
+  /// target's mean velocity since then, and reports no target that is absent or occluded in it.
+  /// Null: such a sensor reports no target. Other sensors ignore it.
+  [[nodiscard]] std::optional<models::RobotMeasurement> measure(
+      const models::MocapFrame& frame, bool jammed,
+      const models::MocapFrame* earlier = nullptr) const;
+
+  /// True if measure() needs an earlier frame.
+  [[nodiscard]] bool measures_velocity() const { return models::measures_velocity(sensor_); }
 
  private:
   /// Adds false alarms to `seen`, and removes everything that identifies targets.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -24,7 +25,8 @@ namespace vantage::drivers {
 ///
 /// Measurements refer to the instants kτ since the epoch, with integer k and τ = planner.step_s.
 /// When the first frame captured at or after kτ arrives, the bodies are interpolated between this
-/// frame and the previous one. A frame captured exactly at kτ is used without interpolation.
+/// frame and the previous one. A frame captured exactly at kτ is used without interpolation. A
+/// sensor that measures velocities compares with the newest frame at least 0.1 s older than kτ.
 class SensorNode : public bus::Node {
  public:
   /// Function that computes the measurement from a frame, like PoseSensor::measure().
@@ -47,6 +49,11 @@ class SensorNode : public bus::Node {
   /// True if the newest valid attack notice states that this robot is jammed.
   [[nodiscard]] bool is_jammed();
   void publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs);
+  /// Appends the frame to recent_ and removes the frames that no later instant needs.
+  void keep(const std::shared_ptr<const models::MocapFrame>& frame);
+  /// Returns the newest kept frame at least kVelocityBase before `time`, but not older than
+  /// kVelocityBaseMax; null: none.
+  [[nodiscard]] const models::MocapFrame* earlier_frame(Time time) const;
 
   bus::Bus& bus_;
   const bus::Clock& clock_;
@@ -57,6 +64,8 @@ class SensorNode : public bus::Node {
   Time next_tick_;
   models::MocapClock mocap_clock_;
   std::shared_ptr<const models::MocapFrame> last_;
+  bool keeps_recent_ = false;  ///< true: the sensor measures velocities
+  std::deque<std::shared_ptr<const models::MocapFrame>> recent_;
   std::optional<models::AttackNotice> attack_;
   Time attack_received_at_{};
   std::int64_t steps_without_frames_ = 0;

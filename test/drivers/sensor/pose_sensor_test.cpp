@@ -76,6 +76,42 @@ INSTANTIATE_TEST_SUITE_P(Kinds, EverySensor,
                                            models::SensorKind::kRangeBearing,
                                            models::SensorKind::kCamera));
 
+// The target moves by 4 cm and −3 cm in 0.1 s: (0.4, −0.3) m/s.
+TEST(PoseSensor, MeasuresVelocityFromAnEarlierFrame) {
+  scenario::Scenario scenario = scenario_with(models::SensorKind::kRangeRate);
+  models::SensorModel& sensor = scenario.robots[0].sensor;
+  sensor.own[0] = 0.05;
+  const PoseSensor driver(scenario, "Q1");
+  ASSERT_TRUE(driver.measures_velocity());
+  const models::Viewpoint from{{2.0, 4.0, 0.0}, 1.0};
+  const Eigen::Vector2d target_m(2.5, 4.3);
+  const models::MeasurementVector expected =
+      models::observe(sensor, from, target_m, Eigen::Vector2d(0.4, -0.3));
+  constexpr int kLooks = 4000;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (int k = 0; k < kLooks; ++k) {
+    const Time now = kStart + Duration{k};
+    const models::MocapFrame earlier =
+        frame_with({2.46, 4.33, 0.0}, now - std::chrono::milliseconds(100));
+    const auto seen = driver.measure(frame_with({2.5, 4.3, 0.0}, now), false, &earlier);
+    ASSERT_EQ(seen->detections.size(), 1u);
+    mean += seen->detections[0].measurement.z / kLooks;
+  }
+  EXPECT_NEAR(mean(0), expected(0), 5.0 * 0.3 / std::sqrt(kLooks));
+  EXPECT_NEAR(mean(1), expected(1), 5.0 * 0.05 / std::sqrt(kLooks));
+}
+
+TEST(PoseSensor, ReportsNoVelocityWithoutAnEarlierPose) {
+  const PoseSensor driver(scenario_with(models::SensorKind::kRangeRate), "Q1");
+  const models::MocapFrame frame = frame_with({2.5, 4.3, 0.0});
+  EXPECT_TRUE(driver.measure(frame, false)->detections.empty());
+  models::MocapFrame earlier = frame_with({2.5, 4.3, 0.0}, kStart - Duration{100'000});
+  EXPECT_EQ(driver.measure(frame, false, &earlier)->detections.size(), 1u);
+  earlier.bodies[1].occluded = true;
+  EXPECT_TRUE(driver.measure(frame, false, &earlier)->detections.empty());
+  EXPECT_TRUE(driver.measure(frame, false, &frame)->detections.empty()) << "same instant";
+}
+
 TEST(PoseSensor, DetectsTargetsInRangeViewAndSight) {
   scenario::Scenario scenario = scenario_with(models::SensorKind::kRangeBearing);
   scenario.robots[0].sensor.fov_rad = radians(90.0);
