@@ -10,6 +10,7 @@
 #include "models/plan/plan.hpp"
 #include "models/sensor/law.hpp"
 #include "scenario/reader/scenario_detection_yaml.hpp"
+#include "scenario/reader/sensor_parameters.hpp"
 #include "scenario/vehicle_kinds.hpp"
 
 namespace vantage::scenario {
@@ -74,6 +75,10 @@ void check_sensor(Mapping& from, const SensorModel& sensor) {
     // the information has no finite bound.
     from.refuse("range_min_m", "must be above 0 for a sensor that measures bearings, is 0");
   }
+  if (models::measures_velocity(sensor) && sensor.range_min_m <= 0.0) {
+    // The direction to a passing target turns at a rate proportional to 1/r.
+    from.refuse("range_min_m", "must be above 0 for a sensor that measures velocities, is 0");
+  }
 }
 
 void read_sensor(Mapping& from, RobotSpec& robot) {
@@ -96,6 +101,7 @@ void read_sensor(Mapping& from, RobotSpec& robot) {
     calibration.number("range_scale", sensor.calibration.range_scale, above(0.0));
     calibration.number("range_bias_m", sensor.calibration.range_bias_m, any_number());
   });
+  read_own_parameters(from, sensor);
   check_sensor(from, sensor);
   read_detection(from, sensor, robot.detection);
 }

@@ -349,6 +349,22 @@ void read_wind(Mapping& from, WindSpec& wind) {
   from.number("gust_sigma_mps", wind.gust_sigma_mps, from_to(0.0, kWindMaxMps));
 }
 
+/// Refuses a sensor that measures velocities together with targets whose state has none: it would
+/// report rates that the target model excludes.
+void check_velocity(Mapping& top, const Scenario& scenario) {
+  const models::TargetModel& model = scenario.estimator.target_model;
+  const auto measures = [](const RobotSpec& robot) {
+    return models::measures_velocity(robot.sensor);
+  };
+  const auto robot = std::find_if(scenario.robots.begin(), scenario.robots.end(), measures);
+  if (robot != scenario.robots.end() && !scenario.targets.empty() && !model.has_velocity()) {
+    top.refuse("estimator",
+               fmt::format("target_model.kind must be one with a velocity, such as "
+                           "double_integrator, for the sensor of robot {}, kind {}; is {}",
+                           robot->name, robot->sensor.kind.name(), model.kind.name()));
+  }
+}
+
 /// Reads a scenario. `localizer`: receives the section of this name, which the Scenario does not
 /// contain; may be null.
 void read_scenario(Mapping& top, Scenario& scenario,
@@ -387,6 +403,7 @@ void read_scenario(Mapping& top, Scenario& scenario,
     read_ros2(from, scenario, checked);
   });
   tolerate([&] { check_without_ids(top, scenario); });
+  tolerate([&] { check_velocity(top, scenario); });
   tolerate([&] { read_attacks(top, scenario); });
   tolerate([&] { read_hosts(top, scenario); });
   tolerate([&] {

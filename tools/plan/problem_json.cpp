@@ -8,9 +8,11 @@
 
 #include <fmt/format.h>
 
+#include "models/sensor/law.hpp"
 #include "models/target/law.hpp"
 #include "planner/search/expander.hpp"
 #include "scenario/reader/mapping.hpp"
+#include "scenario/reader/sensor_parameters.hpp"
 #include "tools/plan/json_document.hpp"
 
 namespace vantage::tools {
@@ -26,9 +28,10 @@ constexpr double kFar_m = 1e6;
 constexpr double kFastest_mps = 1e3;
 constexpr double kLongest_s = 3600.0;
 constexpr double kLeastSigma = 1e-6;
-// m; closer targets are not observed. The information of a bearing grows without limit towards zero
-// distance. This minimum keeps the information finite, and therefore also the lower bound.
-constexpr double kLeastBearingRange_m = 1e-3;
+// m; closer targets are not observed. The information of a bearing, and that of a range rate about
+// the position, grow without limit towards zero distance. This minimum keeps the information
+// finite, and therefore also the lower bound.
+constexpr double kLeastRange_m = 1e-3;
 // The distance field only accelerates exact tests; 10⁶ cells are enough.
 constexpr double kFieldCellsMax = 1e6;
 constexpr double kFieldColumnsMax = 1e5;
@@ -73,13 +76,14 @@ double read_map(Mapping& map, models::World& world) {
                    extent_m.maxCoeff() / kFieldColumnsMax});
 }
 
-Pose2 read_start(Mapping& robot) {
+Pose2 read_start(Mapping& robot, double& height_m) {
   Pose2 start;
   robot.require("x");
   robot.require("y");
   robot.number("x", start.x_m, within(kFar_m));
   robot.number("y", start.y_m, within(kFar_m));
   robot.number("yaw", start.yaw_rad, within(kFastest_mps));
+  robot.number("height_m", height_m, scenario::from_to(0.0, kFar_m));
   start.yaw_rad = wrap_to_pi(start.yaw_rad);
   return start;
 }
@@ -103,20 +107,32 @@ void read_sensor(Mapping& keys, models::SensorModel& sensor) {
   const Range sigmas = scenario::from_to(kLeastSigma, kFar_m);
   double fov_deg = 360.0;
   double bearing_sigma_deg = 0.0;
-  for (const char* key : {"type", "range", "sigma_r"}) {
-    keys.require(key);
+  keys.require("type");
+  keys.require("range");
+  keys.choice("type", sensor.kind, models::all_sensor_kinds());
+  const models::SensorLaw& law = sensor.kind.law();
+  if (law.measures_range) {
+    keys.require("sigma_r");
   }
-  keys.choice("type", sensor.kind,
-              {{"range", models::SensorKind::kRange},
-               {"range_bearing", models::SensorKind::kRangeBearing}});
+  if (law.measures_bearing) {
+    keys.require("sigma_b_deg");
+  }
+  if (law.measures_bearing || models::measures_velocity(sensor)) {
+    sensor.range_min_m = kLeastRange_m;
+  }
   keys.number("range", sensor.range_max_m, positive(kFar_m));
   keys.number("fov_deg", fov_deg, positive(360.0));
   keys.number("sigma_r", sensor.range_sigma_m, sigmas);
   keys.number("sigma_b_deg", bearing_sigma_deg, sigmas);
+  keys.number("range_min_m", sensor.range_min_m, scenario::from_to(sensor.range_min_m, kFar_m));
+  keys.number("position_sigma_m", sensor.position_sigma_m, sigmas);
+  keys.number("pixel_sigma", sensor.pixel_sigma, sigmas);
+  keys.number("focal_length_pixels", sensor.focal_length_pixels, positive(kFar_m));
+  keys.angle("camera_tilt", sensor.camera_tilt_rad, scenario::from_to(0.0, 90.0));
+  keys.number("depth_min_m", sensor.depth_min_m, positive(kFar_m));
+  scenario::read_own_parameters(keys, sensor);
   sensor.fov_rad = radians(fov_deg);
-  if (sensor.kind == models::SensorKind::kRangeBearing) {
-    keys.require("sigma_b_deg");
-    sensor.range_min_m = kLeastBearingRange_m;
+  if (law.measures_bearing) {
     sensor.bearing_sigma_rad = radians(bearing_sigma_deg);
   }
 }
@@ -220,7 +236,8 @@ void read_problem(Mapping& top, PlanningProblem& read) {
   read_description(top, read);
   double resolution_m = 0.0;
   top.section("map", [&](Mapping& map) { resolution_m = read_map(map, *read.world); });
-  top.section("robot", [&](Mapping& robot) { problem.start = read_start(robot); });
+  top.section("robot",
+              [&](Mapping& robot) { problem.start = read_start(robot, problem.height_m); });
   if (models::clearance_m(*read.world, problem.start.position_m()) <= 0.0) {
     top.refuse("robot",
                fmt::format("must be inside the map and outside every obstacle, touching neither; "

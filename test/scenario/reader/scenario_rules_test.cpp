@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "models/sensor/law.hpp"
 #include "test/scenario/reader/answer_to.hpp"
 
 // Tests the rules between keys by the whole error message: its numbers, names and line.
@@ -43,6 +44,40 @@ TEST(ScenarioRules, NamesConsistOfChannelCharacters) {
     EXPECT_EQ(named(name),
               "f:1: name: must contain only letters, digits, - and _, is '" + name + "'");
   }
+}
+
+TEST(ScenarioRules, ParametersBelongToTheirSensorKind) {
+  const std::string moving = "estimator: {target_model: {kind: double_integrator, q: 0.1}}\n";
+  const auto with = [&](const std::string& sensor) {
+    return answer_to_robot(", sensor: {" + sensor + "}", moving);
+  };
+  const std::string kind = "kind: range_rate, range_min_m: 0.1";
+  EXPECT_EQ(with(kind), "taken");
+  EXPECT_EQ(with(kind + ", range_rate_sigma_mps: 0.2"), "taken");
+  EXPECT_EQ(with(kind + ", range_rate_sigma_mps: 0"),
+            "f:6: robots[0].sensor.range_rate_sigma_mps: must be above 0, is 0");
+  EXPECT_EQ(with("kind: range, range_rate_sigma_mps: 0.2"),
+            "f:6: robots[0].sensor.range_rate_sigma_mps: is a parameter of sensor kind range_rate; "
+            "kind range has its own parameters: none");
+  EXPECT_EQ(with(kind + ", range_rate_sigma: 0.2"),
+            "f:6: robots[0].sensor.range_rate_sigma: unknown key, wrong unit; did you mean "
+            "range_rate_sigma_mps?");
+  const Scenario read = parse_scenario(
+      kWorld + kTargets + kDefaults + "robots:\n  - {name: A, start: {x_m: 2, y_m: 2}, sensor: {" +
+          kind + ", range_rate_sigma_mps: 0.2}}\n" + moving,
+      "f");
+  EXPECT_EQ(models::own_parameter(read.robots[0].sensor, 0), 0.2);
+}
+
+TEST(ScenarioRules, VelocitySensorsNeedAMinimumRangeAndTargetsWithVelocity) {
+  const std::string moving = "estimator: {target_model: {kind: double_integrator, q: 0.1}}\n";
+  EXPECT_EQ(answer_to_robot(", sensor: {kind: range_rate}", moving),
+            "f:6: robots[0].sensor: range_min_m: must be above 0 for a sensor that measures "
+            "velocities, is 0");
+  EXPECT_EQ(answer_to_robot(", sensor: {kind: range_rate, range_min_m: 0.1}",
+                            "estimator: {target_model: {kind: random_walk, q: 0.1}}\n"),
+            "f:7: estimator: target_model.kind must be one with a velocity, such as "
+            "double_integrator, for the sensor of robot A, kind range_rate; is random_walk");
 }
 
 TEST(ScenarioRules, NamesOfBodiesAreUnique) {

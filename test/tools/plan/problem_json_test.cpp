@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/check.hpp"
+#include "models/sensor/law.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -135,6 +136,39 @@ TEST(ParseProblem, HasDefaultsForOptionalKeys) {
   EXPECT_TRUE(open.world->obstacles.empty());
 }
 
+TEST(ParseProblem, ReadsEverySensorKindWithItsParameters) {
+  for (const models::SensorKind kind : models::all_sensor_kinds()) {
+    json document = file("tracking.json");
+    document["robot"]["height_m"] = 1.5;
+    document["sensor"]["type"] = kind.name();
+    for (const models::SensorParameter& each : kind.law().parameters) {
+      document["sensor"][std::string(each.name)] = 0.5 * each.initial;
+    }
+    const PlanningProblem read = parse(document);
+    const models::SensorModel& sensor = read.problem.sensors[0];
+    EXPECT_EQ(sensor.kind, kind);
+    EXPECT_EQ(read.problem.height_m, 1.5);
+    for (std::size_t i = 0; i < kind.law().parameters.size(); ++i) {
+      EXPECT_EQ(models::own_parameter(sensor, static_cast<int>(i)),
+                0.5 * kind.law().parameters[i].initial);
+    }
+    const bool has_least_range = kind.law().measures_bearing || models::measures_velocity(sensor);
+    EXPECT_EQ(sensor.range_min_m, has_least_range ? 1e-3 : 0.0) << kind.name();
+  }
+}
+
+TEST(ParseProblem, RefusesAParameterOfAnotherSensorKind) {
+  json document = file("tracking.json");
+  document["sensor"]["range_rate_sigma_mps"] = 0.1;
+  EXPECT_EQ(refusal_of(document.dump()),
+            "p.json:1: sensor.range_rate_sigma_mps: is a parameter of sensor kind range_rate; kind "
+            "range_bearing has its own parameters: none");
+  document["sensor"]["type"] = "range_rate";
+  document["sensor"]["range_rate_sigma_mps"] = 0.0;
+  EXPECT_EQ(refusal_of(document.dump()),
+            "p.json:1: sensor.range_rate_sigma_mps: must be above 0, is 0");
+}
+
 TEST(ParseProblem, AcceptsAMovingTargetWithoutNoise) {
   json document = file("tracking.json");
   document["q"] = 0;
@@ -161,7 +195,7 @@ const BadEdit kBadEdits[] = {
     {R"("range": 8.0)", R"(@"range": 1e-400)", "sensor.range: must be a finite number that a double can hold, is '1e-400'"},
     {R"("fov_deg": 94.0)", "\n\n@\"fov_deg\": 361", "sensor.fov_deg: must be above 0 and at most 360, is 361"},
     {R"("fov_deg": 94.0)", R"(@"fov": 94)", "sensor.fov: unknown key, wrong unit; did you mean fov_deg?"},
-    {R"("range_bearing")", R"(@"sonar")", "sensor.type: must be one of range, range_bearing; is 'sonar'"},
+    {R"("range_bearing")", R"(@"sonar")", "sensor.type: must be one of position, range, bearing, range_bearing, camera, range_rate; is 'sonar'"},
     {R"("range": 8.0)", R"(@"rnage": 8.0)", "sensor.rnage: unknown key; did you mean range?"},
     {R"("range": 8.0)", "\"range\": 8.0,\n@\"range\": 9", "sensor.range: duplicate key, first given on line 16"},
     {R"("robot": {"x": 0.0, "y": -0.5, "yaw": 0.4})", R"(@"robot": [])", "robot: must be a mapping of keys to values"},
