@@ -58,6 +58,8 @@ exits_with 2 "$vantage" trial "$scenario" --seeds 2-1
 grep -q "differ in planner.algorithm" grouped.txt || fail "metrics does not name the difference"
 [[ $(grep "^RMSE of a robot" grouped.txt) == $(grep "^RMSE of a robot" compared.txt) ]] ||
   fail "metrics and trial differ"
+"$vantage" log metrics trials/*.lcmlog --svg grouped.svg > /dev/null
+grep -q "planner.algorithm" grouped.svg || fail "metrics --svg does not name the difference"
 "$vantage" log metrics --pool trials/*.lcmlog | grep "^trials  *4$" > /dev/null || fail "metrics --pool"
 "$vantage" log metrics flight.lcmlog --json | json 'd["rounds"]' > /dev/null
 "$vantage" log fit-motion flight.lcmlog | grep "target_model: {kind: damped_oscillator" > /dev/null

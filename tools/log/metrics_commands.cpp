@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "core/check.hpp"
 #include "core/process.hpp"
 #include "core/utf8.hpp"
 #include "core/write_file.hpp"
@@ -27,7 +28,7 @@ namespace {
 
 struct MetricsArguments {
   std::vector<std::string> logs;
-  std::string output;
+  std::string output;  ///< picture; empty: none
   bool as_json = false;
   bool is_of_latency = false;
   bool pools = false;
@@ -134,9 +135,10 @@ LogGroups grouped(const std::vector<scenario::Scenario>& scenarios,
   return out;
 }
 
-/// Prints means with confidence intervals over logs, one column per group. Steps of one trial are
-/// correlated; only trials are independent samples.
-void print_groups(LogGroups logs) {
+/// Prints means with confidence intervals over logs, one column per group, and draws them into
+/// `svg_path` unless it is empty. Steps of one trial are correlated; only trials are independent
+/// samples.
+void print_groups(LogGroups logs, const std::string& svg_path) {
   if (logs.keys.empty()) {
     logs.groups.front().name = "all logs";
   } else {
@@ -152,9 +154,20 @@ void print_groups(LogGroups logs) {
   for (const std::string& line : comparison_table(logs.groups)) {
     print_line(line);
   }
+  if (!svg_path.empty()) {
+    write_file(svg_path,
+               comparison_figure(logs.groups, logs.keys.empty()
+                                                  ? "all logs"
+                                                  : fmt::format("{}", fmt::join(logs.keys, ", "))));
+    print_line("picture  " + svg_path);
+  }
 }
 
 int metrics(const MetricsArguments& arguments) {
+  if (!arguments.output.empty()) {
+    require(arguments.logs.size() > 1, "--svg: needs several logs; `log plot` draws one");
+    require_writable(arguments.output);
+  }
   const DefaultSignalScope reading;
   std::vector<logs::LogAnalysis> analyses;
   std::vector<scenario::Scenario> scenarios;
@@ -174,7 +187,7 @@ int metrics(const MetricsArguments& arguments) {
     analyses.push_back(std::move(analysis));
   }
   if (!arguments.as_json && !arguments.is_of_latency && analyses.size() > 1) {
-    print_groups(grouped(scenarios, analyses, arguments.pools));
+    print_groups(grouped(scenarios, analyses, arguments.pools), arguments.output);
   }
   return 0;
 }
@@ -219,6 +232,11 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
       "print only the latency of each driver between motion-capture frame and set-point");
   metrics_command->add_flag("--pool", arguments->pools,
                             "average all logs together, also if their scenarios differ");
+  metrics_command
+      ->add_option("--svg", arguments->output,
+                   "with several logs: file for a figure of the comparison (SVG)")
+      ->excludes("--json")
+      ->excludes("--latency");
   metrics_command->footer(
       "A latency is the time from the validity of the input to the moment when the output is\n"
       "finished or logged; 'look' is the newest measurement that was used. The margin of a plan\n"
@@ -229,7 +247,7 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
       "Examples:\n"
       "  vantage log metrics flight.lcmlog --json\n"
       "  vantage log metrics flight.lcmlog --latency\n"
-      "  vantage log metrics trial_*.lcmlog");
+      "  vantage log metrics trial_*.lcmlog --svg comparison.svg");
   metrics_command->callback(
       [&chosen, arguments] { chosen = [arguments] { return metrics(*arguments); }; });
 
