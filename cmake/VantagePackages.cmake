@@ -48,7 +48,7 @@ macro(vantage_package part)
 endmacro()
 
 vantage_package(runtime NAME vantage SECTION science
-  DEPENDS "adduser, liblcm-bin" RECOMMENDS "gnuplot-nox, xz-utils"
+  DEPENDS "adduser, liblcm-bin" RECOMMENDS "gnuplot-nox, librsvg2-bin, xz-utils"
   SUMMARY "LCM lab stack for active information acquisition"
   TEXT "Teams of robots that gather information: one planner and one estimator
 per robot, drivers for motion capture and vehicles, a simulator, a

@@ -108,11 +108,11 @@ void draw_views_and_plans(Svg& svg, const Layout& layout, const scenario::Scenar
 }
 
 void draw_view(Svg& svg, const Layout& layout, const models::SensorModel& sensor,
-               const Pose2& world_from_body, std::string_view colour) {
+               const Pose2& world_from_body, std::string_view colour, double fill_opacity) {
   const std::string style = fmt::format(
-      R"(class="view" fill="{0}" fill-opacity="0.08" stroke="{0}" stroke-opacity="0.55" )"
+      R"(class="view" fill="{0}" fill-opacity="{1:.2g}" stroke="{0}" stroke-opacity="0.55" )"
       R"(stroke-dasharray="5 4")",
-      colour);
+      colour, fill_opacity);
   const Eigen::Vector2d centre_px = layout.page_from_world(world_from_body.position_m());
   if (sensor.fov_rad >= 2.0 * kPi - 1e-9) {
     svg.circle(centre_px, sensor.range_max_m * layout.px_per_m, style);

@@ -25,7 +25,7 @@ void draw_robot(Svg& svg, const Eigen::Vector2d& at_px, double yaw_rad, double r
                 std::string_view colour, std::string_view core_colour);
 /// Draws the sensor's range from `world_from_body`: a disc, or the sector of its field of view.
 void draw_view(Svg& svg, const Layout& layout, const models::SensorModel& sensor,
-               const Pose2& world_from_body, std::string_view colour);
+               const Pose2& world_from_body, std::string_view colour, double fill_opacity = 0.08);
 void draw_estimates(Svg& svg, const Layout& layout, const Scene& scene);
 /// Draws markers of robots and true targets, then all labels in free areas.
 void draw_bodies(Svg& svg, const Layout& layout, const scenario::Scenario& scenario,

@@ -43,6 +43,9 @@ int run(const PlanArguments& arguments) {
     for (const std::string& line : to_lines(planning, outcome)) {
       print_line(line);
     }
+    if (const std::string hint = hint_for(outcome); !hint.empty()) {
+      print_line("hint      " + hint);
+    }
   }
   if (!arguments.svg_path.empty()) {
     write_file(arguments.svg_path, draw_plan_picture(planning, outcome));

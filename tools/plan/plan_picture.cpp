@@ -39,7 +39,13 @@ Course course_of(const planner::SearchProblem& problem, const planner::SearchTar
     models::PositionMatrix M = models::PositionMatrix::Zero(2, 2);
     if (models::line_of_sight(*problem.world, pose.position_m(), mean_m.head<2>())) {
       for (const models::SensorModel& sensor : problem.sensors) {
-        M += models::information(sensor, {pose, problem.height_m}, mean_m);
+        const models::Viewpoint from{pose, problem.height_m};
+        if (models::measures_velocity(sensor) && target.model.has_velocity()) {
+          belief.covariance = models::update_state_covariance(
+              belief.covariance, models::state_information(sensor, from, belief.mean));
+        } else {
+          M += models::information(sensor, from, mean_m);
+        }
       }
     }
     belief.covariance = models::update_covariance(belief.covariance, M);
@@ -197,9 +203,13 @@ std::string draw_plan_picture(const PlanningProblem& planning, const PlanOutcome
   logs::Svg svg(layout.page_size_px.x(), layout.page_size_px.y());
   svg.open_clip(layout.map_corner_px, layout.map_size_px);
   logs::draw_ground(svg, layout, scenario, {});
+  // Views overlap; together they must not hide the walls.
+  constexpr double kOpacity = 0.25;
+  const double opacity =
+      std::min(0.08, kOpacity / static_cast<double>(outcome.result.poses.size() + 1));
   for (const Pose2& pose : outcome.result.poses) {
     for (const models::SensorModel& sensor : problem.sensors) {
-      logs::draw_view(svg, layout, sensor, pose, path_colour());
+      logs::draw_view(svg, layout, sensor, pose, path_colour(), opacity);
     }
   }
   for (const planner::SearchTarget& target : problem.targets) {

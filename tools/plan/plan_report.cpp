@@ -92,4 +92,13 @@ std::vector<std::string> to_lines(const PlanningProblem& problem, const PlanOutc
   return lines;
 }
 
+std::string hint_for(const PlanOutcome& outcome) {
+  const bool is_proven =
+      outcome.result.stop_reason == planner::StopReason::kFinished || gap_of(outcome.result) <= 0.0;
+  return is_proven || outcome.is_interrupted || outcome.algorithm == "astar"
+             ? ""
+             : "the bound is loose; --algorithm astar proves the optimum if its search completes, "
+               "which is likely for few steps and targets";
+}
+
 }  // namespace vantage::tools

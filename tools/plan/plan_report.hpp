@@ -21,6 +21,8 @@ bool is_complete(const planner::SearchProblem& problem, const planner::SearchRes
 nlohmann::ordered_json to_json(const PlanningProblem& problem, const PlanOutcome& outcome);
 /// Returns the entries of to_json() as text, one line per entry.
 std::vector<std::string> to_lines(const PlanningProblem& problem, const PlanOutcome& outcome);
+/// Returns advice for a plan that is not proven optimal; empty: none.
+std::string hint_for(const PlanOutcome& outcome);
 /// Draws map, obstacles, predicted targets with their uncertainty before and after the plan, the
 /// path, and the field of view at each step. Returns SVG.
 std::string draw_plan_picture(const PlanningProblem& problem, const PlanOutcome& outcome);

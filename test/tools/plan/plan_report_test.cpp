@@ -154,6 +154,20 @@ TEST(PlanReport, ReportsMissingContinuation) {
   EXPECT_TRUE(printed["controls"].empty());
 }
 
+TEST(PlanReport, AdvisesASearchWithProofIfTheBoundIsLoose) {
+  PlanOutcome outcome;
+  outcome.algorithm = "beam";
+  outcome.result.cost = -10.0;
+  outcome.result.lower_bound = -20.0;
+  outcome.result.stop_reason = planner::StopReason::kDeadline;
+  EXPECT_TRUE(hint_for(outcome).starts_with("the bound is loose; --algorithm astar"));
+  outcome.result.lower_bound = -10.0;
+  EXPECT_EQ(hint_for(outcome), "");
+  outcome.result.lower_bound = -20.0;
+  outcome.algorithm = "astar";
+  EXPECT_EQ(hint_for(outcome), "");
+}
+
 TEST(PlanReport, DrawsThePlan) {
   const PlanningProblem planning = load_problem(in_repo("tracking.json"));
   const std::string svg = draw_plan_picture(planning, solve(planning, "greedy"));
