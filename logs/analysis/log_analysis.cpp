@@ -37,6 +37,8 @@ class Analyst {
     }
   }
   void on(const models::AttackNotice& /*attack*/) {}
+  void on(const models::OdometryReport& /*odometry*/) {}
+  void on(const models::PoseEstimate& /*estimate*/) {}
   void on(const models::PlanProposal& /*proposal*/) {}
   void on(const models::TeamProposal& /*proposal*/) {}
   void on(const models::BeliefMixture& /*mixture*/) {}  // RobotBelief is evaluated instead

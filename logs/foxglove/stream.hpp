@@ -18,6 +18,7 @@
 #include "logs/metrics/team_estimate.hpp"
 #include "logs/metrics/trial_metrics.hpp"
 #include "models/exchange/messages.hpp"
+#include "models/exchange/pose_messages.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::logs::foxglove {
@@ -70,6 +71,8 @@ class Stream {
   void on(const models::BeliefMixture& /*mixture*/, Time /*received_at*/) {
   }                                                                    // beliefs are shown instead
   void on(const models::RangeScan& /*scan*/, Time /*received_at*/) {}  // the map shows its content
+  void on(const models::OdometryReport& /*odometry*/, Time /*received_at*/) {}
+  void on(const models::PoseEstimate& /*estimate*/, Time /*received_at*/) {}
   void on(const models::RobotMap& map, Time received_at);
   void on(const models::RobotPlan& plan, Time received_at);
   void on(const models::PlanProposal& /*proposal*/, Time /*received_at*/) {
