@@ -89,7 +89,7 @@ set(vantage_bus_public
   bus/transport/transport bus/transport/url)
 
 set(vantage_logs_libraries
-  appearance foxglove log_analysis log_export log_file log_play metrics record)
+  appearance foxglove log_analysis log_export log_file log_play metrics mrclam record)
 set(vantage_logs_needs bus scenario_reader)
 set(vantage_logs_packages nlohmann_json fmt ZSTD)
 set(vantage_logs_public

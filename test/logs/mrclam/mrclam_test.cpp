@@ -1,0 +1,97 @@
+#include "logs/mrclam/mrclam.hpp"
+
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "test/support/temporary_folder.hpp"
+
+namespace vantage::logs {
+namespace {
+
+/// Folder with one robot and one landmark.
+struct SmallSet {
+  SmallSet() {
+    write("Barcodes.dat", "# Subject #    Barcode #\n  1 \t   5\n  6 \t  63\n");
+    write("Landmark_Groundtruth.dat", "# head\n  6 \t 0.5 \t -4.25 \t 0.00004 \t 0.00027\n");
+    write("Robot1_Odometry.dat", "1248444187.156 \t  0.086 \t -0.398\n");
+    write("Robot1_Measurement.dat",
+          "1248444189.599 \t  63 \t  3.787 \t -0.257\n1248444189.599 \t  99 \t 1.0 \t 0.1\n");
+    write("Robot1_Groundtruth.dat", "1248444175.103 \t 1.4 \t -3.9 \t 4.0\n");
+  }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder.file(name)) << text;
+  }
+  test::TemporaryFolder folder;
+};
+
+std::string refusal_of(const SmallSet& set) {
+  try {
+    static_cast<void>(read_mrclam(set.folder.path()));
+  } catch (const StartupError& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+TEST(Mrclam, ReadsFolder) {
+  const SmallSet set;
+  const MrclamData data = read_mrclam(set.folder.path());
+  ASSERT_EQ(data.landmarks.size(), 1U);
+  EXPECT_EQ(data.landmarks[0].subject, 6);
+  EXPECT_EQ(data.landmarks[0].position_m, Eigen::Vector2d(0.5, -4.25));
+  ASSERT_EQ(data.robots.size(), 1U);
+  const MrclamData::Robot& robot = data.robots[0];
+  ASSERT_EQ(robot.commands.size(), 1U);
+  EXPECT_EQ(to_utime(robot.commands[0].time), 1'248'444'187'156'000);
+  EXPECT_EQ(robot.commands[0].turn_radps, -0.398);
+  ASSERT_EQ(robot.observations.size(), 2U);
+  EXPECT_EQ(robot.observations[0].subject, 6);
+  EXPECT_EQ(robot.observations[1].subject, -1);
+  ASSERT_EQ(robot.truth.size(), 1U);
+  EXPECT_NEAR(robot.truth[0].world_from_body.yaw_rad, 4.0 - 2.0 * 3.14159265358979, 1e-12);
+}
+
+TEST(Mrclam, NamesFileLineAndRuleOfInvalidLine) {
+  const SmallSet set;
+  set.write("Robot1_Odometry.dat", "# head\n1.0 0.1 0.2\n2.0 0.1\n");
+  EXPECT_NE(refusal_of(set).find("Robot1_Odometry.dat:3: '2.0 0.1' must consist of 3"),
+            std::string::npos)
+      << refusal_of(set);
+}
+
+TEST(Mrclam, RefusesDecreasingTimes) {
+  const SmallSet set;
+  set.write("Robot1_Odometry.dat", "2.0 0.1 0.2\n1.0 0.1 0.2\n");
+  EXPECT_NE(refusal_of(set).find("must not be before"), std::string::npos);
+}
+
+TEST(Mrclam, RefusesFolderWithoutTheDataSet) {
+  EXPECT_THROW(static_cast<void>(read_mrclam("/nonexistent")), StartupError);
+}
+
+TEST(Mrclam, ReadsSetSix) {
+  const char* const folder = std::getenv("VANTAGE_MRCLAM");
+  if (folder == nullptr) {
+    GTEST_SKIP() << "set VANTAGE_MRCLAM to the folder MRCLAM_Dataset6";
+  }
+  const MrclamData data = read_mrclam(folder);
+  EXPECT_EQ(data.landmarks.size(), 15U);
+  ASSERT_EQ(data.robots.size(), 5U);
+  std::size_t observations = 0;
+  int unknown = 0;
+  for (const MrclamData::Robot& robot : data.robots) {
+    observations += robot.observations.size();
+    for (const MrclamData::Observation& each : robot.observations) {
+      unknown += each.subject < 0 ? 1 : 0;
+    }
+  }
+  EXPECT_NEAR(static_cast<double>(observations), 19'300.0, 100.0);
+  EXPECT_EQ(unknown, 6);
+}
+
+}  // namespace
+}  // namespace vantage::logs
