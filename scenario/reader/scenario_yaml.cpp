@@ -371,7 +371,7 @@ void read_scenario(Mapping& top, Scenario& scenario,
                    std::optional<LocalizerSpec>* localizer = nullptr) {
   top.declare({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
                "target_truth", "estimator", "planner", "mapping", "network", "mocap", "attacks",
-                "hosts", "wind", "security", "localizer", "ros2"});
+               "hosts", "wind", "security", "localizer", "ros2"});
   for (const char* key : {"name", "world", "robots"}) {
     top.require(key);
   }
