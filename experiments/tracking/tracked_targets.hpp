@@ -75,6 +75,8 @@ class TrackedTargets {
   [[nodiscard]] const std::vector<models::Gaussian>& beliefs() const { return filter_.beliefs(); }
   /// Returns, by target, nonzero if a robot observed it in the last observe().
   [[nodiscard]] const std::vector<char>& is_seen() const { return filter_.is_seen(); }
+  /// Returns the true states, in the order of the targets.
+  [[nodiscard]] const std::vector<models::StateVector>& truth() const { return truth_.states(); }
   /// Returns the current errors, in the order of the targets.
   [[nodiscard]] std::vector<TargetStep> steps() const;
 

@@ -212,8 +212,10 @@ double panel_height_px(const scenario::Scenario& scenario) {
 }
 
 void draw_header(Svg& svg, const Layout& layout, const scenario::Scenario& scenario,
-                 const logs::TrialSummary& summary) {
+                 const logs::TrialSummary& summary, KeyNumbers numbers) {
   const double x_px = layout.map_corner_px.x();
+  constexpr std::string_view kTitle = R"(font-size="22" font-weight="bold" fill="#202124")";
+  constexpr std::string_view kNumbers = R"(font-size="14" fill="#3c4043")";
   const std::string found = is_mapping(scenario) ? "map after"
                                                  : fmt::format("{} of {} targets found in",
                                                                summary.discovered, summary.targets);
@@ -222,9 +224,14 @@ void draw_header(Svg& svg, const Layout& layout, const scenario::Scenario& scena
           ? fmt::format("map entropy {}", number_or_dash(summary.map_entropy_nats, "{:.0f} nat"))
           : fmt::format("RMSE {} · entropy {:.2f} nat", number_or_dash(summary.rmse_m, "{:.2f} m"),
                         summary.entropy_nats);
+  if (numbers == KeyNumbers::kEstimate) {
+    svg.text({x_px, 34.0}, fmt::format("{}: after {:g} s", summary.scenario, summary.duration_s),
+             kTitle);
+    svg.text({x_px, 60.0}, fmt::format("seed {} · {}", summary.seed, known), kNumbers);
+    return;
+  }
   svg.text({x_px, 34.0},
-           fmt::format("{}: {} {:.0f} s", summary.scenario, found, summary.duration_s),
-           R"(font-size="22" font-weight="bold" fill="#202124")");
+           fmt::format("{}: {} {:.0f} s", summary.scenario, found, summary.duration_s), kTitle);
   svg.text({x_px, 60.0},
            fmt::format("{}, seed {} · {} · {} collisions · {} near "
                        "misses · least separation {} · {} of {} rounds late",
@@ -232,7 +239,7 @@ void draw_header(Svg& svg, const Layout& layout, const scenario::Scenario& scena
                        summary.separation_violations,
                        number_or_dash(summary.min_separation_m, "{:.2f} m"), summary.rounds_late,
                        summary.rounds),
-           R"(font-size="14" fill="#3c4043")");
+           kNumbers);
 }
 
 void draw_panel(Svg& svg, const Layout& layout, const scenario::Scenario& scenario,

@@ -8,9 +8,15 @@
 
 namespace vantage::logs {
 
+/// Key numbers of a picture's header.
+enum class KeyNumbers {
+  kTrial,     ///< discovery, estimates, safety and punctuality
+  kEstimate,  ///< present estimates only, for a task without planning rounds and collisions
+};
+
 /// Draws the title line and the key numbers above the map.
 void draw_header(Svg& svg, const Layout& layout, const scenario::Scenario& scenario,
-                 const logs::TrialSummary& summary);
+                 const logs::TrialSummary& summary, KeyNumbers numbers);
 /// Returns the height of draw_panel() in pixels.
 double panel_height_px(const scenario::Scenario& scenario);
 /// Draws the table of targets, or of each robot's map, and the legend next to the map.

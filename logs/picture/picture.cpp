@@ -14,10 +14,10 @@
 namespace vantage::logs {
 
 std::string draw_picture(const scenario::Scenario& scenario, const Scene& scene,
-                         const logs::TrialSummary& summary) {
+                         const logs::TrialSummary& summary, KeyNumbers numbers) {
   const Layout layout(scenario.world.bounds, panel_height_px(scenario));
   Svg svg(layout.page_size_px.x(), layout.page_size_px.y());
-  draw_header(svg, layout, scenario, summary);
+  draw_header(svg, layout, scenario, summary, numbers);
   svg.open_clip(layout.map_corner_px, layout.map_size_px);
   draw_ground(svg, layout, scenario, scene);
   draw_tracks(svg, layout, scenario, scene);

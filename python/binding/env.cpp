@@ -1,15 +1,23 @@
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
 #include <pybind11/stl.h>
 
 #include "core/check.hpp"
+#include "logs/picture/picture.hpp"
 #include "python/binding/bind.hpp"
 #include "python/task/mapping_task.hpp"
+#include "python/task/task_picture.hpp"
 #include "python/task/team_planner.hpp"
 #include "python/task/tracking_task.hpp"
 #include "python/task/vector_task.hpp"
@@ -146,6 +154,20 @@ class Tasks {
     return py::make_tuple(observations, rewards, is_over);
   }
 
+  // Draws one task into the file `svg_path` and renders it as `png_path`.
+  void picture(std::size_t index, const std::string& title, const std::string& svg_path,
+               const std::string& png_path) {
+    const py::gil_scoped_release release;
+    const std::lock_guard lock(mutex_);
+    require(index < tasks_.size(), "index: must be below the number of tasks");
+    require(tasks_.was_reset(), "reset() must be called before the first picture");
+    std::ofstream(svg_path) << pictures_[index].draw(tasks_.task(index), title);
+    const Result<std::string> rendered = logs::render_png(svg_path, png_path);
+    if (!rendered.ok()) {
+      throw std::runtime_error(rendered.error().message);
+    }
+  }
+
   template <class Action>
   auto exclusively(const Action& action) const {
     const py::gil_scoped_release release;
@@ -165,6 +187,7 @@ class Tasks {
 
   mutable std::mutex mutex_;
   VectorTask tasks_;
+  std::map<std::size_t, TaskPicture> pictures_;  ///< by index of the task
 };
 
 const TeamTask& task_at(const VectorTask& tasks, std::size_t index) {
@@ -243,6 +266,37 @@ py::dict state_of(const Tasks& tasks, std::size_t index) {
   return out;
 }
 
+// Returns the pixels of a PNG with 8 bits per channel from its decompressed rows.
+// Source: PNG specification, second edition, section 9.
+py::array_t<std::uint8_t> unfiltered_png(std::string_view rows, py::ssize_t height,
+                                         py::ssize_t width, py::ssize_t channels) {
+  require(height > 0 && width > 0 && channels > 0 &&
+              static_cast<py::ssize_t>(rows.size()) == height * (1 + width * channels),
+          "PNG: the rows must have the size of the picture");
+  py::array_t<std::uint8_t> picture({height, width, channels});
+  const py::ssize_t row_bytes = width * channels;
+  std::uint8_t* out = picture.mutable_data();
+  for (py::ssize_t y = 0; y < height; ++y, out += row_bytes) {
+    const auto* const row =
+        reinterpret_cast<const std::uint8_t*>(rows.data()) + y * (1 + row_bytes);
+    require(row[0] <= 4, "PNG: a row's filter must be 0 to 4");
+    for (py::ssize_t i = 0; i < row_bytes; ++i) {
+      const int left = i >= channels ? out[i - channels] : 0;
+      const int above = y > 0 ? out[i - row_bytes] : 0;
+      const int corner = y > 0 && i >= channels ? out[i - row_bytes - channels] : 0;
+      const int to_left = std::abs(above - corner);
+      const int to_above = std::abs(left - corner);
+      const int to_corner = std::abs(left + above - 2 * corner);
+      const int nearest = to_left <= to_above && to_left <= to_corner ? left
+                          : to_above <= to_corner                     ? above
+                                                                      : corner;
+      const int guesses[] = {0, left, above, (left + above) / 2, nearest};
+      out[i] = static_cast<std::uint8_t>(row[1 + i] + guesses[row[0]]);
+    }
+  }
+  return picture;
+}
+
 class Baseline {
  public:
   Baseline(const std::shared_ptr<Tasks>& tasks, const TeamPlannerSpec& spec)
@@ -262,12 +316,16 @@ class Baseline {
 }  // namespace
 
 void bind_env(py::module_& module) {
+  module.def("_unfilter_png", &unfiltered_png, py::arg("rows"), py::arg("height"), py::arg("width"),
+             py::arg("channels"), "Returns the pixels (height, width, channels) of a PNG's rows.");
   py::class_<Tasks, std::shared_ptr<Tasks>>(module, "_Tasks", "See vantage.env.")
       .def(py::init<const std::string&, int, int, const py::dict&>(), py::arg("kind"),
            py::arg("count"), py::arg("threads"), py::arg("options"))
       .def("reset", &Tasks::reset, py::arg("seeds"))
       .def("step", &Tasks::step, py::arg("actions"))
       .def("state", &state_of, py::arg("index"))
+      .def("picture", &Tasks::picture, py::arg("index"), py::arg("title"), py::arg("svg_path"),
+           py::arg("png_path"))
       .def_property_readonly("count", &Tasks::size)
       .def_property_readonly("robots", [](const Tasks& t) { return t.first().robots(); })
       .def_property_readonly("actions", [](const Tasks& t) { return t.first().actions(); })

@@ -7,11 +7,13 @@
 #include <pybind11/stl.h>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "estimator/posterior/confinement.hpp"
 #include "estimator/posterior/missed_detection.hpp"
 #include "estimator/tracks/gaussian/track.hpp"
 #include "models/belief/gaussian.hpp"
 #include "models/motion/unicycle.hpp"
+#include "models/sensor/law.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/law.hpp"
 #include "models/world/world.hpp"
@@ -179,15 +181,38 @@ TargetModel("damped_oscillator", center_m, position_sigma_m, velocity_sigma_mps,
           py::arg("dt_s"), py::arg("steps_unseen") = 1, "W, (n, n).");
 }
 
+const std::vector<double> kAtRest{0.0, 0.0};  // m/s
+
+std::string missing_parameter(const SensorModel& sensor, const std::string& name) {
+  std::string own;
+  for (const models::SensorParameter& each : sensor.kind.law().parameters) {
+    own.append(own.empty() ? "" : ", ").append(each.name);
+  }
+  return "SensorModel has no " + name + "; own parameters of kind " +
+         std::string(sensor.kind.name()) + ": " + (own.empty() ? "none" : own);
+}
+
+models::StateVector state_of(const Doubles& state) {
+  require(state.ndim() == 1 && state.shape(0) >= 2 && state.shape(0) <= 4,
+          "state: must have 2, 3 or 4 numbers");
+  models::StateVector out(state.shape(0));
+  for (py::ssize_t i = 0; i < state.shape(0); ++i) {
+    out(i) = state.at(i);
+  }
+  return out;
+}
+
 // This function is long: it lists the Python names, one entry each.
 void bind_sensor(py::module_& module) {
   py::class_<SensorModel> sensor(module, "SensorModel",
                                  R"(A sensor model, z = h(x, y) + v.
 
-SensorModel(kind="range_bearing", **fields): kind position, range, bearing, range_bearing or camera;
-the fields are the attributes below, units in their names. A viewpoint is (4,): x, y, z in m and yaw
-in rad; a target (2,) or (3,) in m. z: position: target in the body frame, m; range: m; bearing: rad
-from body x; range_bearing: (m, rad); camera: pixels.)");
+SensorModel(kind="range_bearing", **fields): kind position, range, bearing, range_bearing, camera or
+range_rate; the fields are the attributes below and the kind's own_parameters, units in their names.
+A viewpoint is (4,): x, y, z in m and yaw in rad; a target (2,) or (3,) in m, a velocity (2,) in m/s
+and a state (2,), (3,) or (x, y, vx, vy). z: position: target in the body frame, m; range: m;
+bearing: rad from body x; range_bearing: (m, rad); camera: pixels; range_rate: (m, m/s), without the
+sensor's own motion.)");
   sensor
       .def(py::init([](const std::string& kind, const py::kwargs& fields) {
              SensorModel model;
@@ -195,7 +220,7 @@ from body x; range_bearing: (m, rad); camera: pixels.)");
              py::object self = py::cast(model);
              for (const auto& [name, value] : fields) {
                if (!py::hasattr(self, name)) {
-                 throw py::type_error("SensorModel has no " + py::cast<std::string>(name));
+                 throw py::type_error(missing_parameter(model, py::cast<std::string>(name)));
                }
                self.attr(name) = value;
              }
@@ -215,6 +240,46 @@ from body x; range_bearing: (m, rad); camera: pixels.)");
       .def_readwrite("depth_min_m", &SensorModel::depth_min_m)
       .def_readwrite("variance_grows_with_range", &SensorModel::variance_grows_with_range)
       .def_readwrite("variance_floor", &SensorModel::variance_floor)
+      .def_property_readonly(
+          "own_parameters",
+          [](const SensorModel& s) {
+            py::dict values;
+            for (const models::SensorParameter& each : s.kind.law().parameters) {
+              values[py::str(std::string(each.name))] =
+                  models::own_parameter(s, *models::find_parameter(s.kind, each.name));
+            }
+            return values;
+          },
+          "Values of the parameters that only this kind has, by name; each is also an attribute.")
+      .def(
+          "__getattr__",
+          [](const SensorModel& s, const std::string& name) {
+            const auto i = models::find_parameter(s.kind, name);
+            if (!i) {
+              throw py::attribute_error(missing_parameter(s, name));
+            }
+            return models::own_parameter(s, *i);
+          },
+          py::arg("name"), "Returns one of own_parameters.")
+      .def(
+          "__setattr__",
+          [](const py::object& self, const std::string& name, const py::object& value) {
+            auto& s = py::cast<SensorModel&>(self);
+            const auto i = models::find_parameter(s.kind, name);
+            if (!i) {
+              if (PyObject_GenericSetAttr(self.ptr(), py::str(name).ptr(), value.ptr()) != 0) {
+                throw py::error_already_set();
+              }
+              return;
+            }
+            const double number = py::cast<double>(value);
+            const models::SensorParameter& row = s.kind.law().parameters[index(*i)];
+            require(models::is_allowed(row.rule, number),
+                    std::string(row.name) + ": must be " + std::string(models::words_of(row.rule)) +
+                        ", is " + std::to_string(number));
+            s.own[index(*i)] = number;
+          },
+          py::arg("name"), py::arg("value"), "Sets a field or one of own_parameters.")
       .def(
           "in_view",
           [](const SensorModel& s, const Doubles& from, const Doubles& target) {
@@ -224,10 +289,13 @@ from body x; range_bearing: (m, rad); camera: pixels.)");
           "True if within range and field of view; World checks occlusion.")
       .def(
           "observe",
-          [](const SensorModel& s, const Doubles& from, const Doubles& target) {
-            return array_of(models::observe(s, viewpoint_of(from), position_of(target)));
+          [](const SensorModel& s, const Doubles& from, const Doubles& target,
+             const Doubles& velocity) {
+            return array_of(
+                models::observe(s, viewpoint_of(from), position_of(target), point_of(velocity)));
           },
-          py::arg("viewpoint"), py::arg("target"), "Returns h(x, y), (k,): z without noise.")
+          py::arg("viewpoint"), py::arg("target"), py::arg("velocity") = kAtRest,
+          "Returns h(x, y), (k,): z without noise.")
       .def(
           "noise_covariance",
           [](const SensorModel& s, const Doubles& from, const Doubles& target) {
@@ -237,11 +305,26 @@ from body x; range_bearing: (m, rad); camera: pixels.)");
           py::arg("viewpoint"), py::arg("target"), "V, (k, k).")
       .def(
           "jacobian",
-          [](const SensorModel& s, const Doubles& from, const Doubles& target) {
-            return matrix_array(
-                models::observation_jacobian(s, viewpoint_of(from), position_of(target)));
+          [](const SensorModel& s, const Doubles& from, const Doubles& target,
+             const Doubles& velocity) {
+            return matrix_array(models::observation_jacobian(
+                s, viewpoint_of(from), position_of(target), point_of(velocity)));
           },
-          py::arg("viewpoint"), py::arg("target"), "∂h/∂position, (k, 2) or (k, 3).")
+          py::arg("viewpoint"), py::arg("target"), py::arg("velocity") = kAtRest,
+          "∂h/∂position, (k, 2) or (k, 3).")
+      .def(
+          "state_jacobian",
+          [](const SensorModel& s, const Doubles& from, const Doubles& state) {
+            return matrix_array(models::state_jacobian(s, viewpoint_of(from), state_of(state)));
+          },
+          py::arg("viewpoint"), py::arg("state"), "∂h/∂state, (k, n).")
+      .def(
+          "state_information",
+          [](const SensorModel& s, const Doubles& from, const Doubles& state) {
+            return matrix_array(models::state_information(s, viewpoint_of(from), state_of(state)));
+          },
+          py::arg("viewpoint"), py::arg("state"),
+          "Hᵀ V⁻¹ H with H = state_jacobian, (n, n); zero when not in view.")
       .def(
           "information",
           [](const SensorModel& s, const Doubles& from, const Doubles& target) {
@@ -250,13 +333,14 @@ from body x; range_bearing: (m, rad); camera: pixels.)");
           py::arg("viewpoint"), py::arg("target"), "M = Hᵀ V⁻¹ H; zero when not in view.")
       .def(
           "sample",
-          [](const SensorModel& s, const Doubles& from, const Doubles& target, std::uint64_t seed) {
+          [](const SensorModel& s, const Doubles& from, const Doubles& target, std::uint64_t seed,
+             const Doubles& velocity) {
             std::mt19937_64 random(seed);
-            const models::Measurement m =
-                models::sample(s, viewpoint_of(from), position_of(target), random);
+            const models::Measurement m = models::sample(s, viewpoint_of(from), position_of(target),
+                                                         random, point_of(velocity));
             return py::make_tuple(array_of(m.z), matrix_array(m.V));
           },
-          py::arg("viewpoint"), py::arg("target"), py::arg("seed"),
+          py::arg("viewpoint"), py::arg("target"), py::arg("seed"), py::arg("velocity") = kAtRest,
           "Returns (z (k,), V (k, k)) with noise that depends only on the seed.")
       .def(
           "position_from",

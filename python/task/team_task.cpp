@@ -27,6 +27,7 @@ TeamTask::TeamTask(int robots, int steps_max, const JammerSpec& jammer)
 
 void TeamTask::reset(std::uint64_t seed) {
   attacker_ = sim::random_stream(seed, "task attack");
+  seed_ = seed;
   steps_ = 0;
   std::fill(seen_.begin(), seen_.end(), 0.0);
   choose_jammed();

@@ -41,6 +41,8 @@ class TeamTask {
   double step(std::span<const std::int64_t> actions);
 
   [[nodiscard]] int robots() const { return robots_; }
+  /// Returns the seed of the current episode.
+  [[nodiscard]] std::uint64_t seed() const { return seed_; }
   [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] int steps_max() const { return steps_max_; }
   /// True after the last step of an episode, until reset().
@@ -74,6 +76,7 @@ class TeamTask {
   int robots_;
   int steps_max_;
   JammerSpec jammer_;
+  std::uint64_t seed_ = 0;
   int steps_ = 0;
   std::vector<char> jammed_;
   std::vector<double> seen_;  ///< amount observed in the current period, by robot

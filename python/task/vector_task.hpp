@@ -31,6 +31,7 @@ class VectorTask {
   void observe(std::span<float> out);
 
   [[nodiscard]] std::size_t size() const { return tasks_.size(); }
+  [[nodiscard]] bool was_reset() const { return was_reset_; }
   [[nodiscard]] const TeamTask& task(std::size_t index) const { return *tasks_[index]; }
 
  private:

@@ -83,6 +83,34 @@ class Sensor(unittest.TestCase):
     def test_refuses_a_field_that_it_has_not(self):
         with self.assertRaisesRegex(TypeError, "no range_m"):
             vantage.SensorModel("range", range_m=3.0)
+        with self.assertRaisesRegex(TypeError, "no range_rate_sigma_mps; own parameters of kind range: none"):
+            vantage.SensorModel("range", range_rate_sigma_mps=0.1)
+        with self.assertRaisesRegex(TypeError, "own parameters of kind range_rate: range_rate_sigma_mps"):
+            vantage.SensorModel("range_rate", rate_sigma=0.1)
+
+    def test_has_the_own_parameters_of_its_kind(self):
+        sensor = vantage.SensorModel("range_rate", range_min_m=0.1)
+        self.assertEqual(sensor.own_parameters, {"range_rate_sigma_mps": 0.1})
+        sensor.range_rate_sigma_mps = 0.3
+        self.assertEqual(sensor.range_rate_sigma_mps, 0.3)
+        self.assertAlmostEqual(sensor.noise_covariance([0, 0, 0, 0], [2.0, 0.0])[1, 1], 0.09)
+        with self.assertRaisesRegex(vantage.UsageError, "range_rate_sigma_mps: must be above 0"):
+            sensor.range_rate_sigma_mps = 0.0
+        sensor.range_max_m = 7.0
+        self.assertEqual(sensor.range_max_m, 7.0)
+        self.assertEqual(vantage.SensorModel("range").own_parameters, {})
+
+    def test_measures_the_velocity_of_its_targets(self):
+        sensor = vantage.SensorModel("range_rate", range_min_m=0.1)
+        numpy.testing.assert_allclose(sensor.observe([0, 0, 1, 0], [3.0, 4.0], velocity=[1.0, 0.5]), [5.0, 1.0])
+        state = numpy.array([3.0, 4.0, 1.0, 0.5])
+        H = sensor.state_jacobian([0, 0, 1, 0], state)
+        numeric = numpy.transpose([(sensor.observe([0, 0, 1, 0], (state + e)[:2], velocity=(state + e)[2:])
+                                    - sensor.observe([0, 0, 1, 0], (state - e)[:2], velocity=(state - e)[2:])) / 2e-6
+                                   for e in 1e-6 * numpy.eye(4)])
+        numpy.testing.assert_allclose(H, numeric, atol=1e-6)
+        V = sensor.noise_covariance([0, 0, 1, 0], state[:2])
+        numpy.testing.assert_allclose(sensor.state_information([0, 0, 1, 0], state), H.T @ numpy.linalg.inv(V) @ H)
 
 
 class World(unittest.TestCase):

@@ -3,6 +3,7 @@ import numpy
 
 from .. import _vantage
 from . import spaces
+from .picture import RENDER_MODES, Pictures, require_mode
 
 try:
     from gymnasium import Env as _Env
@@ -56,7 +57,9 @@ def whole_numbers(actions):
 
 
 class Parts:
-    """Access to the parts of an observation by name."""
+    """Access to the parts of an observation by name, and pictures of the tasks."""
+
+    _pictures = None
 
     def _set_tasks(self, kind, count, threads, options):
         self._tasks = _vantage._Tasks(kind, count, threads, options)
@@ -85,6 +88,29 @@ class Parts:
         return self._tasks.state(index)
 
 
+    def _picture(self):
+        """Returns the picture of render() for the mode: None, or an array (height, width, 3)."""
+        if self.render_mode is None:
+            return None
+        if self._pictures is None:
+            self._pictures = Pictures(self._tasks, f"{self.kind}, {self.robots} robots")
+        if self.render_mode == "human":
+            self._pictures.show()
+            return None
+        return self._pictures.array()
+
+    def _show(self):
+        """Updates the page in mode human; called after each reset and step."""
+        if self.render_mode == "human":
+            self._picture()
+
+    def close(self, **options):
+        if self._pictures is not None:
+            self._pictures.close()
+            self._pictures = None
+        super().close(**options)
+
+
 class TaskEnv(Parts, _Env):
     """Task as a gymnasium.Env: one agent chooses a control for every robot.
 
@@ -92,13 +118,11 @@ class TaskEnv(Parts, _Env):
     entries. Action: Discrete for one robot, MultiDiscrete for a team. Episodes are truncated after
     episode_steps and never terminate. reset(seed=s) starts the same episode for the same s, byte for byte.
     """
-    metadata = {"render_modes": [], "render_fps": 2}
+    metadata = {"render_modes": RENDER_MODES, "render_fps": 2}
 
     def __init__(self, kind="tracking", render_mode=None, **options):
-        if render_mode is not None:
-            raise ValueError(f"render_mode: must be None, got {render_mode!r}; see snapshot()")
+        self.render_mode = require_mode(render_mode)
         self._set_tasks(kind, 1, 1, options)
-        self.render_mode = None
         self._is_over = True
         self._first = (0, 0) if self.robots == 1 else 0  # index into observations (1, N, D)
         size = self._tasks.observation_size
@@ -112,6 +136,7 @@ class TaskEnv(Parts, _Env):
         seed = self.np_random.integers(2**63) if seed is None else require_seed(seed)
         observations = self._tasks.reset(numpy.array([seed], numpy.uint64))
         self._is_over = False
+        self._show()
         return observations[self._first], {}
 
     def step(self, action):
@@ -119,7 +144,11 @@ class TaskEnv(Parts, _Env):
             raise RuntimeError("reset() must be called before the first step() and after the end of an episode")
         observations, rewards, over = self._tasks.step(numpy.atleast_1d(whole_numbers(action)))
         self._is_over = bool(over[0])
+        self._show()
         return observations[self._first], float(rewards[0]), False, self._is_over, {}
 
     def render(self):
-        return None
+        """Returns the picture that `vantage demo` draws, (height, width, 3), in mode rgb_array. In mode human a
+        page shows it in the browser, and the result is None.
+        """
+        return self._picture()

@@ -2,6 +2,7 @@
 import numpy
 
 from . import spaces
+from .picture import RENDER_MODES, require_mode
 from .single import Parts, require_seed, whole_numbers
 
 try:
@@ -34,13 +35,11 @@ class TeamEnv(Parts, _ParallelEnv):
     Discrete. All agents are truncated together after episode_steps. reset(seed=s) starts the same episode for
     the same s, byte for byte.
     """
-    metadata = {"render_modes": [], "name": "vantage_v0", "is_parallelizable": True}
+    metadata = {"render_modes": RENDER_MODES, "render_fps": 2, "name": "vantage_v0", "is_parallelizable": True}
 
     def __init__(self, kind="tracking", render_mode=None, **options):
-        if render_mode is not None:
-            raise ValueError(f"render_mode: must be None, got {render_mode!r}; see snapshot()")
+        self.render_mode = require_mode(render_mode)
         self._set_tasks(kind, 1, 1, options)
-        self.render_mode = None
         self.possible_agents = [f"robot_{i}" for i in range(self.robots)]
         self.agents = []
         # The interface requires the same object at each call, because a space has its own random state.
@@ -65,6 +64,7 @@ class TeamEnv(Parts, _ParallelEnv):
             seed = self._random.integers(2**63)
         self.agents = self.possible_agents[:]
         self._observations = self._tasks.reset(numpy.array([seed], numpy.uint64))[0]
+        self._show()
         return self._by_agent(self._observations), {agent: {} for agent in self.agents}
 
     def step(self, actions):
@@ -77,6 +77,7 @@ class TeamEnv(Parts, _ParallelEnv):
             raise ValueError(f"actions: must contain every agent, missing {missing.args[0]}") from None
         observations, rewards, over = self._tasks.step(chosen)
         self._observations = observations[0]
+        self._show()
         agents = self.agents
         reward, is_over = float(rewards[0]), bool(over[0])
         answer = (self._by_agent(self._observations), dict.fromkeys(agents, reward),
@@ -91,7 +92,8 @@ class TeamEnv(Parts, _ParallelEnv):
         return self._observations.reshape(-1).copy()
 
     def render(self):
-        return None
+        """As TaskEnv.render()."""
+        return self._picture()
 
     def _by_agent(self, observations):
         return dict(zip(self.possible_agents, observations))

@@ -4,6 +4,7 @@ import os
 import numpy
 
 from . import spaces
+from .picture import RENDER_MODES, require_mode
 from .single import Parts, require_seed, whole_numbers
 
 try:
@@ -48,12 +49,10 @@ class TaskVectorEnv(Parts, _VectorEnv):
     """
 
     def __init__(self, kind="tracking", num_envs=1, threads=None, render_mode=None, **options):
-        if render_mode is not None:
-            raise ValueError(f"render_mode: must be None, got {render_mode!r}; see snapshot()")
+        self.render_mode = require_mode(render_mode)
         threads = len(os.sched_getaffinity(0)) if threads is None else threads
         self._set_tasks(kind, num_envs, min(threads, num_envs), options)
-        self.metadata = {"render_modes": [], "autoreset_mode": _NEXT_STEP}
-        self.render_mode = None
+        self.metadata = {"render_modes": RENDER_MODES, "render_fps": 2, "autoreset_mode": _NEXT_STEP}
         self.num_envs = num_envs
         size, actions = self._tasks.observation_size, self._tasks.actions
         one = (size,) if self.robots == 1 else (self.robots, size)
@@ -80,11 +79,17 @@ class TaskVectorEnv(Parts, _VectorEnv):
             self._random = numpy.random.default_rng(require_seed(seed))
             seeds = [(int(seed) + i) % 2**64 for i in range(self.num_envs)]
         observations = self._tasks.reset(numpy.array(seeds, numpy.uint64))
+        self._show()
         return observations.reshape(self.observation_space.shape), {}
 
     def step(self, actions):
         observations, rewards, over = self._tasks.step(whole_numbers(actions))
+        self._show()
         return observations.reshape(self.observation_space.shape), rewards, self._never.copy(), over, {}
 
     def render(self):
-        return None
+        """Returns the pictures of all tasks as a tuple in mode rgb_array. Mode human shows the first task."""
+        if self.render_mode != "rgb_array":
+            return self._picture()
+        first = self._picture()
+        return (first, *(self._pictures.array(i) for i in range(1, self.num_envs)))
