@@ -75,7 +75,7 @@ class RobotLocalizer {
     std::int64_t index = -1;  ///< start / kIncrement
     Eigen::Vector3d increment = Eigen::Vector3d::Zero();
   };
-  /// What is known of one robot's newest motion and sightings.
+  /// The known newest motion and sightings of one robot.
   struct Track {
     std::array<Cell, kCells> cells;
     std::int64_t complete_until =

@@ -5,11 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
-
 #include "core/angle.hpp"
 #include "core/check.hpp"
 #include "localizer/commanded_motion.hpp"
+#include "localizer/fit/robust_fit.hpp"
 #include "localizer/sighting_model.hpp"
 
 namespace vantage::localizer {
@@ -39,14 +38,6 @@ double sigma_of(std::vector<double> errors) {
     error = std::abs(error);
   }
   return kMadToSigma * median_of(std::move(errors));
-}
-
-double cauchy_loss(const std::vector<double>& residuals) {
-  double loss = 0.0;
-  for (const double r : residuals) {
-    loss += std::log1p(r * r);
-  }
-  return loss;
 }
 
 struct Sample {
@@ -195,60 +186,6 @@ double detection_probability_of(const std::vector<scenario::LandmarkSpec>& landm
 }
 
 }  // namespace
-
-Eigen::VectorXd robust_fit(
-    Eigen::VectorXd parameters, const Eigen::VectorXd& steps,
-    const std::function<void(const Eigen::VectorXd&, std::vector<double>&)>& residuals,
-    double& cost) {
-  constexpr int kIterationsMax = 60;
-  constexpr double kConverged = 1e-9;
-  const Eigen::Index n = parameters.size();
-  std::vector<double> r;
-  std::vector<double> moved;
-  residuals(parameters, r);
-  cost = cauchy_loss(r);
-  double damping = 1e-3;
-  for (int iteration = 0; iteration < kIterationsMax; ++iteration) {
-    Eigen::MatrixXd J(static_cast<Eigen::Index>(r.size()), n);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      Eigen::VectorXd at = parameters;
-      at(k) += steps(k);
-      residuals(at, moved);
-      for (std::size_t i = 0; i < r.size(); ++i) {
-        J(static_cast<Eigen::Index>(i), k) = (moved[i] - r[i]) / steps(k);
-      }
-    }
-    Eigen::MatrixXd JtWJ = Eigen::MatrixXd::Zero(n, n);
-    Eigen::VectorXd JtWr = Eigen::VectorXd::Zero(n);
-    for (std::size_t i = 0; i < r.size(); ++i) {
-      const double w = 1.0 / (1.0 + r[i] * r[i]);
-      const auto row = J.row(static_cast<Eigen::Index>(i));
-      JtWJ += w * row.transpose() * row;
-      JtWr += w * r[i] * row.transpose();
-    }
-    bool is_better = false;
-    for (int attempt = 0; attempt < 8 && !is_better; ++attempt) {
-      Eigen::MatrixXd A = JtWJ;
-      A.diagonal() *= 1.0 + damping;
-      const Eigen::VectorXd tried = parameters - A.ldlt().solve(JtWr);
-      residuals(tried, moved);
-      const double loss = cauchy_loss(moved);
-      if (loss < cost) {
-        is_better = cost - loss > kConverged * cost;
-        parameters = tried;
-        r = moved;
-        cost = loss;
-        damping *= 0.3;
-        break;
-      }
-      damping *= 4.0;
-    }
-    if (!is_better) {
-      break;
-    }
-  }
-  return parameters;
-}
 
 SensorFit fit_sensor(const std::vector<scenario::LandmarkSpec>& landmarks,
                      const RobotRecording& recording) {
@@ -424,12 +361,14 @@ double robust_line(const std::vector<double>& x, const std::vector<double>& y, d
   return loss;
 }
 
-}  // namespace
+/// Delay and lag of a response to commands, s.
+struct Response {
+  double delay_s = 0.0;
+  double lag_s = 0.0;
+};
 
-DriveFit fit_drive(const RobotRecording& recording) {
-  require(!recording.odometry.empty() && !recording.truth.empty(),
-          "the robot must have odometry and true poses");
-  const TrueWindows truth = true_windows_of(recording);
+/// Returns the response with the least loss.
+Response find_response(const RobotRecording& recording, const TrueWindows& truth) {
   const auto loss_of = [&](double delay_s, double lag_s) {
     const Windows windows = windows_of(recording, truth, delay_s, lag_s, 1);
     double scale = 1.0;
@@ -439,8 +378,7 @@ DriveFit fit_drive(const RobotRecording& recording) {
            robust_line(windows.move_m, windows.true_move_m, kMoveSigmaM, false, scale, offset);
   };
   // Coarse search over a grid, then halved steps around the best point.
-  double delay_s = 0.0;
-  double lag_s = 0.0;
+  Response found;
   double best = std::numeric_limits<double>::infinity();
   const auto try_at = [&](double delay, double lag) {
     if (delay < 0.0 || lag < 0.0) {
@@ -448,8 +386,7 @@ DriveFit fit_drive(const RobotRecording& recording) {
     }
     if (const double loss = loss_of(delay, lag); loss < best) {
       best = loss;
-      delay_s = delay;
-      lag_s = lag;
+      found = {delay, lag};
     }
   };
   for (int i = 0; i <= 8; ++i) {
@@ -458,14 +395,24 @@ DriveFit fit_drive(const RobotRecording& recording) {
     }
   }
   for (const double step_s : {0.025, 0.0125, 0.00625}) {
-    const double delay = delay_s;
-    const double lag = lag_s;
+    const double delay = found.delay_s;
+    const double lag = found.lag_s;
     for (const double of_delay : {-step_s, 0.0, step_s}) {
       for (const double of_lag : {-step_s, 0.0, step_s}) {
         try_at(delay + of_delay, lag + of_lag);
       }
     }
   }
+  return found;
+}
+
+}  // namespace
+
+DriveFit fit_drive(const RobotRecording& recording) {
+  require(!recording.odometry.empty() && !recording.truth.empty(),
+          "the robot must have odometry and true poses");
+  const TrueWindows truth = true_windows_of(recording);
+  const auto [delay_s, lag_s] = find_response(recording, truth);
   DriveFit fit;
   fit.drive.delay_s = delay_s;
   fit.drive.lag_s = lag_s;

@@ -156,6 +156,42 @@ std::size_t bytes_of(const models::PoseEstimate& message) {
   return kFixed + 24 * message.increments.size() + 28 * message.sightings.size();
 }
 
+/// Positions of a robot in its lists of inputs.
+struct Cursor {
+  std::size_t odometry = 0;
+  std::size_t frame = 0;
+};
+
+/// Passes the inputs of one robot stamped ≤ `now` to its localiser.
+void add_inputs(const RobotRecording& inputs, const scenario::SightingSpec& camera, Time now,
+                Cursor& cursor, RobotLocalizer& localizer) {
+  for (; cursor.odometry < inputs.odometry.size() &&
+         inputs.odometry[cursor.odometry].stamp.time <= now;
+       ++cursor.odometry) {
+    localizer.add_odometry(inputs.odometry[cursor.odometry]);
+  }
+  pass_frames(inputs, camera, cursor.frame, now,
+              [&](std::span<const models::Sighting> frame) { localizer.add_sightings(frame); });
+}
+
+/// Exchanges one message of each robot; each receiver misses it with the probability `loss`.
+/// Returns the number of bytes sent.
+std::size_t exchange(std::vector<RobotLocalizer>& localizers, double loss, std::mt19937_64& rng,
+                     models::PoseEstimate& message) {
+  std::uniform_real_distribution<double> uniform;
+  std::size_t bytes = 0;
+  for (std::size_t from = 0; from < localizers.size(); ++from) {
+    localizers[from].write_message(message);
+    bytes += bytes_of(message);
+    for (std::size_t to = 0; to < localizers.size(); ++to) {
+      if (to != from && uniform(rng) >= loss) {
+        localizers[to].add_teammate(message);
+      }
+    }
+  }
+  return bytes;
+}
+
 JudgeFigures judge_team(const scenario::LocalizerSpec& spec, const Recording& recording,
                         const JudgeOptions& options, const std::vector<bool>& trusted) {
   const Span span = span_of(recording);
@@ -170,27 +206,19 @@ JudgeFigures judge_team(const scenario::LocalizerSpec& spec, const Recording& re
   }
   Score score(recording, trusted);
   std::mt19937_64 rng(options.seed);
-  std::uniform_real_distribution<double> uniform;
-  std::vector<std::size_t> next_odometry(robots, 0);
-  std::vector<std::size_t> next_frame(robots, 0);
+  std::vector<Cursor> cursors(robots);
   for (std::size_t robot = 0; robot < robots; ++robot) {
-    pass_frames(recording[robot], spec.robots[robot].sightings, next_frame[robot],
+    pass_frames(recording[robot], spec.robots[robot].sightings, cursors[robot].frame,
                 time_of(span.first) - Duration{1}, [](auto) {});
   }
-  std::vector<models::PoseEstimate> messages(robots);
+  models::PoseEstimate message;
   std::vector<double> placed_after_s(robots, -1.0);
   std::size_t bytes = 0;
   for (std::int64_t step = span.first; step <= span.last; ++step) {
     const Time now = time_of(step);
     for (std::size_t robot = 0; robot < robots; ++robot) {
       RobotLocalizer& localizer = localizers[robot];
-      const RobotRecording& inputs = recording[robot];
-      for (std::size_t& next = next_odometry[robot];
-           next < inputs.odometry.size() && inputs.odometry[next].stamp.time <= now; ++next) {
-        localizer.add_odometry(inputs.odometry[next]);
-      }
-      pass_frames(inputs, spec.robots[robot].sightings, next_frame[robot], now,
-                  [&](std::span<const models::Sighting> frame) { localizer.add_sightings(frame); });
+      add_inputs(recording[robot], spec.robots[robot].sightings, now, cursors[robot], localizer);
       localizer.advance_to(now);
       const double since_s = to_seconds(now - time_of(span.first));
       if (localizer.is_placed() && placed_after_s[robot] < 0.0) {
@@ -205,17 +233,8 @@ JudgeFigures judge_team(const scenario::LocalizerSpec& spec, const Recording& re
         score.add_missing(robot, now);
       }
     }
-    if ((step - span.first) % options.message_every != 0) {
-      continue;
-    }
-    for (std::size_t from = 0; from < robots; ++from) {
-      localizers[from].write_message(messages[from]);
-      bytes += bytes_of(messages[from]);
-      for (std::size_t to = 0; to < robots; ++to) {
-        if (to != from && uniform(rng) >= options.loss) {
-          localizers[to].add_teammate(messages[from]);
-        }
-      }
+    if ((step - span.first) % options.message_every == 0) {
+      bytes += exchange(localizers, options.loss, rng, message);
     }
   }
   JudgeFigures figures = score.figures();
@@ -240,7 +259,6 @@ class JointRun {
   }
 
   TeamFilter& filter() { return filter_; }
-  [[nodiscard]] const TeamSmoother& smoother() const { return smoother_; }
   TeamSmoother& smoother() { return smoother_; }
 
   /// Processes the step that ends at `to`.
@@ -314,67 +332,96 @@ class JointRun {
   std::vector<std::size_t> next_frame_ = std::vector<std::size_t>(increments_.size(), 0);
 };
 
+/// Judges the estimates of a JointRun.
+class HindsightJudge {
+ public:
+  HindsightJudge(const Recording& recording, const std::vector<bool>& trusted, Time begin,
+                 bool is_start_known)
+      : score_(recording, trusted),
+        begin_(begin),
+        judged_until_(begin),
+        is_start_known_(is_start_known),
+        placed_after_s_(recording.size(), -1.0) {}
+
+  /// Notes which robots have a pose at `now`.
+  void note_placed(const TeamFilter& filter, Time now) {
+    for (std::size_t robot = 0; robot < placed_after_s_.size(); ++robot) {
+      if (placed_after_s_[robot] < 0.0 && filter.is_placed(static_cast<int>(robot))) {
+        placed_after_s_[robot] = to_seconds(now - begin_);
+      }
+    }
+  }
+
+  /// Judges the instants of the grid before `until` that were not judged yet, with the data that
+  /// `run` contains, and drops their record.
+  void judge_until(JointRun& run, Time until) {
+    if (until <= judged_until_) {
+      return;
+    }
+    run.smoother().smooth(
+        run.filter(), [&](Time time, const Eigen::VectorXd& state, const Eigen::MatrixXd& P) {
+          if (time >= judged_until_ && time < until && to_utime(time) % kIncrement.count() == 0) {
+            add(time, state, P);
+          }
+        });
+    judged_until_ = until;
+    run.smoother().forget_before(until);
+  }
+
+  [[nodiscard]] JudgeFigures figures() const {
+    JudgeFigures out = score_.figures();
+    out.placed_after_s = placed_after_s_;
+    return out;
+  }
+
+ private:
+  void add(Time time, const Eigen::VectorXd& state, const Eigen::MatrixXd& P) {
+    const double since_s = to_seconds(time - begin_);
+    if (!is_start_known_ && since_s < kUnjudgedS) {
+      return;
+    }
+    for (std::size_t robot = 0; robot < placed_after_s_.size(); ++robot) {
+      const int i = static_cast<int>(robot) * TeamFilter::kRobotDim;
+      if (placed_after_s_[robot] >= 0.0 && placed_after_s_[robot] <= since_s) {
+        score_.add(robot, time, {state(i), state(i + 1), state(i + 2)}, P.block<3, 3>(i, i));
+      } else {
+        score_.add_missing(robot, time);
+      }
+    }
+  }
+
+  Score score_;
+  Time begin_;
+  Time judged_until_;  ///< exclusive
+  bool is_start_known_;
+  std::vector<double> placed_after_s_;
+};
+
 JudgeFigures judge_hindsight(const scenario::LocalizerSpec& spec, const Recording& recording,
                              const JudgeOptions& options, const std::vector<bool>& trusted) {
   const Span span = span_of(recording);
   const Time begin = time_of(span.first);
   JointRun run(spec, recording, span);
-  TeamFilter& filter = run.filter();
   for (std::size_t robot = 0; options.is_start_known && robot < recording.size(); ++robot) {
-    filter.place(static_cast<int>(robot), start_of(recording[robot].truth, begin),
-                 kStartSigma * kStartSigma * Eigen::Matrix3d::Identity());
+    run.filter().place(static_cast<int>(robot), start_of(recording[robot].truth, begin),
+                       kStartSigma * kStartSigma * Eigen::Matrix3d::Identity());
   }
-  Score score(recording, trusted);
-  std::vector<double> placed_after_s(recording.size(), -1.0);
-  const bool is_all = !std::isfinite(options.hindsight_s);
-  Time judged_until = begin;  // exclusive
-  // Judges the grid instants in [judged_until, until) with the data up to now.
-  const auto judge_until = [&](Time until) {
-    run.smoother().smooth(
-        filter, [&](Time time, const Eigen::VectorXd& state, const Eigen::MatrixXd& P) {
-          if (time < judged_until || time >= until || to_utime(time) % kIncrement.count() != 0) {
-            return;
-          }
-          const double since_s = to_seconds(time - begin);
-          for (std::size_t robot = 0; robot < recording.size(); ++robot) {
-            const int i = static_cast<int>(robot) * TeamFilter::kRobotDim;
-            const bool is_placed = placed_after_s[robot] >= 0.0 && placed_after_s[robot] <= since_s;
-            if (!options.is_start_known && since_s < kUnjudgedS) {
-              continue;
-            }
-            if (is_placed) {
-              score.add(robot, time, {state(i), state(i + 1), state(i + 2)}, P.block<3, 3>(i, i));
-            } else {
-              score.add_missing(robot, time);
-            }
-          }
-        });
-    judged_until = until;
-  };
+  HindsightJudge judge(recording, trusted, begin, options.is_start_known);
   for (std::int64_t step = span.first; step <= span.last; ++step) {
     const Time now = time_of(step);
     if (step > span.first) {
       run.step(recording, time_of(step - 1), now);
     }
-    for (std::size_t robot = 0; robot < recording.size(); ++robot) {
-      if (placed_after_s[robot] < 0.0 && filter.is_placed(static_cast<int>(robot))) {
-        placed_after_s[robot] = to_seconds(now - begin);
-      }
-    }
-    if (!is_all && (now - begin) % kHindsightPass == Duration{0}) {
-      // The filter contains frames stamped up to one step after `now`. Estimates until the next
-      // pass would contain more than hindsight_s if they waited for it.
-      const Time until = now - from_seconds(options.hindsight_s) + kHindsightPass + kIncrement;
-      if (until > judged_until) {
-        judge_until(until);
-        run.smoother().forget_before(judged_until);
-      }
+    judge.note_placed(run.filter(), now);
+    // The filter contains frames stamped up to one step after `now`. Estimates until the next pass
+    // would contain more than hindsight_s if they waited for it.
+    if (std::isfinite(options.hindsight_s) && (now - begin) % kHindsightPass == Duration{0}) {
+      judge.judge_until(run, now - from_seconds(options.hindsight_s) + kHindsightPass + kIncrement);
     }
   }
-  judge_until(time_of(span.last + 1));
-  JudgeFigures figures = score.figures();
-  figures.placed_after_s = placed_after_s;
-  figures.filter = filter.counts();
+  judge.judge_until(run, time_of(span.last + 1));
+  JudgeFigures figures = judge.figures();
+  figures.filter = run.filter().counts();
   return figures;
 }
 

@@ -22,7 +22,7 @@ struct BlindDrive {
       team.now += from_seconds(0.1);
     }
     final_pose = filter.pose(0);
-    final_pose.y_m += 0.3;  // the true course is beside the assumed one
+    final_pose.y_m += 0.3;  // the true course is left of the assumed one
     std::vector<models::Sighting> frame;
     for (const std::size_t k : {0U, 1U, 11U}) {
       const scenario::LandmarkSpec& landmark = team.spec.landmarks[k];
