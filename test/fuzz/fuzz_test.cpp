@@ -79,6 +79,7 @@ std::vector<Harness> harnesses() {
       {"packet", fuzz_packet_path, packet_path_samples, datagrams_of},
       {"receive", fuzz_receive_path, receive_path_samples, datagrams_of},
       {"mavlink", fuzz_mavlink, mavlink_samples},
+      {"crtp", fuzz_crtp, crtp_samples},
       {"log", fuzz_log, log_samples},
       {"viewer", fuzz_viewer, viewer_samples},
       {"datastream", datastream.first, datastream.second},

@@ -12,6 +12,10 @@
 #include "logs/file/log_scan.hpp"
 #include "tools/view/origin_check.hpp"
 #include "tools/view/protocol.hpp"
+#include "wire/crtp/flight.hpp"
+#include "wire/crtp/link_uri.hpp"
+#include "wire/crtp/system.hpp"
+#include "wire/crtp/tables.hpp"
 #include "wire/mavlink/messages.hpp"
 #include "wire/mavlink/parser.hpp"
 #include "wire/mavlink/signing.hpp"
@@ -87,6 +91,84 @@ std::vector<Bytes> mavlink_samples() {
     }
   };
   std::apply([&](const auto&... each) { (add(each), ...); }, wire::mavlink::AllMessages{});
+  return samples;
+}
+
+void fuzz_crtp(std::span<const std::uint8_t> input) {
+  namespace crtp = wire::crtp;
+  const std::string text(input.begin(), input.end());
+  static_cast<void>(crtp::parse_link_uri(text));
+  const auto packet = crtp::decode(input);
+  promise(packet.has_value() == (!input.empty() && input.size() <= crtp::kPacketMax),
+          "a packet has its bounds");
+  if (!packet) {
+    return;
+  }
+  const crtp::Encoded again = crtp::encode(*packet, input[0] & crtp::kClientLinkBits);
+  promise(std::ranges::equal(again.bytes(), input), "a packet keeps its bytes");
+  if (const auto message = crtp::decode_flight(*packet)) {
+    std::visit(
+        [](const auto& content) {
+          if constexpr (!std::is_same_v<std::decay_t<decltype(content)>,
+                                        std::vector<crtp::PackedPose>>) {
+            static_cast<void>(crtp::encode(content));
+          } else {
+            promise(content.size() <= crtp::kPackedPosesMax, "a packet holds two poses");
+          }
+        },
+        *message);
+  }
+  static_cast<void>(crtp::decode_high_level_reply(*packet));
+  static_cast<void>(crtp::decode_supervisor_request(*packet));
+  static_cast<void>(crtp::decode_info_reply(*packet));
+  static_cast<void>(crtp::decode_protocol_reply(*packet));
+  static_cast<void>(crtp::decode_platform_text(*packet, crtp::PlatformRequest::kFirmware));
+  static_cast<void>(crtp::decode_console(*packet));
+  static_cast<void>(crtp::decode_log_reply(*packet));
+  for (const crtp::Port port : {crtp::Port::kParameter, crtp::Port::kLog}) {
+    static_cast<void>(crtp::decode_toc_info(port, *packet));
+    if (const auto item = crtp::decode_toc_item(port, *packet)) {
+      promise(item->group.size() + item->name.size() < crtp::kPayloadMax, "names are short");
+    }
+  }
+  for (int type = 0; type < 8; ++type) {
+    static_cast<void>(crtp::decode_parameter_reply(*packet, static_cast<crtp::ValueType>(type)));
+  }
+  if (auto data = crtp::decode_log_data(*packet)) {
+    promise(data->values.size() <= crtp::kLogBytesMax, "a log block has its bounds");
+    while (crtp::take_value(data->values, crtp::ValueType::kF16)) {
+    }
+  }
+}
+
+std::vector<Bytes> crtp_samples() {
+  namespace crtp = wire::crtp;
+  std::vector<Bytes> samples;
+  const auto add = [&](const std::optional<crtp::Packet>& packet) {
+    const crtp::Encoded encoded = crtp::encode(packet.value());
+    samples.emplace_back(encoded.bytes().begin(), encoded.bytes().end());
+  };
+  const std::array<crtp::PackedPose, 2> poses{};
+  const std::array<crtp::LogVariable, 2> variables{};
+  add(crtp::encode(crtp::ExternalPose{}));
+  add(crtp::encode(std::span<const crtp::PackedPose>(poses)));
+  add(crtp::encode(crtp::FullStateSetpoint{}));
+  add(crtp::encode(crtp::PositionSetpoint{}));
+  add(crtp::encode(crtp::SetpointsEnd{}));
+  add(crtp::encode(crtp::HighLevelHeight{}));
+  add(crtp::encode(crtp::HighLevelGoTo{}));
+  add(crtp::arm_request(true));
+  add(crtp::info_reply(0x20E));
+  add(crtp::protocol_reply(12));
+  add(crtp::source_reply());
+  add(crtp::toc_info_reply(crtp::Port::kLog, {380, 1}));
+  add(crtp::toc_item_reply(crtp::Port::kParameter,
+                           {1, crtp::ValueType::kF32, false, "kalman", "varX"}));
+  add(crtp::parameter_write(1, crtp::ValueType::kF32, 1.0));
+  add(crtp::log_create(1, variables));
+  add(crtp::log_reply({6, 1, 0}));
+  samples.push_back(bytes_of("radio://0/80/2M/E7E7E7E7E7"));
+  samples.push_back(bytes_of("udp://127.0.0.1:19850"));
   return samples;
 }
 

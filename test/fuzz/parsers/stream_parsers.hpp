@@ -14,6 +14,10 @@ namespace vantage::test {
 void fuzz_mavlink(std::span<const std::uint8_t> input);
 std::vector<std::vector<std::uint8_t>> mavlink_samples();
 
+/// Reads `input` as one CRTP packet, as a Crazyflie and as its driver.
+void fuzz_crtp(std::span<const std::uint8_t> input);
+std::vector<std::vector<std::uint8_t>> crtp_samples();
+
 /// Reads `input` as an LCM log with arbitrary errors.
 void fuzz_log(std::span<const std::uint8_t> input);
 std::vector<std::vector<std::uint8_t>> log_samples();
