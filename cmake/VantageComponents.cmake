@@ -72,7 +72,7 @@ set(vantage_scenario_reader_public
   scenario/reader/localizer_yaml scenario/reader/overrides scenario/reader/scenario_yaml)
 
 set(vantage_drivers_libraries
-  quadrotor_driver rover_driver safety sensor_driver vehicle_port vicon_driver)
+  quadrotor_driver rover_driver safety sensor_driver vehicle_body vehicle_port vicon_driver)
 set(vantage_drivers_needs scenario wire)
 set(vantage_drivers_packages fmt)
 set(vantage_drivers_public

@@ -16,6 +16,7 @@
 #include "drivers/quadrotor/parameter_check.hpp"
 #include "drivers/quadrotor/telemetry.hpp"
 #include "drivers/safety/setpoint.hpp"
+#include "drivers/vehicle/body_tracker.hpp"
 #include "models/exchange/messages.hpp"
 #include "wire/mavlink/parser.hpp"
 #include "wire/mavlink/signing.hpp"
@@ -24,17 +25,6 @@ namespace vantage::drivers {
 
 /// Message to send: a datagram, or bytes for a serial line.
 using WireMessage = std::vector<std::uint8_t>;
-
-/// Pose and motion of a body, measured by mocap.
-struct BodyState {
-  Time capture{};
-  Pose3 world_from_body;
-  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
-  double position_sigma_m = 0.01;
-  double attitude_sigma_rad = 0.01;
-  double velocity_sigma_mps = 0.05;
-  std::uint8_t resets = 0;  ///< number of jumps of the pose, sent as reset_counter
-};
 
 /// MAVLink connection with one autopilot: periodic messages (heartbeat, clock, streams, origin,
 /// poses), set-points and commands. Received bytes and the time are passed in; bytes to send are

@@ -8,11 +8,11 @@
 
 #include "core/time.hpp"
 #include "drivers/quadrotor/autopilot_link.hpp"
-#include "drivers/quadrotor/body_tracker.hpp"
 #include "drivers/quadrotor/flight_sequence.hpp"
-#include "drivers/quadrotor/steering.hpp"
 #include "drivers/safety/guard.hpp"
+#include "drivers/vehicle/body_tracker.hpp"
 #include "drivers/vehicle/driver_end.hpp"
+#include "drivers/vehicle/steering.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 

@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/body_tracker.hpp"
+#include "drivers/vehicle/body_tracker.hpp"
 
 #include <cmath>
 #include <limits>

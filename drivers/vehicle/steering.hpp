@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "drivers/quadrotor/autopilot_link.hpp"
 #include "drivers/safety/setpoint.hpp"
+#include "drivers/vehicle/body_tracker.hpp"
 #include "models/motion/vehicle_limits.hpp"
 
 namespace vantage::drivers {

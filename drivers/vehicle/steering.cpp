@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/steering.hpp"
+#include "drivers/vehicle/steering.hpp"
 
 #include <algorithm>
 

@@ -9,10 +9,20 @@
 #include "core/linear.hpp"
 #include "core/pose.hpp"
 #include "core/time.hpp"
-#include "drivers/quadrotor/autopilot_link.hpp"
 #include "models/exchange/messages.hpp"
 
 namespace vantage::drivers {
+
+/// Pose and motion of a body, measured by mocap.
+struct BodyState {
+  Time capture{};
+  Pose3 world_from_body;
+  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
+  double position_sigma_m = 0.01;
+  double attitude_sigma_rad = 0.01;
+  double velocity_sigma_mps = 0.05;
+  std::uint8_t resets = 0;  ///< number of jumps of the pose, sent as reset_counter
+};
 
 /// Result of processing one mocap frame.
 enum class BodyVerdict {
