@@ -72,11 +72,12 @@ set(vantage_scenario_reader_public
   scenario/reader/localizer_yaml scenario/reader/overrides scenario/reader/scenario_yaml)
 
 set(vantage_drivers_libraries
-  quadrotor_driver rover_driver safety sensor_driver vehicle_body vehicle_port vicon_driver)
+  crazyflie_driver quadrotor_driver rover_driver safety sensor_driver vehicle_body vehicle_port
+  vicon_driver)
 set(vantage_drivers_needs scenario wire)
-set(vantage_drivers_packages fmt)
+set(vantage_drivers_packages fmt LIBUSB)
 set(vantage_drivers_public
-  drivers/quadrotor/driver drivers/rover/driver drivers/safety/guard drivers/safety/inputs
+  drivers/crazyflie/driver drivers/quadrotor/driver drivers/rover/driver drivers/safety/guard drivers/safety/inputs
   drivers/safety/limits drivers/safety/setpoint drivers/sensor/pose_sensor
   drivers/sensor/range_scanner drivers/vehicle/port drivers/vicon/driver drivers/vicon/session
   drivers/vicon/session_table)
@@ -125,6 +126,7 @@ set(vantage_debian_Eigen3 libeigen3-dev)
 set(vantage_debian_yaml-cpp libyaml-cpp-dev)
 set(vantage_debian_fmt libfmt-dev)
 set(vantage_debian_SODIUM "libsodium-dev and pkg-config")
+set(vantage_debian_LIBUSB "libusb-1.0-0-dev and pkg-config")
 set(vantage_debian_ZSTD "libzstd-dev and pkg-config")
 set(vantage_debian_LCM "liblcm-dev, libglib2.0-dev and pkg-config")
 set(vantage_debian_Threads libc6-dev)
@@ -152,6 +154,8 @@ macro(vantage_find_package name)
       pkg_check_modules(SODIUM QUIET IMPORTED_TARGET libsodium)
     elseif("${name}" STREQUAL "ZSTD")
       pkg_check_modules(ZSTD QUIET IMPORTED_TARGET libzstd)
+    elseif("${name}" STREQUAL "LIBUSB")
+      pkg_check_modules(LIBUSB QUIET IMPORTED_TARGET libusb-1.0)
     endif()
   endif()
 endmacro()

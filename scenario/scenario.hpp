@@ -69,6 +69,21 @@ struct RoverSpec {
   int number = 1;   ///< id of the rover, contained in every datagram
 };
 
+/// Source of a Crazyflie's charge.
+enum class CrazyflieBattery {
+  kVoltage,  ///< estimated from the voltage that the vehicle reports
+  kNone,     ///< the vehicle cannot measure its battery, which is assumed to be full
+};
+
+/// Connection of a robot's driver to its Crazyflie.
+struct CrazyflieSpec {
+  /// radio://DONGLE/CHANNEL/250K|1M|2M/ADDRESS (ADDRESS: 10 hexadecimal digits) or udp://HOST:PORT
+  std::string url;
+  CrazyflieBattery battery = CrazyflieBattery::kVoltage;
+  double empty_v = 3.2;  ///< V, under the load of a hover
+  double full_v = 4.0;   ///< V, under the load of a hover
+};
+
 struct RobotSpec {
   std::string name;  ///< channel suffix, [A-Z0-9]+
   Pose2 start;       ///< world from body
@@ -83,6 +98,7 @@ struct RobotSpec {
   std::optional<AutopilotSpec> autopilot;
   std::optional<FirmwareSpec> firmware;  ///< absent: an emulated autopilot is used
   std::optional<RoverSpec> rover;        ///< present: the robot is a ground robot
+  std::optional<CrazyflieSpec> crazyflie;
 };
 
 enum class TargetMotion {

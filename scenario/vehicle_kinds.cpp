@@ -10,6 +10,8 @@ constexpr VehicleKind kVehicleKinds[] = {
      [](const RobotSpec& robot) { return robot.autopilot ? &robot.autopilot->url : nullptr; }},
     {"rover", "rover", false,
      [](const RobotSpec& robot) { return robot.rover ? &robot.rover->url : nullptr; }},
+    {"crazyflie", "crazyflie", true,
+     [](const RobotSpec& robot) { return robot.crazyflie ? &robot.crazyflie->url : nullptr; }},
 };
 
 }  // namespace

@@ -11,6 +11,9 @@
 namespace vantage::drivers {
 namespace {
 
+// s; a Crazyflie keeps its last set-point for 0.5 s, then levels without braking
+constexpr double kCrazyflieSetpointLossS = 0.5;
+
 struct Bound {
   const char* name;
   double value;
@@ -81,6 +84,9 @@ SafetyLimits limits_for(const scenario::Scenario& scenario, const std::string& r
   if (spec->autopilot) {
     limits.reaction_s = reaction_s(spec->autopilot->dialect);
     limits.setpoint_loss_s = setpoint_loss_s(spec->autopilot->dialect);
+  }
+  if (spec->crazyflie) {
+    limits.setpoint_loss_s = kCrazyflieSetpointLossS;
   }
   limits.take_off_height_m = spec->height_m;
   limits.start = spec->start;

@@ -234,6 +234,23 @@ void read_rover(Mapping& from, RoverSpec& rover) {
   }
 }
 
+void read_crazyflie(Mapping& from, CrazyflieSpec& crazyflie) {
+  constexpr double kCellMaxV = 5.0;
+  from.require("url");
+  from.text("url", crazyflie.url);
+  from.choice("battery", crazyflie.battery,
+              {{"voltage", CrazyflieBattery::kVoltage}, {"none", CrazyflieBattery::kNone}});
+  from.number("empty_v", crazyflie.empty_v, above_to(0.0, kCellMaxV));
+  from.number("full_v", crazyflie.full_v, above_to(0.0, kCellMaxV));
+  if (crazyflie.full_v <= crazyflie.empty_v) {
+    from.refuse("full_v", fmt::format("must be above empty_v, {}, is {}", crazyflie.empty_v,
+                                      crazyflie.full_v));
+  }
+  if (!crazyflie.url.starts_with("udp://") && !crazyflie.url.starts_with("radio://")) {
+    from.refuse("url", "must begin with radio:// or udp://, is '" + crazyflie.url + "'");
+  }
+}
+
 /// Reader of the section of one kind of vehicle (scenario/vehicle_kinds).
 struct VehicleReader {
   std::string_view section;
@@ -245,6 +262,8 @@ constexpr VehicleReader kVehicleReaders[] = {
                      RobotSpec& robot) { read_autopilot(section, robot.autopilot.emplace()); }},
     {"rover",
      [](Mapping& section, RobotSpec& robot) { read_rover(section, robot.rover.emplace()); }},
+    {"crazyflie", [](Mapping& section,
+                     RobotSpec& robot) { read_crazyflie(section, robot.crazyflie.emplace()); }},
 };
 
 Eigen::Vector3d start_in_space_m(const RobotSpec& robot) {

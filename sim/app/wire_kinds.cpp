@@ -6,6 +6,7 @@
 
 #include "core/check.hpp"
 #include "scenario/vehicle_kinds.hpp"
+#include "sim/app/wire_crazyflie.hpp"
 #include "sim/app/wire_firmware.hpp"
 #include "sim/app/wire_quadrotor.hpp"
 #include "sim/app/wire_rover.hpp"
@@ -32,12 +33,20 @@ std::unique_ptr<WireVehicle> make_rover(const Scenario& scenario, std::size_t in
   return std::make_unique<WireRover>(scenario.robots[index], boot, start);
 }
 
+std::unique_ptr<WireVehicle> make_crazyflie(const Scenario& scenario, std::size_t index,
+                                            Time start) {
+  return std::make_unique<WireCrazyflie>(scenario.robots[index],
+                                         scenario.wind.value_or(scenario::WindSpec{}),
+                                         scenario.seed + index, start);
+}
+
 struct Row {
   std::string_view section;
   std::unique_ptr<WireVehicle> (*make)(const Scenario&, std::size_t index, Time start);
 };
 
-constexpr Row kRows[] = {{"autopilot", make_flying}, {"rover", make_rover}};
+constexpr Row kRows[] = {
+    {"autopilot", make_flying}, {"rover", make_rover}, {"crazyflie", make_crazyflie}};
 
 }  // namespace
 

@@ -254,14 +254,19 @@ TEST(MakeWireVehicle, HasAnEmulatorForEachKind) {
   scenario::RobotSpec& robot = scenario.robots[1];
   robot.autopilot.reset();
   robot.rover.reset();
-  EXPECT_EQ(why(), "robot Q2 has device 'wire': it needs `autopilot` or `rover` with a `url`");
+  EXPECT_EQ(
+      why(),
+      "robot Q2 has device 'wire': it needs `autopilot` or `rover` or `crazyflie` with a `url`");
   for (const scenario::VehicleKind& kind : scenario::all_vehicle_kinds()) {
     robot.autopilot.reset();
     robot.rover.reset();
+    robot.crazyflie.reset();
     if (kind.section == "autopilot") {
       robot.autopilot.emplace();
     } else if (kind.section == "rover") {
       robot.rover.emplace();
+    } else if (kind.section == "crazyflie") {
+      robot.crazyflie.emplace();
     }
     ASSERT_EQ(scenario::vehicle_kind(robot), &kind);
     EXPECT_NE(why().find("`" + std::string(kind.section) + "`"), std::string::npos) << why();

@@ -260,7 +260,8 @@ void note_driver_loss(const Scenario& scenario, std::vector<std::string>& notes)
 void note_late_plans(const Scenario& scenario, std::vector<std::string>& notes) {
   double early_s = 0.0;
   for (const scenario::RobotSpec& robot : scenario.robots) {
-    if (robot.device != scenario::DeviceSource::kDirect && robot.autopilot) {
+    const scenario::VehicleKind* const kind = scenario::vehicle_kind(robot);
+    if (robot.device != scenario::DeviceSource::kDirect && kind != nullptr && kind->flies) {
       early_s = std::max(
           early_s, drivers::SafetyLimits{}.setpoint_lead_s + drivers::half_window_s(robot.limits));
     }

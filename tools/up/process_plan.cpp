@@ -18,6 +18,7 @@
 #include "scenario/vehicle_kinds.hpp"
 #include "trial/robot_processes.hpp"
 #include "wire/autopilot/parameter_rules.hpp"
+#include "wire/crtp/link_uri.hpp"
 
 namespace vantage::tools {
 
@@ -171,6 +172,11 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
       out.push_back("robot " + robot.name + " has device '" + (is_real ? "real" : "wire") +
                     "' but no address: add " + scenario::vehicle_sections(" or ") +
                     " with a `url`");
+    }
+    if (robot.crazyflie && has_driver(robot)) {
+      if (const auto uri = wire::crtp::parse_link_uri(robot.crazyflie->url); !uri.ok()) {
+        out.push_back("robot " + robot.name + ": crazyflie.url " + uri.error().message);
+      }
     }
     if (robot.firmware && !robot.firmware->binary.empty()) {
       const auto port = driver_port(robot);

@@ -311,8 +311,18 @@ TEST(ScenarioRules, RoversHaveUdpUrlsAndNoAutopilot) {
             "f:6: robots[0].rover.url: must begin with udp:// or udpout://, is 'tcp://h:1'");
   EXPECT_EQ(answer_to_robot(", rover: {url: \"udp://:1\"}, autopilot: {dialect: px4, url: "
                             "\"udp://:2\"}"),
-            "f:6: robots[0].rover: a robot can have only one of `autopilot`, `rover`: remove the "
-            "others");
+            "f:6: robots[0].rover: a robot can have only one of `autopilot`, `rover`, "
+            "`crazyflie`: remove the others");
+}
+
+TEST(ScenarioRules, CrazyfliesHaveRadioOrUdpUrls) {
+  EXPECT_EQ(answer_to_robot(", crazyflie: {url: \"udp://h:1\"}"), "taken");
+  EXPECT_EQ(answer_to_robot(", crazyflie: {url: \"radio://0/80/2M/E7E7E7E701\", battery: none}"),
+            "taken");
+  EXPECT_EQ(answer_to_robot(", crazyflie: {url: \"usb://0\"}"),
+            "f:6: robots[0].crazyflie.url: must begin with radio:// or udp://, is 'usb://0'");
+  EXPECT_EQ(answer_to_robot(", crazyflie: {url: \"udp://h:1\", empty_v: 4, full_v: 3.5}"),
+            "f:6: robots[0].crazyflie.full_v: must be above empty_v, 4, is 3.5");
 }
 
 TEST(ScenarioRules, MaximumRangeExceedsMinimumRange) {

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/time.hpp"
+
+namespace vantage::sim {
+
+/// State of the vehicle that the supervisor judges.
+struct SupervisedFacts {
+  bool are_motors_running = false;
+  double tilt_rad = 0.0;
+  /// s; age of the low-level set-point; absent if the high-level commander has control
+  std::optional<double> setpoint_age_s;
+};
+
+/// Supervisor of an emulated Crazyflie: arming, flight state, locking and crashes. Its times are
+/// those measured with firmware 2026.08; it runs at 25 Hz.
+class CrazyflieSupervisor {
+ public:
+  static constexpr double kLevelsS = 0.5;  ///< s; set-point age at which the vehicle levels
+  static constexpr double kLocksS = 2.0;   ///< s; set-point age at which it stops its motors
+
+  /// @param arms_itself  true for vehicles with brushed motors
+  explicit CrazyflieSupervisor(bool arms_itself)
+      : arms_itself_(arms_itself), is_armed_(arms_itself) {}
+
+  /// Returns whether the command was accepted.
+  bool arm(bool is_to_arm, Time now);
+  bool recover();
+  void stop(Time now);
+  void feed_watchdog(Time now) { watchdog_ = now; }
+
+  /// Advances to `now`. Call it at each control step.
+  void step(const SupervisedFacts& facts, Time now);
+
+  [[nodiscard]] bool may_run_motors() const {
+    return is_armed_ && can_fly_ && !stopped_at_ && !is_locked_ && !is_crashed_;
+  }
+  [[nodiscard]] bool can_fly() const { return can_fly_; }
+  [[nodiscard]] bool is_flying() const { return is_flying_; }
+  [[nodiscard]] bool is_locked() const { return is_locked_; }
+  /// Returns the bits wire::crtp::info, without those of the high-level commander.
+  [[nodiscard]] std::uint16_t bits() const;
+
+ private:
+  static constexpr Duration kPeriod{40'000};
+  void judge(const SupervisedFacts& facts, Time now);
+
+  bool arms_itself_;
+  bool is_armed_;
+  bool can_fly_ = false;
+  bool is_flying_ = false;
+  bool is_tumbled_ = false;
+  bool is_locked_ = false;
+  bool is_crashed_ = false;
+  Time next_{};
+  std::optional<Time> thrust_at_;  ///< last time with running motors
+  std::optional<Time> armed_at_;
+  std::optional<Time> landed_at_;
+  std::optional<Time> over_at_;    ///< upside down since
+  std::optional<Time> tilted_at_;  ///< tilted by more than 60° since
+  std::optional<Time> upright_at_;
+  std::optional<Time> stopped_at_;  ///< emergency stop
+  std::optional<Time> watchdog_;
+};
+
+}  // namespace vantage::sim
