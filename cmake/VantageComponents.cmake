@@ -27,7 +27,7 @@ set(vantage_models_public
   models/target/target_model models/world/grid models/world/world)
 
 set(vantage_wire_libraries
-  autopilot_parameters crtp_wire mavlink natnet_wire rover_wire sitl_wire vicon_wire)
+  autopilot_parameters crtp_wire mavlink natnet_wire qualisys_wire rover_wire sitl_wire vicon_wire)
 set(vantage_wire_needs models)
 set(vantage_wire_packages fmt SODIUM)
 set(vantage_wire_public
