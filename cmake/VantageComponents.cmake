@@ -72,12 +72,14 @@ set(vantage_scenario_reader_public
   scenario/reader/localizer_yaml scenario/reader/overrides scenario/reader/scenario_yaml)
 
 set(vantage_drivers_libraries
-  crazyflie_driver quadrotor_driver rover_driver safety sensor_driver vehicle_body vehicle_port
+  crazyflie_driver natnet_driver qualisys_driver quadrotor_driver rover_driver safety sensor_driver
+  vehicle_body vehicle_port
   vicon_driver)
 set(vantage_drivers_needs scenario wire)
 set(vantage_drivers_packages fmt LIBUSB)
 set(vantage_drivers_public
-  drivers/crazyflie/driver drivers/quadrotor/driver drivers/rover/driver drivers/safety/guard drivers/safety/inputs
+  drivers/crazyflie/driver drivers/natnet/natnet_session drivers/qualisys/qtm_session
+  drivers/quadrotor/driver drivers/rover/driver drivers/safety/guard drivers/safety/inputs
   drivers/safety/limits drivers/safety/setpoint drivers/sensor/pose_sensor
   drivers/sensor/range_scanner drivers/vehicle/port drivers/vicon/driver drivers/vicon/session
   drivers/vicon/session_table)

@@ -14,8 +14,8 @@ enum class StreamMode {
   kPreFetch,  ///< client requests the next frame while it processes the current one
 };
 
-/// Up axis of the server's world frame. kAsTold: as reported by the server; z if the server reports
-/// none.
+/// Up axis of the server's world frame. kAsTold: as reported by the server; if the server reports
+/// none, the default of its protocol (MocapProtocol::is_y_up).
 enum class UpAxis { kAsTold, kZ, kY };
 
 /// Mocap system that localises all bodies. The noise values apply to a simulated system. The
@@ -38,6 +38,10 @@ struct MocapSpec {
   double gate_turn_radps = 20.0;  ///< a pose that implies a higher turn rate is rejected; 0: off
 
   [[nodiscard]] int actual_port() const { return port > 0 ? port : protocol.default_port(); }
+  /// True if y is up in the world of a server that reports no axis.
+  [[nodiscard]] bool is_y_up() const {
+    return up_axis == UpAxis::kAsTold ? protocol.is_y_up() : up_axis == UpAxis::kY;
+  }
 };
 
 }  // namespace vantage::scenario

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "drivers/vicon/session_table.hpp"
 #include "wire/vicon/identify.hpp"
 
 namespace vantage::drivers::vicon {
@@ -43,11 +42,15 @@ GateSettings gate_of(const scenario::MocapSpec& spec, double separation_m) {
 
 ViconDriver::ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish,
                          double separation_m)
+    : ViconDriver(spec, session_row(spec.protocol), std::move(publish), separation_m) {}
+
+ViconDriver::ViconDriver(const scenario::MocapSpec& spec, const SessionRow& row,
+                         FrameFilter::Publish publish, double separation_m)
     : spec_(spec),
+      row_(row),
       is_datagram_(spec.protocol.is_datagram()),
       filter_(gate_of(spec, separation_m), from_seconds(spec.latency_s), std::move(publish)),
-      session_(session_row(spec.protocol)
-                   .open(spec, [this](const SeenFrame& frame) { on_frame(frame); })),
+      session_(row.open(spec, [this](const SeenFrame& frame) { on_frame(frame); })),
       back_off_(kBackOffMin),
       status_("not yet connected") {
   first_bytes_.reserve(kFirstBytes);
@@ -77,9 +80,14 @@ void ViconDriver::on_opened(Moment now) {
   frames_since_open_ = 0;
   first_bytes_.clear();
   ++link_counts_.connections;
+  session_->refusal.clear();
   session_->open(now);
   filter_.on_opened();
-  status_ = (is_datagram_ ? "listening at " : "connected to ") + address() + ", no frame yet";
+  const bool has_answer = transport() != scenario::MocapTransport::kUdpRequested;
+  status_ = (is_datagram_ ? "listening at "
+             : has_answer ? "connected to "
+                          : "waiting for ") +
+            address() + ", no frame yet";
 }
 
 void ViconDriver::on_closed(Moment now, const std::string& why) {
@@ -120,10 +128,14 @@ void ViconDriver::receive(Moment arrival, wire::vicon::Bytes bytes) {
     close_if_behind(arrival);
     return;
   }
+  if (!session_->refusal.empty()) {
+    close_because(session_->refusal);
+    return;
+  }
   using wire::vicon::ServerType;
   const ServerType server_type = is_datagram_ ? wire::vicon::identify_datagram(bytes)
                                               : wire::vicon::identify_stream(first_bytes_);
-  const ServerType expected = session_row(spec_.protocol).server_type;
+  const ServerType expected = row_.server_type;
   const std::string problem =
       server_type == expected ? std::string("sends bytes that its protocol does not allow")
                               : std::string("is ") + wire::vicon::name_of(server_type) + ", not " +
@@ -172,7 +184,10 @@ void ViconDriver::on_time(Moment now) {
                 "; in Tracker, turn on the UDP object stream to this host and port";
     } else {
       ++link_counts_.silences;
-      close_because(first_bytes_.empty()
+      close_because(transport() == scenario::MocapTransport::kUdpRequested && first_bytes_.empty()
+                        ? "does not answer; is streaming turned on, and are mocap.host, the cable "
+                          "and the firewall right?"
+                    : first_bytes_.empty()
                         ? "accepts the connection but sends nothing; is it a mocap server?"
                         : "has stopped sending");
     }

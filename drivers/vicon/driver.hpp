@@ -9,6 +9,7 @@
 #include "core/time.hpp"
 #include "drivers/vicon/frame_filter.hpp"
 #include "drivers/vicon/session.hpp"
+#include "drivers/vicon/session_table.hpp"
 #include "scenario/mocap_spec.hpp"
 #include "wire/vicon/bytes.hpp"
 
@@ -36,9 +37,14 @@ class ViconDriver {
  public:
   static constexpr Duration kBacklogPeriod = std::chrono::seconds(5);
 
+  /// Creates a driver of one of the protocols of session_table.cpp. @throws StartupError for
+  /// another protocol.
+  ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish,
+              double separation_m = 0.0);
+  /// @param row  protocol of `spec`
   /// @param publish  called with each accepted frame, within receive() or on_time()
   /// @param separation_m  distance that the scenario's plans keep between bodies, m; 0: unknown
-  ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish,
+  ViconDriver(const scenario::MocapSpec& spec, const SessionRow& row, FrameFilter::Publish publish,
               double separation_m = 0.0);
   ~ViconDriver();
   ViconDriver(const ViconDriver&) = delete;
@@ -48,6 +54,10 @@ class ViconDriver {
 
   /// True if datagrams are received at `port`; otherwise a TCP connection is used.
   [[nodiscard]] bool is_datagram() const { return is_datagram_; }
+  [[nodiscard]] scenario::MocapTransport transport() const { return spec_.protocol.transport(); }
+  [[nodiscard]] std::optional<MulticastGroup> group() const {
+    return is_open() ? session_->group() : std::nullopt;
+  }
   [[nodiscard]] const std::string& host() const { return spec_.host; }
   /// True if only datagrams from host() are accepted: the scenario names a host other than the
   /// default.
@@ -75,6 +85,8 @@ class ViconDriver {
   /// Returns the status in one sentence, with the remedy where there is one.
   [[nodiscard]] const std::string& status() const { return status_; }
   [[nodiscard]] bool is_open() const { return state_ == State::kOpen; }
+  /// True if any data were received on this connection.
+  [[nodiscard]] bool has_data() const { return is_open() && last_received_ > opened_at_; }
   /// True if a frame was received on this connection.
   [[nodiscard]] bool has_frames() const { return is_open() && frames_since_open_ > 0; }
   [[nodiscard]] const LinkCounts& link_counts() const { return link_counts_; }
@@ -91,6 +103,7 @@ class ViconDriver {
   void close_if_behind(Moment now);
 
   scenario::MocapSpec spec_;
+  const SessionRow& row_;
   bool is_datagram_;
   FrameFilter filter_;
   std::unique_ptr<Session> session_;

@@ -52,7 +52,9 @@ Duration FrameClock::lateness(const FrameTiming& frame, Duration arrival, Durati
   const FrameMark now{frame.tick, to_seconds(arrival - latency)};
   if (!last_ || now.tick < last_->tick) {
     begin(now, frame.stated_tick_s);
-    return {};
+    if (!frame.sent) {
+      return {};
+    }
   }
   if (frame.stated_tick_s != stated_s_) {
     const double line_s = std::min(line_s_ + now.arrival_s - last_->arrival_s, now.arrival_s);
@@ -64,7 +66,9 @@ Duration FrameClock::lateness(const FrameTiming& frame, Duration arrival, Durati
   if (frame.pinged) {
     line_s_ = std::max(line_s_, to_seconds(*frame.pinged - latency));
   }
-  if (tick_s_ <= 0.0 || now.arrival_s <= line_s_) {
+  if (frame.sent) {
+    line_s_ = std::min(to_seconds(*frame.sent - latency), now.arrival_s);
+  } else if (tick_s_ <= 0.0 || now.arrival_s <= line_s_) {
     line_s_ = now.arrival_s;
   }
   const bool has_new_tick = now.tick > last_->tick;

@@ -15,6 +15,7 @@ struct FrameTiming {
   /// Sending time of the ping for the newest echo before this frame. The server sent the frame
   /// after this time.
   std::optional<Duration> pinged;
+  std::optional<Duration> sent;  ///< sending time; only if the server's clock is known
 };
 
 /// Estimator of the time that each frame waited in a queue between the server and this driver.
@@ -28,6 +29,9 @@ struct FrameTiming {
 /// A pause of the server must not be mistaken for a queue: no frames arrive in both cases. The echo
 /// of a ping distinguishes pause and queue, because the server sends the echo after the previous
 /// frames. Each frame that arrives after the echo was sent after the ping.
+///
+/// If the sending time of a frame is known, the line is that time, and lateness includes the
+/// duration of the transmission.
 ///
 /// The period stated by the server is used until echoes show for kRefuted_s that it is wrong. If no
 /// period is stated, it is estimated (TickPeriodFit). Until the period is known, lateness is 0, and

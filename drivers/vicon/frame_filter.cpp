@@ -108,10 +108,11 @@ Duration FrameFilter::wait_of(const SeenFrame& seen, Duration latency) {
     clock_.on_echo(seen.echo->sent, seen.echo->arrived);
   }
   FrameTiming timing;
-  timing.tick = seen.number ? number_ : *seen.server_time_us;
-  timing.stated_tick_s = !seen.number         ? kMicrosecond_s
+  timing.tick = seen.server_time_us.value_or(number_);
+  timing.stated_tick_s = seen.server_time_us  ? kMicrosecond_s
                          : seen.rate_hz > 0.0 ? 1.0 / seen.rate_hz
                                               : 0.0;
+  timing.sent = seen.sent;
   timing.pinged = seen.echo ? std::optional(seen.echo->sent) : std::nullopt;
   return clock_.lateness(timing, seen.arrival.steady, latency);
 }

@@ -52,6 +52,8 @@ class SeenFrame {
   std::optional<double> latency_s;  ///< s; only in protocols that state a latency; not yet checked
   double rate_hz = 0.0;      ///< Hz; rate of the frame numbers stated by the server; 0: not stated
   std::optional<Echo> echo;  ///< newest echo before this frame
+  /// Steady time at which the server sent the frame; only if the server's clock is known.
+  std::optional<Duration> sent;
   bool is_complete_list = false;  ///< the frame lists all existing bodies
 
   void clear() { size_ = 0; }

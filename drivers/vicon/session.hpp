@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,13 @@ struct WireCounts {
 struct BodyRate {
   std::string name;
   double rate_hz = 0.0;  ///< Hz; 0: too few reports
+};
+
+/// Multicast address and UDP port at which a server sends its frames.
+struct MulticastGroup {
+  std::array<std::uint8_t, 4> address{};
+  std::uint16_t port = 0;
+  friend bool operator==(const MulticastGroup&, const MulticastGroup&) = default;
 };
 
 /// Client of one protocol, as a pure state machine. Bytes and time are passed in. Frames are passed
@@ -53,8 +62,15 @@ class Session {
   /// empty.
   [[nodiscard]] virtual std::vector<BodyRate> rates() const { return {}; }
 
-  /// Bytes for the server; the sender erases what it has sent.
+  /// Returns the group from which frames must be received in addition to the connection; nullopt if
+  /// there is none.
+  [[nodiscard]] virtual std::optional<MulticastGroup> group() const { return std::nullopt; }
+
+  /// Bytes for the server; the sender erases what it has sent. One datagram if the protocol uses
+  /// datagrams.
   std::vector<std::uint8_t> outgoing;
+  /// Reason why the connection is unusable; empty: receive() gives the reason by its result.
+  std::string refusal;
   WireCounts counts;
 };
 

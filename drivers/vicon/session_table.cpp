@@ -17,18 +17,16 @@ using scenario::MocapProtocol;
 using scenario::MocapSpec;
 using wire::vicon::ServerType;
 
-bool is_y_up(const MocapSpec& spec) { return spec.up_axis == scenario::UpAxis::kY; }
-
 std::unique_ptr<Session> open_datastream(const MocapSpec& spec, FrameSink sink) {
   return std::make_unique<DataStreamSession>(spec.mode, spec.up_axis, std::move(sink));
 }
 
 std::unique_ptr<Session> open_object_stream(const MocapSpec& spec, FrameSink sink) {
-  return std::make_unique<ObjectStreamSession>(is_y_up(spec), std::move(sink));
+  return std::make_unique<ObjectStreamSession>(spec.is_y_up(), std::move(sink));
 }
 
 std::unique_ptr<Session> open_vrpn(const MocapSpec& spec, FrameSink sink) {
-  return std::make_unique<VrpnSession>(is_y_up(spec), std::move(sink));
+  return std::make_unique<VrpnSession>(spec.is_y_up(), std::move(sink));
 }
 
 const std::array<SessionRow, 3>& rows() {

@@ -1,6 +1,7 @@
 #include "drivers/vicon/socket_link.hpp"
 
 #include <cerrno>
+#include <cstring>
 #include <system_error>
 #include <utility>
 
@@ -57,6 +58,8 @@ void SocketLink::watch(std::uint32_t events) {
 
 void SocketLink::fail(const std::string& why) {
   socket_.reset();  // closing also removes the socket from the epoll set
+  group_socket_.reset();
+  group_.reset();
   watched_ = 0;
   is_opening_ = false;
   driver_.on_closed(now_(), why);
@@ -68,7 +71,10 @@ void SocketLink::step() {
     finish_opening(now);
   }
   if (driver_.is_open()) {
-    read_all();
+    read_all(socket_.fd());
+  }
+  if (driver_.is_open() && group_socket_.is_open()) {
+    read_all(group_socket_.fd());
   }
   driver_.on_time(now_());
   if (driver_.wants_close()) {
@@ -79,14 +85,23 @@ void SocketLink::step() {
   if (driver_.is_open()) {
     write_all();
   }
+  if (driver_.is_open()) {
+    follow_group();
+  }
 }
 
 void SocketLink::open(Moment now) {
   driver_.on_opening(now);
-  if (driver_.is_datagram()) {
-    open_datagram(now);
-  } else {
-    open_stream(now);
+  switch (driver_.transport()) {
+    case scenario::MocapTransport::kTcp:
+      open_stream(now);
+      return;
+    case scenario::MocapTransport::kUdpReceived:
+      open_datagram(now);
+      return;
+    case scenario::MocapTransport::kUdpRequested:
+      open_requested(now);
+      return;
   }
 }
 
@@ -110,6 +125,60 @@ void SocketLink::open_datagram(Moment now) {
   }
   watch(EPOLLIN);
   driver_.on_opened(now);
+}
+
+// The socket is not connected, because a server may send frames from another port than that of its
+// answers.
+void SocketLink::open_requested(Moment now) {
+  const Result<sockaddr_in> server = find_host(driver_.host(), driver_.port());
+  if (!server.ok()) {
+    fail(server.error().message + "; check mocap.host");
+    return;
+  }
+  server_ = server.value();
+  sender_ = server_->sin_addr.s_addr;
+  socket_.reset(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  enlarge_receive_buffer(socket_.fd());
+  watch(EPOLLIN);
+  driver_.on_opened(now);
+}
+
+void SocketLink::follow_group() {
+  const std::optional<MulticastGroup> wanted = driver_.group();
+  if (wanted == group_) {
+    return;
+  }
+  group_ = wanted;
+  group_socket_.reset();
+  if (!wanted) {
+    return;
+  }
+  // Joins on the card of the route to the server; the card of the default route may be another.
+  sockaddr_in own{};
+  socklen_t own_size = sizeof own;
+  const Descriptor route(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (connect(route.fd(), as_sockaddr(*server_), sizeof *server_) != 0 ||
+      getsockname(route.fd(), reinterpret_cast<sockaddr*>(&own), &own_size) != 0) {
+    fail("no route to the server: " + reason(errno));
+    return;
+  }
+  ip_mreq join{};
+  std::memcpy(&join.imr_multiaddr, wanted->address.data(), wanted->address.size());
+  join.imr_interface = own.sin_addr;
+  group_socket_.reset(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  set_option(group_socket_.fd(), SOL_SOCKET, SO_REUSEADDR,
+             1);  // other processes may receive it too
+  enlarge_receive_buffer(group_socket_.fd());
+  sockaddr_in address = address_of(INADDR_ANY, wanted->port);
+  address.sin_addr = join.imr_multiaddr;
+  if (bind(group_socket_.fd(), as_sockaddr(address), sizeof address) != 0 ||
+      setsockopt(group_socket_.fd(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &join, sizeof join) != 0) {
+    fail("cannot receive the server's multicast group: " + reason(errno));
+    return;
+  }
+  epoll_event event{};
+  event.events = EPOLLIN;
+  epoll_ctl(epoll_.fd(), EPOLL_CTL_ADD, group_socket_.fd(), &event);
 }
 
 void SocketLink::open_stream(Moment now) {
@@ -151,11 +220,11 @@ void SocketLink::finish_opening(Moment now) {
   driver_.on_opened(now);
 }
 
-void SocketLink::read_all() {
+void SocketLink::read_all(int fd) {
   for (int reads = 0; reads < kReadsMax && driver_.is_open() && !driver_.wants_close(); ++reads) {
     sockaddr_in from{};
     socklen_t from_size = sizeof from;
-    const ssize_t size = recvfrom(socket_.fd(), buffer_.data(), buffer_.size(), 0,
+    const ssize_t size = recvfrom(fd, buffer_.data(), buffer_.size(), 0,
                                   reinterpret_cast<sockaddr*>(&from), &from_size);
     if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
       return;
@@ -163,7 +232,7 @@ void SocketLink::read_all() {
     if (size < 0 && errno == EINTR) {
       continue;
     }
-    if (size == 0 && !driver_.is_datagram()) {
+    if (size == 0 && driver_.transport() == scenario::MocapTransport::kTcp) {
       fail("the server closed the connection");
       return;
     }
@@ -182,7 +251,9 @@ void SocketLink::read_all() {
 void SocketLink::write_all() {
   std::vector<std::uint8_t>& outgoing = driver_.outgoing();
   while (!outgoing.empty()) {
-    const ssize_t size = send(socket_.fd(), outgoing.data(), outgoing.size(), MSG_NOSIGNAL);
+    const ssize_t size =
+        sendto(socket_.fd(), outgoing.data(), outgoing.size(), MSG_NOSIGNAL,
+               server_ ? as_sockaddr(*server_) : nullptr, server_ ? sizeof *server_ : 0);
     if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
       break;
     }

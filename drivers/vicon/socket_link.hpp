@@ -35,9 +35,12 @@ class SocketLink {
 
   void open(Moment now);
   void open_datagram(Moment now);
+  void open_requested(Moment now);
   void open_stream(Moment now);
   void finish_opening(Moment now);
-  void read_all();
+  /// Joins or leaves the multicast group, as the driver requests.
+  void follow_group();
+  void read_all(int fd);
   void write_all();
   void fail(const std::string& why);
   void watch(std::uint32_t events);
@@ -46,7 +49,10 @@ class SocketLink {
   std::function<Moment()> now_;
   Descriptor epoll_;
   Descriptor socket_;
-  std::optional<in_addr_t> sender_;  ///< accepted sender of datagrams; nullopt: any
+  Descriptor group_socket_;
+  std::optional<MulticastGroup> group_;  ///< group of `group_socket_`, or that could not be joined
+  std::optional<sockaddr_in> server_;    ///< destination of datagrams; nullopt: connected, or none
+  std::optional<in_addr_t> sender_;      ///< accepted sender of datagrams; nullopt: any
   std::int64_t strangers_ = 0;
   bool is_opening_ = false;
   std::uint32_t watched_ = 0;

@@ -27,8 +27,8 @@ std::optional<LocalizerSpec> read_localizer(Mapping& top, const Scenario& scenar
 /// the planner have been read.
 void read_mapping_spec(Mapping& top, Scenario& scenario);
 
-/// Reads the section `mocap`: noise of a simulated system, and connection of the driver to the
-/// server.
-void read_mocap(Mapping& from, MocapSpec& mocap);
+/// Reads `mocap`: a section with the noise of a simulated system and the connection of the driver
+/// to the server, or the URL of a real server.
+void read_mocap(Mapping& top, MocapSpec& mocap);
 
 }  // namespace vantage::scenario

@@ -397,7 +397,7 @@ void read_scenario(Mapping& top, Scenario& scenario,
     check_grid(top, scenario);
   }
   top.section("security", [&](Mapping& from) { read_security(from, scenario.security); });
-  top.section("mocap", [&](Mapping& from) { read_mocap(from, scenario.mocap); });
+  read_mocap(top, scenario.mocap);
   top.section("ros2", [&](Mapping& from) {
     Ros2Spec checked;  // ros2_of() reads the section again
     read_ros2(from, scenario, checked);

@@ -52,7 +52,7 @@ std::unique_ptr<vicon::SocketServer> mocap_server_of(const scenario::MocapSpec& 
   settings.protocol = mocap.protocol;
   settings.rate_hz = mocap.rate_hz;
   settings.block_bytes = static_cast<std::size_t>(mocap.block_bytes);
-  settings.is_y_up = mocap.up_axis == scenario::UpAxis::kY;
+  settings.is_y_up = mocap.is_y_up();
   return std::make_unique<vicon::SocketServer>(settings, mocap.host, mocap.actual_port());
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -24,7 +25,8 @@ struct EmulatedFrame {
   std::vector<EmulatedBody> bodies;
 };
 
-/// Representation of an occluded body in the protocol. A DataStream always omits occluded bodies.
+/// Representation of an occluded body in the protocol. A DataStream always omits occluded bodies;
+/// NatNet and QTM mark them.
 enum class OcclusionStyle {
   kAbsent,
   kZero,      ///< position and orientation all zero
@@ -37,6 +39,12 @@ struct ServerSettings {
   std::size_t block_bytes = 256;  ///< datagram size of an object stream: 256, 512 or 1024
   bool is_y_up = false;           ///< sends poses with y up, as Nexus and Blade do
   OcclusionStyle occlusion = OcclusionStyle::kAbsent;
+  std::array<std::uint8_t, 2> natnet_version{4, 1};  ///< major and minor; 3.0 or later
+  /// NatNet: sends frames to the default multicast group instead of to each client.
+  bool is_multicast = false;
+  /// NatNet: source port of frames, and destination port of the group; 0: the port of answers, and
+  /// 1511.
+  std::uint16_t data_port = 0;
   /// Maximum number of unsent bytes for a client that does not read; above it frames are skipped.
   std::size_t backlog_bytes_max = std::size_t{4} << 20U;
 };

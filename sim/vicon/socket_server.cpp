@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
 #include <optional>
 #include <system_error>
 
@@ -14,7 +15,10 @@
 
 #include "core/address.hpp"
 #include "core/check.hpp"
+#include "core/deadline.hpp"
 #include "sim/vicon/datastream_peer.hpp"
+#include "sim/vicon/natnet_peer.hpp"
+#include "sim/vicon/qtm_peer.hpp"
 #include "sim/vicon/vrpn_peer.hpp"
 #include "wire/vicon/vrpn.hpp"
 
@@ -39,6 +43,20 @@ void set_option(int fd, int level, int name, int value) {
   setsockopt(fd, level, name, &value, sizeof value);
 }
 
+/// Returns a UDP socket bound to `address`.
+int bound_datagram_socket(const sockaddr_in& address) {
+  const int fd = socket(AF_INET, SOCK_DGRAM | kSocketFlags, 0);
+  if (bind(fd, as_sockaddr(address), sizeof address) != 0) {
+    const std::string why = reason();
+    close(fd);
+    throw StartupError("cannot listen at UDP " + std::to_string(ntohs(address.sin_port)) + ": " +
+                       why);
+  }
+  return fd;
+}
+
+Duration steady_now() { return Duration{monotonic_ns() / 1'000}; }
+
 int bound_port(int fd) {
   sockaddr_in address{};
   socklen_t size = sizeof address;
@@ -53,12 +71,18 @@ struct SocketServer::Client {
   std::unique_ptr<Peer> peer;
   std::int64_t skipped_before = 0;
   bool is_gone = false;
+  sockaddr_in address{};  ///< only if the protocol uses datagrams
+  Duration last_received{};
 };
 
 SocketServer::SocketServer(const ServerSettings& settings, const std::string& host, int port)
     : settings_(settings), port_(port), object_stream_(settings) {
-  if (!settings.protocol.is_datagram()) {
+  if (settings.protocol.transport() == scenario::MocapTransport::kTcp) {
     listen_at(host, port);
+    return;
+  }
+  if (settings.protocol.transport() == scenario::MocapTransport::kUdpRequested) {
+    answer_at(host, port);
     return;
   }
   const sockaddr_in to = address_of(host, port);
@@ -71,9 +95,11 @@ SocketServer::SocketServer(const ServerSettings& settings, const std::string& ho
 
 SocketServer::~SocketServer() {
   for (const auto& client : clients_) {
-    close(client->fd);
+    if (client->fd >= 0) {
+      close(client->fd);
+    }
   }
-  for (const int fd : {listener_, datagrams_}) {
+  for (const int fd : {listener_, datagrams_, frames_socket_}) {
     if (fd >= 0) {
       close(fd);
     }
@@ -102,11 +128,89 @@ void SocketServer::listen_at(const std::string& host, int port) {
   }
 }
 
+// OptiTrack's own clients accept frames only from port 1511, so a server at the usual port sends
+// from there.
+void SocketServer::answer_at(const std::string& host, int port) {
+  sockaddr_in address = address_of(host, port);
+  if (settings_.data_port == 0 && port == settings_.protocol.default_port()) {
+    settings_.data_port = static_cast<std::uint16_t>(wire::natnet::kDataPort);
+  }
+  datagrams_ = bound_datagram_socket(address);
+  port_ = bound_port(datagrams_);
+  if (settings_.is_multicast) {
+    clients_.push_back(std::make_unique<Client>());
+    clients_[0]->peer = std::make_unique<NatNetPeer>(settings_, true);
+    const wire::natnet::ServerInfo info;
+    sockaddr_in& group = clients_[0]->address;
+    group.sin_family = AF_INET;
+    std::memcpy(&group.sin_addr, info.group.data(), info.group.size());
+    group.sin_port = htons(settings_.data_port > 0 ? settings_.data_port : info.data_port);
+    setsockopt(datagrams_, IPPROTO_IP, IP_MULTICAST_IF, &address.sin_addr, sizeof address.sin_addr);
+  } else if (settings_.data_port > 0) {
+    address.sin_port = htons(settings_.data_port);
+    frames_socket_ = bound_datagram_socket(address);
+  }
+}
+
+SocketServer::Client* SocketServer::client_at(const sockaddr_in& address) {
+  const auto found = std::ranges::find_if(clients_, [&](const auto& client) {
+    return client->address.sin_addr.s_addr == address.sin_addr.s_addr &&
+           client->address.sin_port == address.sin_port;
+  });
+  if (found != clients_.end()) {
+    return found->get();
+  }
+  if (clients_.size() >= kClientsMax) {
+    return nullptr;
+  }
+  clients_.push_back(std::make_unique<Client>());
+  clients_.back()->peer = make_peer();
+  clients_.back()->address = address;
+  return clients_.back().get();
+}
+
+void SocketServer::on_requests() {
+  std::array<std::uint8_t, 2048> buffer{};
+  for (;;) {
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    const ssize_t bytes = recvfrom(datagrams_, buffer.data(), buffer.size(), 0,
+                                   reinterpret_cast<sockaddr*>(&from), &size);
+    if (bytes < 0) {
+      return;
+    }
+    Client* const client = client_at(from);
+    if (client == nullptr) {
+      continue;
+    }
+    client->peer->now = client->last_received = steady_now();
+    if (client->peer->receive(wire::vicon::Bytes(buffer).first(static_cast<std::size_t>(bytes)))) {
+      send_datagram(*client, datagrams_);
+    }
+  }
+}
+
+void SocketServer::send_datagram(Client& client, int fd) {
+  std::vector<std::uint8_t>& outgoing = client.peer->outgoing;
+  if (!outgoing.empty()) {
+    const ssize_t sent = sendto(fd, outgoing.data(), outgoing.size(), MSG_NOSIGNAL,
+                                as_sockaddr(client.address), sizeof client.address);
+    send_errors_ += sent < 0 && errno != ECONNREFUSED ? 1 : 0;
+    outgoing.clear();
+  }
+}
+
 std::size_t SocketServer::clients() const { return clients_.size(); }
 
 std::unique_ptr<Peer> SocketServer::make_peer() const {
   if (settings_.protocol == scenario::MocapProtocol::kVrpn) {
     return std::make_unique<VrpnPeer>(settings_);
+  }
+  if (settings_.protocol == scenario::MocapProtocol::kNatNet) {
+    return std::make_unique<NatNetPeer>(settings_);
+  }
+  if (settings_.protocol == scenario::MocapProtocol::kQtm) {
+    return std::make_unique<QtmPeer>(settings_);
   }
   return std::make_unique<DataStreamPeer>(settings_);
 }
@@ -189,7 +293,7 @@ void SocketServer::sweep() {
   for (const auto& client : clients_) {
     frames_skipped_ += client->peer->frames_skipped - client->skipped_before;
     client->skipped_before = client->peer->frames_skipped;
-    if (client->is_gone) {
+    if (client->is_gone && client->fd >= 0) {
       close(client->fd);
     }
   }
@@ -197,6 +301,8 @@ void SocketServer::sweep() {
 }
 
 void SocketServer::wait(std::chrono::nanoseconds timeout) {
+  const bool is_answering =
+      settings_.protocol.transport() == scenario::MocapTransport::kUdpRequested;
   std::vector<pollfd> polled;
   for (const auto& client : clients_) {
     const bool is_waiting = !client->peer->outgoing.empty();
@@ -204,10 +310,14 @@ void SocketServer::wait(std::chrono::nanoseconds timeout) {
   }
   polled.push_back({listener_, POLLIN, 0});
   const bool is_vrpn = settings_.protocol == scenario::MocapProtocol::kVrpn;
-  polled.push_back({is_vrpn ? datagrams_ : -1, POLLIN, 0});
+  polled.push_back({is_vrpn || is_answering ? datagrams_ : -1, POLLIN, 0});
   const std::int64_t ns = std::max<std::int64_t>(timeout.count(), 0);
   const timespec limit{ns / 1'000'000'000, ns % 1'000'000'000};
   if (ppoll(polled.data(), polled.size(), &limit, nullptr) <= 0) {
+    return;
+  }
+  if (is_answering) {
+    on_requests();
     return;
   }
   for (const auto& client : clients_) {
@@ -237,7 +347,24 @@ void SocketServer::publish(const EmulatedFrame& frame) {
     }
     return;
   }
+  if (settings_.protocol.transport() == scenario::MocapTransport::kUdpRequested) {
+    const Duration now = steady_now();
+    for (std::size_t i = 0; i < clients_.size(); ++i) {
+      Client& client = *clients_[i];
+      const bool is_group = settings_.is_multicast && i == 0;
+      client.peer->now = now;
+      client.peer->on_frame(frame);
+      if (is_group || !settings_.is_multicast) {
+        send_datagram(client, frames_socket_ >= 0 ? frames_socket_ : datagrams_);
+      }
+      client.peer->outgoing.clear();
+      client.is_gone = !is_group && now - client.last_received > kClientSilenceMax;
+    }
+    sweep();
+    return;
+  }
   for (const auto& client : clients_) {
+    client->peer->now = steady_now();
     client->peer->on_frame(frame);
     write(*client);
   }

@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include <netinet/in.h>
+
+#include "core/time.hpp"
 #include "sim/vicon/object_stream_server.hpp"
 #include "sim/vicon/peer.hpp"
 
@@ -13,11 +16,14 @@ namespace vantage::sim::vicon {
 
 /// Emulated mocap server on real sockets, for up to kClientsMax clients.
 ///
-/// A DataStream or VRPN server listens at `port` (VRPN also by UDP, and then connects back to the
-/// client); an object stream is sent to `host` and `port`. Only wait() blocks.
+/// A NatNet server answers datagrams at `port`, and forgets clients that send nothing for
+/// kClientSilenceMax. A DataStream, VRPN or QTM server listens at `port` (VRPN also by UDP, and
+/// then connects back to the client); an object stream is sent to `host` and `port`. Only wait()
+/// blocks.
 class SocketServer {
  public:
   static constexpr std::size_t kClientsMax = 64;
+  static constexpr Duration kClientSilenceMax = std::chrono::seconds(10);
 
   /// @param port  port number; 0: any free port, returned by port()
   /// @param host  address to listen at, or to which an object stream is sent (may be a broadcast
@@ -44,6 +50,10 @@ class SocketServer {
  private:
   struct Client;
   void listen_at(const std::string& host, int port);
+  void answer_at(const std::string& host, int port);
+  void on_requests();
+  Client* client_at(const sockaddr_in& address);
+  void send_datagram(Client& client, int fd);
   void accept_clients();
   void on_connection_requests();
   void add_client(int fd);
@@ -54,9 +64,10 @@ class SocketServer {
 
   ServerSettings settings_;
   int port_ = 0;
-  int listener_ = -1;   ///< TCP socket for connections; −1: none
-  int datagrams_ = -1;  ///< UDP socket: sends an object stream or receives VRPN's connection
-                        ///< requests
+  int listener_ = -1;       ///< TCP socket for connections; −1: none
+  int datagrams_ = -1;      ///< UDP socket: sends an object stream, receives VRPN's connection
+                            ///< requests, or receives and answers NatNet's requests
+  int frames_socket_ = -1;  ///< UDP socket that sends NatNet's frames; −1: `datagrams_`
   ObjectStreamServer object_stream_;
   std::vector<std::unique_ptr<Client>> clients_;
   std::int64_t frames_skipped_ = 0;

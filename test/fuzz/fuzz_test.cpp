@@ -22,6 +22,7 @@
 #include "test/fuzz/bus/datagram_input.hpp"
 #include "test/fuzz/bus/packet_path.hpp"
 #include "test/fuzz/bus/receive_path.hpp"
+#include "test/fuzz/parsers/mocap_parsers.hpp"
 #include "test/fuzz/parsers/stream_parsers.hpp"
 #include "test/fuzz/parsers/text_parsers.hpp"
 #include "test/fuzz/vicon/harness.hpp"
@@ -85,6 +86,8 @@ std::vector<Harness> harnesses() {
       {"datastream", datastream.first, datastream.second},
       {"object_stream", objects.first, objects.second},
       {"vrpn", vrpn.first, vrpn.second},
+      {"natnet", fuzz_natnet, natnet_samples},
+      {"qtm", fuzz_qtm, qtm_samples},
       {"scenario", fuzz_scenario, [=] { return files_of(source / "config", ".yaml"); }},
       {"problem", fuzz_problem, [=] { return files_of(source / "test/tools/problems", ".json"); }}};
 }

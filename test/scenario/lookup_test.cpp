@@ -80,6 +80,17 @@ TEST(MocapProtocol, HasTheNamesAndPortsOfItsMakers) {
   EXPECT_EQ(mocap.actual_port(), 51001);
   mocap.protocol = MocapProtocol::kVrpn;
   EXPECT_EQ(mocap.actual_port(), 3883);
+  EXPECT_FALSE(mocap.is_y_up());
+  mocap.protocol = MocapProtocol::kQtm;
+  EXPECT_EQ(mocap.actual_port(), 22223);
+  EXPECT_STREQ(mocap.protocol.driver(), "qualisys");
+  EXPECT_FALSE(mocap.is_y_up());
+  mocap.protocol = MocapProtocol::kNatNet;
+  EXPECT_EQ(mocap.actual_port(), 1510);
+  EXPECT_STREQ(mocap.protocol.driver(), "natnet");
+  EXPECT_TRUE(mocap.is_y_up()) << "the default of Motive";
+  mocap.up_axis = UpAxis::kZ;
+  EXPECT_FALSE(mocap.is_y_up());
   mocap.port = 1;
   EXPECT_EQ(mocap.actual_port(), 1);
 }

@@ -86,6 +86,8 @@ const char* name_of(ServerType server_type) {
       return "a VRPN server";
     case ServerType::kObjectStream:
       return "Vicon Tracker's UDP object stream";
+    case ServerType::kNatNet:
+      return "OptiTrack Motive";
     case ServerType::kQualisys:
       return "Qualisys Track Manager";
     case ServerType::kText:

@@ -11,6 +11,7 @@ enum class ServerType {
   kDataStream,    ///< Vicon DataStream (Tracker, Nexus, Blade, Shogun, Evoke)
   kVrpn,          ///< a VRPN server, from Vicon or another vendor
   kObjectStream,  ///< Vicon Tracker's UDP object stream
+  kNatNet,        ///< OptiTrack's NatNet
   kQualisys,      ///< Qualisys Track Manager's real-time server
   kText,          ///< a text protocol: SSH, HTTP, SMTP, …
 };

@@ -23,14 +23,28 @@ const scenario::MocapSpec& checked(const scenario::MocapSpec& spec) {
   return spec;
 }
 
+std::string in_capitals(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](char c) {
+    return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  });
+  return text;
+}
+
 }  // namespace
 
 ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                      std::function<void(const std::string&)> report)
-    : bus_(bus),
+    : ViconNode(bus, clock, scenario, vicon::session_row(scenario.mocap.protocol),
+                std::move(report)) {}
+
+ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
+                     const vicon::SessionRow& row, std::function<void(const std::string&)> report)
+    : prefix_(row.protocol.driver()),
+      name_(in_capitals(prefix_)),
+      bus_(bus),
       clock_(clock),
       driver_(
-          checked(scenario.mocap),
+          checked(scenario.mocap), row,
           [this](models::MocapFrame frame) {
             virtual_bodies_.add_to(frame);
             const Time arrival = frame.arrival;
@@ -77,34 +91,37 @@ std::vector<models::NamedCount> ViconNode::counters() const {
   const vicon::WireCounts& wire = driver_.wire_counts();
   const vicon::FrameCounts& frame = driver_.frame_counts();
   std::vector<models::NamedCount> out =
-      models::nonzero({{"vicon.connections_failed", link.connections_failed},
-                       {"vicon.connections_lost", link.connections_lost},
-                       {"vicon.strangers", link_.strangers()},
-                       {"vicon.silences", link.silences},
-                       {"vicon.backlogs", link.backlogs},
-                       {"vicon.broken_streams", wire.broken_streams},
-                       {"vicon.broken_blocks", wire.broken_blocks},
-                       {"vicon.frames_before_set", wire.frames_before_set},
-                       {"vicon.unnamed_bodies", wire.unnamed_bodies},
-                       {"vicon.late_blocks", wire.late_blocks},
-                       {"vicon.duplicate_blocks", wire.duplicate_blocks},
-                       {"vicon.frames_lost", frame.frames_lost},
-                       {"vicon.frames_repeated", frame.frames_repeated},
-                       {"vicon.frames_late", frame.frames_late},
-                       {"vicon.frames_queued", frame.frames_queued},
-                       {"vicon.frames_waited", frame.frames_waited},
-                       {"vicon.server_restarts", frame.server_restarts},
-                       {"vicon.latencies_refused", frame.latencies_refused},
-                       {"vicon.poses_zero", frame.poses_zero},
-                       {"vicon.poses_refused", frame.poses_refused},
-                       {"vicon.poses_stuck", frame.poses_stuck},
-                       {"vicon.poses_outlying", frame.poses_outlying},
-                       {"vicon.poses_flipped", frame.poses_flipped},
-                       {"vicon.poses_swapped", frame.poses_swapped},
-                       {"vicon.poses_unconfirmed", frame.poses_unconfirmed},
-                       {"vicon.names_refused", frame.names_refused},
-                       {"vicon.names_twice", frame.names_twice},
-                       {"vicon.names_taken", virtual_bodies_.names_taken()}});
+      models::nonzero({{"connections_failed", link.connections_failed},
+                       {"connections_lost", link.connections_lost},
+                       {"strangers", link_.strangers()},
+                       {"silences", link.silences},
+                       {"backlogs", link.backlogs},
+                       {"broken_streams", wire.broken_streams},
+                       {"broken_blocks", wire.broken_blocks},
+                       {"frames_before_set", wire.frames_before_set},
+                       {"unnamed_bodies", wire.unnamed_bodies},
+                       {"late_blocks", wire.late_blocks},
+                       {"duplicate_blocks", wire.duplicate_blocks},
+                       {"frames_lost", frame.frames_lost},
+                       {"frames_repeated", frame.frames_repeated},
+                       {"frames_late", frame.frames_late},
+                       {"frames_queued", frame.frames_queued},
+                       {"frames_waited", frame.frames_waited},
+                       {"server_restarts", frame.server_restarts},
+                       {"latencies_refused", frame.latencies_refused},
+                       {"poses_zero", frame.poses_zero},
+                       {"poses_refused", frame.poses_refused},
+                       {"poses_stuck", frame.poses_stuck},
+                       {"poses_outlying", frame.poses_outlying},
+                       {"poses_flipped", frame.poses_flipped},
+                       {"poses_swapped", frame.poses_swapped},
+                       {"poses_unconfirmed", frame.poses_unconfirmed},
+                       {"names_refused", frame.names_refused},
+                       {"names_twice", frame.names_twice},
+                       {"names_taken", virtual_bodies_.names_taken()}});
+  for (models::NamedCount& each : out) {
+    each.name = prefix_ + "." + each.name;
+  }
   models::append_latency(out, "latency.frame_published", latency_);
   return out;
 }

@@ -16,7 +16,7 @@
 
 namespace vantage::drivers {
 
-/// Bus node of vantage-vicon: receives the frames of a mocap server and publishes VICON. Bodies
+/// Bus node of a mocap driver: receives the frames of a mocap server and publishes VICON. Bodies
 /// that a simulator publishes on TRUTH are added to the frames of a real mocap. Each new status is
 /// passed to `report`.
 class ViconNode : public bus::Node {
@@ -25,8 +25,11 @@ class ViconNode : public bus::Node {
   /// VICON.
   ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
             std::function<void(const std::string&)> report);
+  /// As above, for the driver of `row`.
+  ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
+            const vicon::SessionRow& row, std::function<void(const std::string&)> report);
 
-  [[nodiscard]] std::string name() const override { return "VICON"; }
+  [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
   void tick(Time now) override;
   [[nodiscard]] int wakes_on() const override { return link_.wake_fd(); }
@@ -38,6 +41,8 @@ class ViconNode : public bus::Node {
   [[nodiscard]] vicon::Moment moment() const;
   void report_status(const std::string& status);
 
+  std::string prefix_;  ///< prefix of counters: name of the driver
+  std::string name_;    ///< name of the driver in capitals
   bus::Bus& bus_;
   const bus::Clock& clock_;
   vicon::VirtualBodies virtual_bodies_;

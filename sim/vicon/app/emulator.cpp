@@ -33,7 +33,8 @@ struct Arguments {
   std::string scenario;
   double latency_s = 0.004;
   double occluded_s = 0.0;
-  std::string up = "z";
+  std::string up;
+  std::string natnet_version = "4.1";
   double duration_s = 0.0;
 };
 
@@ -52,7 +53,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
          [&arguments, protocols](const std::string& name) {
            arguments.settings.protocol = protocols.at(name);
          },
-         "datastream, object_stream or vrpn")
+         "datastream, object_stream, vrpn, natnet or qtm")
       ->check(CLI::IsMember(protocols));
   app.add_option("--host", arguments.host, "address to listen on");
   app.add_option("--port", arguments.port, "port instead of the protocol's default")
@@ -64,8 +65,13 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--block-bytes", arguments.settings.block_bytes,
                  "datagram size of an object stream, bytes")
       ->check(CLI::IsMember({256, 512, 1024}));
-  app.add_option("--up", arguments.up, "upward axis of the published coordinates: z or y")
+  app.add_option("--up", arguments.up,
+                 "upward axis of the published coordinates: z or y (default: y for natnet, else z)")
       ->check(CLI::IsMember({"z", "y"}));
+  app.add_option("--natnet-version", arguments.natnet_version, "version of a natnet server")
+      ->check(CLI::IsMember({"3.0", "3.1", "4.0", "4.1", "4.2"}));
+  app.add_flag("--multicast", arguments.settings.is_multicast,
+               "send the frames of a natnet server to the group 239.255.42.99");
   app.add_option("--latency-s", arguments.latency_s, "latency that the server reports, s")
       ->check(CLI::Range(0.0, 1.0));
   app.add_option("--occlusion", arguments.settings.occlusion,
@@ -156,7 +162,7 @@ int serve(const Arguments& arguments) {
 }  // namespace
 
 int run_emulator(int argc, char** argv) {
-  CLI::App app{"Emulates a Vicon or VRPN server, to test drivers.", "vantage-vicon-emulator"};
+  CLI::App app{"Emulates a motion-capture server, to test drivers.", "vantage-vicon-emulator"};
   Arguments arguments;
   add_options(app, arguments);
   try {
@@ -164,7 +170,11 @@ int run_emulator(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  arguments.settings.is_y_up = arguments.up == "y";
+  arguments.settings.is_y_up =
+      arguments.up.empty() ? arguments.settings.protocol.is_y_up() : arguments.up == "y";
+  arguments.settings.natnet_version = {
+      static_cast<std::uint8_t>(arguments.natnet_version[0] - '0'),
+      static_cast<std::uint8_t>(arguments.natnet_version[2] - '0')};
   return serve(arguments);
 }
 

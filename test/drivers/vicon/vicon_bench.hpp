@@ -7,11 +7,15 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/natnet/natnet_session.hpp"
+#include "drivers/qualisys/qtm_session.hpp"
 #include "drivers/vicon/driver.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/mocap_spec.hpp"
 #include "sim/vicon/datastream_peer.hpp"
+#include "sim/vicon/natnet_peer.hpp"
 #include "sim/vicon/object_stream_server.hpp"
+#include "sim/vicon/qtm_peer.hpp"
 #include "sim/vicon/vrpn_peer.hpp"
 
 namespace vantage::test {
@@ -25,6 +29,30 @@ inline scenario::MocapSpec spec_of(scenario::MocapProtocol protocol) {
 }
 inline constexpr Duration kPeriod{10'000};
 
+/// Returns the row of any protocol.
+inline const drivers::vicon::SessionRow& any_session_row(scenario::MocapProtocol protocol) {
+  return protocol == scenario::MocapProtocol::kNatNet ? drivers::natnet::natnet_row()
+         : protocol == scenario::MocapProtocol::kQtm  ? drivers::qualisys::qtm_row()
+                                                      : drivers::vicon::session_row(protocol);
+}
+
+/// Returns the server side of a connection; nullptr if the protocol has no connection.
+inline std::unique_ptr<sim::vicon::Peer> make_peer(const sim::vicon::ServerSettings& settings) {
+  if (settings.protocol == scenario::MocapProtocol::kDataStream) {
+    return std::make_unique<sim::vicon::DataStreamPeer>(settings);
+  }
+  if (settings.protocol == scenario::MocapProtocol::kVrpn) {
+    return std::make_unique<sim::vicon::VrpnPeer>(settings);
+  }
+  if (settings.protocol == scenario::MocapProtocol::kNatNet) {
+    return std::make_unique<sim::vicon::NatNetPeer>(settings);
+  }
+  if (settings.protocol == scenario::MocapProtocol::kQtm) {
+    return std::make_unique<sim::vicon::QtmPeer>(settings);
+  }
+  return nullptr;
+}
+
 /// A driver and the emulated server that exchange bytes in virtual time, without sockets or clocks.
 class ViconBench {
  public:
@@ -36,12 +64,14 @@ class ViconBench {
       : settings_(settings),
         chunk_bytes_(chunk_bytes),
         object_stream(settings),
-        driver(spec, [this](const models::MocapFrame& frame) { frames.push_back(frame); }) {}
+        driver(spec, any_session_row(spec.protocol),
+               [this](const models::MocapFrame& frame) { frames.push_back(frame); }) {}
 
   static sim::vicon::ServerSettings settings_for(const scenario::MocapSpec& spec) {
     sim::vicon::ServerSettings settings;
     settings.protocol = spec.protocol;
     settings.rate_hz = spec.rate_hz;
+    settings.is_y_up = spec.is_y_up();
     return settings;
   }
 
@@ -85,6 +115,7 @@ class ViconBench {
       return;
     }
     if (peer) {
+      peer->now = elapsed + server_clock_offset;
       peer->on_frame(frame);
       exchange();
     }
@@ -92,6 +123,9 @@ class ViconBench {
 
   /// Exchanges bytes until neither side has bytes to send.
   void exchange() {
+    if (peer) {
+      peer->now = elapsed + server_clock_offset;
+    }
     while (peer && !(peer->outgoing.empty() && driver.outgoing().empty())) {
       const std::vector<std::uint8_t> down = std::exchange(peer->outgoing, {});
       const std::vector<std::uint8_t> up = std::exchange(driver.outgoing(), {});
@@ -117,6 +151,7 @@ class ViconBench {
   bool is_server_up = true;
   Time epoch = kEpoch;  ///< time at which `elapsed` is 0
   Duration elapsed{};
+  Duration server_clock_offset = std::chrono::hours(7);  ///< server's steady clock minus `elapsed`
   std::vector<models::MocapFrame> frames;
   sim::vicon::ObjectStreamServer object_stream;
   std::unique_ptr<sim::vicon::Peer> peer;
@@ -124,11 +159,7 @@ class ViconBench {
 
  private:
   void connect() {
-    if (settings_.protocol == scenario::MocapProtocol::kDataStream) {
-      peer = std::make_unique<sim::vicon::DataStreamPeer>(settings_);
-    } else if (settings_.protocol == scenario::MocapProtocol::kVrpn) {
-      peer = std::make_unique<sim::vicon::VrpnPeer>(settings_);
-    }
+    peer = make_peer(settings_);
     driver.on_opened(now());
   }
 

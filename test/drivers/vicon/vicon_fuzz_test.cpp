@@ -105,10 +105,12 @@ std::string name_of(const ::testing::TestParamInfo<MocapProtocol>& protocol) {
 
 INSTANTIATE_TEST_SUITE_P(Protocols, ViconFuzz,
                          testing::Values(MocapProtocol::kDataStream, MocapProtocol::kObjectStream,
-                                         MocapProtocol::kVrpn),
+                                         MocapProtocol::kVrpn, MocapProtocol::kNatNet,
+                                         MocapProtocol::kQtm),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Protocols, ViconServerFuzz,
-                         testing::Values(MocapProtocol::kDataStream, MocapProtocol::kVrpn),
+                         testing::Values(MocapProtocol::kDataStream, MocapProtocol::kVrpn,
+                                         MocapProtocol::kNatNet, MocapProtocol::kQtm),
                          name_of);
 
 }  // namespace

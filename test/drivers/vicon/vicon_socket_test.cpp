@@ -45,7 +45,8 @@ struct SocketBench {
     listener.subscribe<models::MocapFrame>(
         bus::kVicon, [this](const models::MocapFrame& frame) { frames.push_back(frame); });
     node = std::make_unique<ViconNode>(
-        bus, clock, scenario, [this](const std::string& status) { statuses.push_back(status); });
+        bus, clock, scenario, test::any_session_row(protocol),
+        [this](const std::string& status) { statuses.push_back(status); });
   }
 
   void start_server() {
@@ -107,6 +108,17 @@ struct SocketBench {
   std::uint32_t number = 0;
 };
 
+/// Resolution of the numbers of a protocol.
+struct Resolution {
+  double position_m = 0.0;
+  double angle_rad = 0.0;
+};
+
+Resolution resolution_of(MocapProtocol protocol) {
+  const bool has_floats = protocol.driver() != std::string("vicon");  // coordinates up to 16 m
+  return has_floats ? Resolution{2e-6, 2e-6} : Resolution{1e-9, 1e-7};
+}
+
 class ViconSocket : public ::testing::TestWithParam<MocapProtocol> {};
 
 TEST_P(ViconSocket, CarriesRecordedFlightsWithoutLoss) {
@@ -122,6 +134,7 @@ TEST_P(ViconSocket, CarriesRecordedFlightsWithoutLoss) {
   SocketBench bench(GetParam());
   bench.warm_up();
   double worst_m = 0.0;
+  double worst_rad = 0.0;
   // Each frame must arrive before the next is sent, so only 15 s of flight are used.
   for (std::size_t k = 0; k < 1500; ++k) {
     EmulatedFrame frame;
@@ -143,9 +156,13 @@ TEST_P(ViconSocket, CarriesRecordedFlightsWithoutLoss) {
       worst_m = std::max(
           worst_m,
           (found->world_from_body.translation_m - body.world_from_body.translation_m).norm());
+      worst_rad =
+          std::max(worst_rad,
+                   found->world_from_body.rotation.angularDistance(body.world_from_body.rotation));
     }
   }
-  EXPECT_LT(worst_m, 1e-9);
+  EXPECT_LT(worst_m, resolution_of(GetParam()).position_m);
+  EXPECT_LT(worst_rad, resolution_of(GetParam()).angle_rad);
   EXPECT_EQ(bench.node->driver().frame_counts().frames_lost, 0);
   EXPECT_EQ(bench.listener.messages_lost(), 0);
 }
@@ -183,7 +200,7 @@ TEST_P(ViconSocket, ReconnectsAfterAServerRestart) {
     EXPECT_EQ(bench.frames.size() - before, 20u);
     EXPECT_EQ(bench.frames.back().bodies.size(), 7u);
     bench.server.reset();
-    if (GetParam() != MocapProtocol::kObjectStream) {
+    if (GetParam().transport() == scenario::MocapTransport::kTcp) {
       ASSERT_TRUE(bench.until([&] { return !bench.node->driver().is_open(); }));
     }
     bench.frames.clear();
@@ -191,13 +208,32 @@ TEST_P(ViconSocket, ReconnectsAfterAServerRestart) {
     bench.start_server();
   }
   EXPECT_EQ(bench.node->driver().link_counts().connections_lost,
-            GetParam() == MocapProtocol::kObjectStream ? 0 : 3);
+            GetParam().transport() == scenario::MocapTransport::kTcp ? 3 : 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, ViconSocket,
                          testing::Values(MocapProtocol::kDataStream, MocapProtocol::kObjectStream,
-                                         MocapProtocol::kVrpn),
+                                         MocapProtocol::kVrpn, MocapProtocol::kNatNet,
+                                         MocapProtocol::kQtm),
                          [](const auto& protocol) { return std::string(protocol.param.name()); });
+
+// A multicast server answers requests but sends frames only to its group.
+TEST(NatNetSocket, ReceivesTheServersMulticastGroup) {
+  SocketBench bench(MocapProtocol::kNatNet);
+  bench.settings.is_multicast = true;
+  bench.settings.data_port = static_cast<std::uint16_t>(test::free_port());
+  bench.server.reset();
+  bench.start_server();
+  bench.warm_up();
+  for (int k = 0; k < 20; ++k) {
+    bench.server->publish(bench.next(7));
+    ASSERT_TRUE(bench.until([&] { return bench.frames.size() > static_cast<std::size_t>(k); }));
+  }
+  EXPECT_EQ(bench.frames.back().bodies.size(), 7u);
+  EXPECT_FALSE(bench.frames.back().bodies[0].occluded);
+  EXPECT_EQ(bench.node->driver().frame_counts().frames_repeated, 0) << "not unicast as well";
+  EXPECT_EQ(bench.node->name(), "NATNET");
+}
 
 TEST(ViconNode, ReportsAnotherServerType) {
   SocketBench bench(MocapProtocol::kVrpn);

@@ -8,9 +8,7 @@
 #include <utility>
 
 #include "drivers/vicon/driver.hpp"
-#include "sim/vicon/datastream_peer.hpp"
 #include "sim/vicon/object_stream_server.hpp"
-#include "sim/vicon/vrpn_peer.hpp"
 #include "test/drivers/vicon/vicon_bench.hpp"
 
 namespace vantage::test {
@@ -47,7 +45,8 @@ scenario::MocapSpec plain_spec(MocapProtocol protocol) {
 /// One driver per protocol. It reconnects for each input, since its construction costs more than
 /// its use. It is replaced from time to time, because it remembers bodies.
 struct Client {
-  explicit Client(MocapProtocol protocol) : driver(plain_spec(protocol), check) {}
+  explicit Client(MocapProtocol protocol)
+      : driver(plain_spec(protocol), any_session_row(protocol), check) {}
   drivers::vicon::ViconDriver driver;
   drivers::vicon::Moment now{ViconBench::kEpoch, Duration{0}};
   int inputs = 0;
@@ -72,9 +71,22 @@ std::size_t chunk_of(std::uint8_t first, std::size_t size) {
   return first < 128 ? std::max<std::size_t>(size, 1) : std::size_t{first} % 64 + 1;
 }
 
+/// Returns the size of the first NatNet packet of `input`, or the size of `input` if it is shorter.
+std::size_t datagram_of(Bytes input) {
+  const std::size_t size =
+      input.size() < 4 ? input.size() : 4 + input[2] + 256 * std::size_t{input[3]};
+  return std::min(size, input.size());
+}
+
 template <class Take>
-void in_chunks(Bytes input, const Take& take) {
+void in_chunks(MocapProtocol protocol, Bytes input, const Take& take) {
   if (input.empty()) {
+    return;
+  }
+  if (protocol.transport() == scenario::MocapTransport::kUdpRequested) {
+    for (Bytes rest = input.subspan(1); !rest.empty(); rest = rest.subspan(datagram_of(rest))) {
+      take(rest.first(datagram_of(rest)));
+    }
     return;
   }
   const std::size_t chunk = chunk_of(input[0], input.size());
@@ -91,11 +103,14 @@ void fuzz_client(MocapProtocol protocol, Bytes input) {
   client.pass(std::chrono::seconds(3));
   driver.on_opening(client.now);
   driver.on_opened(client.now);
-  in_chunks(input, [&](Bytes bytes) {
+  in_chunks(protocol, input, [&](Bytes bytes) {
     client.pass(Duration{700});
     driver.receive(client.now, bytes);
     driver.on_time(client.now);
     promise(driver.outgoing().size() <= kOutgoingMax, "answers are bounded");
+    if (protocol.transport() == scenario::MocapTransport::kUdpRequested) {
+      driver.outgoing().clear();  // sent
+    }
   });
   client.pass(Duration{5'000});
   driver.on_time(client.now);
@@ -106,15 +121,10 @@ void fuzz_server(MocapProtocol protocol, Bytes input) {
   sim::vicon::ServerSettings settings;
   settings.protocol = protocol;
   settings.backlog_bytes_max = std::size_t{64} << 10U;
-  std::unique_ptr<sim::vicon::Peer> peer;
-  if (protocol == MocapProtocol::kVrpn) {
-    peer = std::make_unique<sim::vicon::VrpnPeer>(settings);
-  } else {
-    peer = std::make_unique<sim::vicon::DataStreamPeer>(settings);
-  }
+  const std::unique_ptr<sim::vicon::Peer> peer = make_peer(settings);
   const sim::vicon::EmulatedFrame frame = circling(2, 1.0);
   bool is_talking = true;
-  in_chunks(input, [&](Bytes bytes) {
+  in_chunks(protocol, input, [&](Bytes bytes) {
     is_talking = is_talking && peer->receive(bytes);
     if (is_talking) {
       peer->on_frame(frame);
@@ -136,16 +146,21 @@ std::vector<std::vector<std::uint8_t>> server_samples(MocapProtocol protocol) {
       samples.push_back(sample);
       continue;
     }
-    drivers::vicon::ViconDriver driver(spec, check);
-    std::unique_ptr<sim::vicon::Peer> peer;
-    if (protocol == MocapProtocol::kVrpn) {
-      peer = std::make_unique<sim::vicon::VrpnPeer>(settings);
-    } else {
-      peer = std::make_unique<sim::vicon::DataStreamPeer>(settings);
-    }
+    drivers::vicon::ViconDriver driver(spec, any_session_row(protocol), check);
+    const std::unique_ptr<sim::vicon::Peer> peer = make_peer(settings);
     drivers::vicon::Moment now{ViconBench::kEpoch, Duration{0}};
     driver.on_opening(now);
     driver.on_opened(now);
+    if (protocol.transport() == scenario::MocapTransport::kUdpRequested) {
+      for (int request = 0; request < 4; ++request) {  // connection, definitions, echo, keep-alive
+        peer->on_frame(circling(bodies, 0.0));
+        peer->outgoing.clear();
+        driver.on_time(now);
+        static_cast<void>(peer->receive(std::exchange(driver.outgoing(), {})));
+        sample.insert(sample.end(), peer->outgoing.begin(), peer->outgoing.end());
+        driver.receive(now, std::exchange(peer->outgoing, {}));
+      }
+    }
     for (std::uint32_t k = 0; k < 4; ++k) {
       sim::vicon::EmulatedFrame frame = circling(bodies, 0.01 * k);
       frame.number = k;
@@ -164,14 +179,21 @@ std::vector<std::vector<std::uint8_t>> client_samples(MocapProtocol protocol) {
   std::vector<std::vector<std::uint8_t>> samples;
   for (const auto mode : {scenario::StreamMode::kPush, scenario::StreamMode::kPreFetch}) {
     spec.mode = mode;
-    drivers::vicon::ViconDriver driver(spec, check);
+    drivers::vicon::ViconDriver driver(spec, any_session_row(protocol), check);
     drivers::vicon::Moment now{ViconBench::kEpoch, Duration{0}};
     driver.on_opening(now);
     driver.on_opened(now);
     const std::vector<std::uint8_t> heard = server_samples(protocol)[1];
-    driver.receive(now, Bytes(heard).subspan(1));
-    driver.on_time({now.utime, std::chrono::seconds(2)});
     std::vector<std::uint8_t> sample{0};
+    in_chunks(protocol, heard, [&](Bytes bytes) {
+      driver.receive(now, bytes);
+      if (protocol.transport() == scenario::MocapTransport::kUdpRequested) {
+        driver.on_time(now);
+        sample.insert(sample.end(), driver.outgoing().begin(), driver.outgoing().end());
+        driver.outgoing().clear();
+      }
+    });
+    driver.on_time({now.utime, std::chrono::seconds(2)});
     sample.insert(sample.end(), driver.outgoing().begin(), driver.outgoing().end());
     samples.push_back(sample);
   }

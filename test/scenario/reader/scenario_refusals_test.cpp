@@ -129,7 +129,7 @@ const BadEdit kRanges[] = {
     {"TargetsInFourDimensions", "position_dim: 2", "@position_dim: 4", "must be at least 2 and at most 3, is '4'"},
     {"RoundTooShort", "team_budget_s: 0.5", "@team_budget_s: 0.96", "must fit with publish_margin_s, 0.05, into a round of execute_steps · step_s = 1 s; is 0.96"},
     {"ExecutesBeyondItsHorizon", "execute_steps: 2", "@execute_steps: 13", "must be at most horizon_steps, 12, is 13"},
-    {"MocapOfAnUnknownProtocol", "  rate_hz: 50\n", "  rate_hz: 50\n  @protocol: natnet\n", "mocap.protocol: must be one of datastream, object_stream, vrpn; is 'natnet'"},
+    {"MocapOfAnUnknownProtocol", "  rate_hz: 50\n", "  rate_hz: 50\n  @protocol: xsens\n", "mocap.protocol: must be one of datastream, object_stream, vrpn, natnet, qtm; is 'xsens'"},
     {"MocapPort", "  rate_hz: 50\n", "  rate_hz: 50\n  @port: 0\n", "mocap.port: must be at least 1 and at most 65535, is '0'"},
     {"MocapBlock", "  rate_hz: 50\n", "  rate_hz: 50\n  @block_bytes: 500\n", "mocap.block_bytes: must be one of 256, 512, 1024; is 500"},
     {"MocapUnknownKey", "  rate_hz: 50\n", "  rate_hz: 50\n  @adress: x\n", "mocap.adress: unknown key"},
@@ -284,6 +284,15 @@ TEST(ParseScenario, RefusesContradictingKeys) {
   EXPECT_EQ(refusal_of(good + kRobot), "accepted");
   EXPECT_EQ(refusal_of(good + kRobot + "mocap: 5\n"),
             "lab.yaml:5: mocap: must be a mapping of keys to values");
+  EXPECT_EQ(
+      refusal_of(good + kRobot + "mocap: xsens://lab\n"),
+      "lab.yaml:5: mocap: must begin with the protocol, one of datastream, object_stream, vrpn, "
+      "natnet, qtm; is 'xsens://lab'");
+  EXPECT_EQ(refusal_of(good + kRobot + "mocap: natnet://lab:x\n"),
+            "lab.yaml:5: mocap: a port from 1 to 65535 is expected after the last ':', is "
+            "'natnet://lab:x'");
+  EXPECT_EQ(refusal_of(good + kRobot + "mocap: qtm://\n"),
+            "lab.yaml:5: mocap: must be qtm://HOST or qtm://HOST:PORT, is 'qtm://'");
   EXPECT_EQ(
       refusal_of(good + kRobot +
                  "estimator:\n  target_model: {kind: double_integrator,\n"

@@ -179,6 +179,21 @@ mocap:
       << "the protocol's own";
 }
 
+TEST(ParseScenario, ReadsTheMocapServersUrl) {
+  const auto mocap_of = [](const std::string& url) {
+    return parse_scenario(std::string(kSmallest) + "\nmocap: " + url + "\n", "url").mocap;
+  };
+  const MocapSpec natnet = mocap_of("natnet://192.168.1.20");
+  EXPECT_EQ(natnet.device, DeviceSource::kReal);
+  EXPECT_EQ(natnet.protocol, MocapProtocol::kNatNet);
+  EXPECT_EQ(natnet.host, "192.168.1.20");
+  EXPECT_EQ(natnet.actual_port(), 1510);
+  const MocapSpec qtm = mocap_of("qtm://qtm.lab:22300");
+  EXPECT_EQ(qtm.protocol, MocapProtocol::kQtm);
+  EXPECT_EQ(qtm.host, "qtm.lab");
+  EXPECT_EQ(qtm.actual_port(), 22300);
+}
+
 TEST(ParseScenario, AppliesRobotDefaultsKeyByKey) {
   const Scenario scenario = parse_scenario(R"(
 name: layers

@@ -196,8 +196,9 @@ TEST(RunEmulator, KeepsItsOptionLimits) {
         Row{"--up", {"z", "y"}, {"x"}}, Row{"--latency-s", {"0", "1"}, {"-0.1", "1.1"}},
         Row{"--occlusion", {"absent", "zero", "repeated"}, {"some"}},
         Row{"--occluded-s", {"0", "10"}, {"-0.1", "10.1"}},
-        Row{"--protocol", {"datastream", "object_stream", "vrpn"}, {"mavlink"}},
-        Row{"--bodies", {}, {"3"}}, Row{"--scenario", {}, {"lab.yaml"}}}) {
+        Row{"--protocol", {"datastream", "object_stream", "vrpn", "natnet", "qtm"}, {"mavlink"}},
+        Row{"--natnet-version", {"3.0", "4.1"}, {"2.9", "5.0"}}, Row{"--bodies", {}, {"3"}},
+        Row{"--scenario", {}, {"lab.yaml"}}}) {
     for (const std::string& value : row.good) {
       EXPECT_TRUE(is_understood({row.option, value})) << row.option << ' ' << value;
     }
