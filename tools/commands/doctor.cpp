@@ -7,6 +7,8 @@
 
 #include "core/check.hpp"
 #include "core/process.hpp"
+#include "drivers/natnet/natnet_session.hpp"
+#include "drivers/qualisys/qtm_session.hpp"
 #include "scenario/mocap_spec.hpp"
 #include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
@@ -48,16 +50,42 @@ nlohmann::ordered_json to_json(const std::vector<ViconPort>& ports) {
   return out;
 }
 
-int run(const DoctorArguments& arguments) {
-  if (arguments.device != "vicon") {
-    throw StartupError("doctor: unknown device '" + arguments.device +
-                       "'; the only device is 'vicon'");
-  }
+std::vector<ViconPort> examine_all_vicon(const DoctorArguments& arguments) {
   const std::vector<int> usual{scenario::MocapProtocol::kDataStream.default_port(),
                                scenario::MocapProtocol::kVrpn.default_port()};
-  const std::vector<ViconPort> ports =
-      examine_vicon(arguments.host, arguments.ports.empty() ? usual : arguments.ports,
-                    arguments.udp_port, from_seconds(arguments.listen_s), stop_requested);
+  return examine_vicon(arguments.host, arguments.ports.empty() ? usual : arguments.ports,
+                       arguments.udp_port, from_seconds(arguments.listen_s), stop_requested);
+}
+
+/// Examines one server at each of the given ports, or at the default port.
+std::vector<ViconPort> examine_ports(const DoctorArguments& arguments,
+                                     const drivers::vicon::SessionRow& row) {
+  std::vector<ViconPort> out;
+  for (const int port : arguments.ports.empty() ? std::vector<int>{0} : arguments.ports) {
+    if (!stop_requested()) {
+      out.push_back(examine_server(arguments.host, row, port, from_seconds(arguments.listen_s),
+                                   stop_requested));
+    }
+  }
+  return out;
+}
+
+std::vector<ViconPort> examine(const DoctorArguments& arguments) {
+  if (arguments.device == "vicon") {
+    return examine_all_vicon(arguments);
+  }
+  if (arguments.device == "natnet") {
+    return examine_ports(arguments, drivers::natnet::natnet_row());
+  }
+  if (arguments.device == "qualisys") {
+    return examine_ports(arguments, drivers::qualisys::qtm_row());
+  }
+  throw StartupError("doctor: unknown device '" + arguments.device +
+                     "'; the devices are vicon, natnet and qualisys");
+}
+
+int run(const DoctorArguments& arguments) {
+  const std::vector<ViconPort> ports = examine(arguments);
   if (arguments.as_json) {
     print_json(nlohmann::ordered_json{
         {"host", arguments.host}, {"usable", is_usable(ports)}, {"ports", to_json(ports)}});
@@ -79,9 +107,15 @@ int run(const DoctorArguments& arguments) {
 void add_doctor_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand("doctor", "Find out why no data arrives from a device.");
   auto arguments = std::make_shared<DoctorArguments>();
-  command->add_option("device", arguments->device, "device to examine: vicon")->required();
+  command
+      ->add_option("device", arguments->device,
+                   "device to examine: vicon (or VRPN), natnet (OptiTrack), qualisys")
+      ->required();
   command->add_option("host", arguments->host, "host name or address of the device")->required();
-  command->add_option("--port", arguments->ports, "TCP ports to examine (default: 801 and 3883)")
+  command
+      ->add_option(
+          "--port", arguments->ports,
+          "ports to examine (default: vicon TCP 801 and 3883, natnet UDP 1510, qualisys TCP 22223)")
       ->check(number_between(1, 65535));
   command
       ->add_option("--udp-port", arguments->udp_port,
@@ -97,7 +131,8 @@ void add_doctor_command(CLI::App& root, Runner& chosen) {
       "Exit code 0: a stream contains visible bodies; 1: none does, or interrupted; 2: unknown "
       "host.\n"
       "Example:\n"
-      "  vantage doctor vicon 192.168.1.10");
+      "  vantage doctor vicon 192.168.1.10\n"
+      "  vantage doctor natnet 192.168.1.20");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
 }
 

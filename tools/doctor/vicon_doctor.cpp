@@ -90,12 +90,13 @@ void note_errors(const drivers::vicon::ViconDriver& driver, Observation& observe
   }
 }
 
-Observation observe(const scenario::MocapSpec& spec, Duration listen, const Stop& stop) {
+Observation observe(const scenario::MocapSpec& spec, const drivers::vicon::SessionRow& row,
+                    Duration listen, const Stop& stop) {
   Observation observed;
   Time first{};
   Time last{};
   double latency_sum_s = 0.0;
-  drivers::vicon::ViconDriver driver(spec, [&](const models::MocapFrame& frame) {
+  drivers::vicon::ViconDriver driver(spec, row, [&](const models::MocapFrame& frame) {
     first = observed.frames == 0 ? frame.arrival : first;
     last = frame.arrival;
     ++observed.frames;
@@ -131,6 +132,7 @@ Observation observe(const scenario::MocapSpec& spec, Duration listen, const Stop
     }
   }
   observed.status = driver.status();
+  observed.has_data = driver.has_data();
   note_errors(driver, observed);
   return observed;
 }
@@ -159,7 +161,7 @@ std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<
     if (protocol && !protocol->is_datagram()) {
       spec.protocol = *protocol;
       spec.port = number;
-      port.observed = observe(spec, listen, stop);
+      port.observed = observe(spec, drivers::vicon::session_row(spec.protocol), listen, stop);
     }
     out.push_back(std::move(port));
   }
@@ -171,12 +173,40 @@ std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<
   datagrams.port = udp_port;
   spec.protocol = MocapProtocol::kObjectStream;
   spec.port = udp_port;
-  datagrams.observed = observe(spec, listen, stop);
+  datagrams.observed = observe(spec, drivers::vicon::session_row(spec.protocol), listen, stop);
   if (datagrams.observed->frames > 0) {
     datagrams.answer = Answer::kAccepted;
     datagrams.server_type = ServerType::kObjectStream;
   }
   out.push_back(std::move(datagrams));
+  return out;
+}
+
+ViconPort examine_server(const std::string& host, const drivers::vicon::SessionRow& row, int port,
+                         Duration listen, const Stop& stop) {
+  const sockaddr_in address = [&host] {
+    const DefaultSignalScope looking_up;  // a name look-up may block for a long time
+    return require_host(host, 0);
+  }();
+  scenario::MocapSpec spec;
+  spec.host = host;
+  spec.protocol = row.protocol;
+  spec.port = port;
+  ViconPort out;
+  out.expected = row.protocol;
+  out.port = spec.actual_port();
+  const bool is_stream = row.protocol.transport() == scenario::MocapTransport::kTcp;
+  if (is_stream) {
+    probe(address, out, stop);
+  }
+  if (is_stream && out.server_type != row.server_type) {
+    return out;
+  }
+  out.observed = observe(spec, row, listen, stop);
+  if (out.observed->has_data) {
+    out.answer = Answer::kAccepted;
+    out.server_type = row.server_type;
+  }
   return out;
 }
 

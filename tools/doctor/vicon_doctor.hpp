@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "core/time.hpp"
+#include "drivers/vicon/session_table.hpp"
 #include "scenario/mocap_spec.hpp"
 #include "wire/vicon/identify.hpp"
 
@@ -37,6 +38,7 @@ struct Observation {
   std::map<std::string, ObservedBody> bodies;
   std::map<std::string, std::int64_t> errors;  ///< error counters that are not zero
   std::string status;                          ///< status text of the driver
+  bool has_data = false;                       ///< the server sent any data
 };
 
 struct ViconPort {
@@ -53,6 +55,13 @@ struct ViconPort {
 /// @throws StartupError if the host is unknown.
 std::vector<ViconPort> examine_vicon(
     const std::string& host, const std::vector<int>& tcp_ports, int udp_port, Duration listen,
+    const std::function<bool()>& stop = [] { return false; });
+
+/// Receives the stream of the server of `row` at `port` (0: default port) for the time `listen`.
+/// After `stop` the function returns within 0.1 s.
+/// @throws StartupError if the host is unknown.
+ViconPort examine_server(
+    const std::string& host, const drivers::vicon::SessionRow& row, int port, Duration listen,
     const std::function<bool()>& stop = [] { return false; });
 
 /// Returns the findings as text, then the remedy: the scenario's `mocap` if a server was found.

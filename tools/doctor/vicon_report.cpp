@@ -31,7 +31,9 @@ std::string first_line(const std::string& host, const ViconPort& port) {
   }
   switch (port.answer) {
     case Answer::kNone:
-      return address + ": no answer (wrong host, cable or firewall)";
+      return address + (port.observed
+                            ? ": no answer (streaming turned off, wrong host, cable or firewall)"
+                            : ": no answer (wrong host, cable or firewall)");
     case Answer::kRefused:
       return address + ": connection refused (no program listens on this port)";
     case Answer::kAccepted:
@@ -64,7 +66,10 @@ void describe_stream(const ViconPort& port, std::vector<std::string>& out) {
   if (observed.frames == 0) {
     out.push_back("    no frames: " + observed.status);
   } else if (observed.bodies.empty()) {
-    out.emplace_back("    frames without bodies: enable the objects in Tracker");
+    const bool is_vicon = port.expected.driver() == std::string_view("vicon");
+    out.emplace_back(is_vicon ? "    frames without bodies: enable the objects in Tracker"
+                              : "    frames without bodies: create and enable rigid bodies on the "
+                                "server");
   } else if (!has_seen_bodies(observed) && port.server_type == ServerType::kDataStream) {
     out.emplace_back(
         "    subjects without poses: occluded, or the Kinematic Fit pipeline of Nexus is not "
@@ -97,7 +102,7 @@ std::vector<std::string> describe(const std::string& host, const std::vector<Vic
     return out;
   }
   const MocapProtocol protocol =
-      drivers::vicon::protocol_of(best->server_type).value_or(MocapProtocol::kObjectStream);
+      drivers::vicon::protocol_of(best->server_type).value_or(best->expected);
   const std::string host_key = protocol.is_datagram() ? std::string() : ", host: " + host;
   const std::string port_key =
       best->port == protocol.default_port() ? "" : fmt::format(", port: {}", best->port);

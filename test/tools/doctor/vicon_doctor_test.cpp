@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
+#include "drivers/natnet/natnet_session.hpp"
+#include "drivers/qualisys/qtm_session.hpp"
 #include "sim/vicon/socket_server.hpp"
 #include "test/support/udp_port.hpp"
 
@@ -96,26 +98,79 @@ TEST(ExamineVicon, ReturnsItsResultOnStop) {
   EXPECT_LT(ports.size(), 4U);
 }
 
+/// Emulated server of a moving body QUAD, in a thread.
+class RunningServer {
+ public:
+  explicit RunningServer(MocapProtocol protocol) : server_(settings_of(protocol), "127.0.0.1", 0) {
+    thread_ = std::thread([this] {
+      sim::vicon::EmulatedFrame frame;
+      frame.bodies.resize(1);
+      frame.bodies[0].name = "QUAD";
+      while (!is_done_) {
+        ++frame.number;
+        frame.bodies[0].world_from_body.translation_m.x() += 1e-4;
+        frame.captured += Duration{10'000};
+        server_.publish(frame);
+        server_.wait(std::chrono::milliseconds(10));
+      }
+    });
+  }
+  ~RunningServer() {
+    is_done_ = true;
+    thread_.join();
+  }
+  RunningServer(const RunningServer&) = delete;
+  RunningServer& operator=(const RunningServer&) = delete;
+  RunningServer(RunningServer&&) = delete;
+  RunningServer& operator=(RunningServer&&) = delete;
+
+  [[nodiscard]] int port() const { return server_.port(); }
+
+ private:
+  static sim::vicon::ServerSettings settings_of(MocapProtocol protocol) {
+    sim::vicon::ServerSettings settings;
+    settings.protocol = protocol;
+    settings.is_y_up = protocol.is_y_up();
+    return settings;
+  }
+
+  sim::vicon::SocketServer server_;
+  std::atomic<bool> is_done_ = false;
+  std::thread thread_;
+};
+
+TEST(ExamineServer, ReportsTheBodiesOfEachSystem) {
+  for (const auto* row : {&drivers::natnet::natnet_row(), &drivers::qualisys::qtm_row()}) {
+    const RunningServer server(row->protocol);
+    const std::vector<ViconPort> ports{
+        examine_server("127.0.0.1", *row, server.port(), std::chrono::seconds(2))};
+    EXPECT_EQ(ports[0].answer, Answer::kAccepted);
+    const auto lines = describe("127.0.0.1", ports);
+    EXPECT_TRUE(is_usable(ports)) << all_of(lines);
+    EXPECT_TRUE(says(lines, "QUAD: seen in ")) << all_of(lines);
+    EXPECT_TRUE(says(lines, std::string("mocap: {device: real, protocol: ") + row->protocol.name() +
+                                ", host: 127.0.0.1, port: "))
+        << all_of(lines);
+  }
+}
+
+TEST(ExamineServer, ReportsSilenceAndOtherProducts) {
+  const std::vector<ViconPort> silent{examine_server("127.0.0.1", drivers::natnet::natnet_row(),
+                                                     std::stoi(test::port_of_this_test(0)),
+                                                     std::chrono::milliseconds(300))};
+  EXPECT_TRUE(says(describe("127.0.0.1", silent), "no answer (streaming turned off"));
+  EXPECT_FALSE(is_usable(silent));
+  const RunningServer vrpn(MocapProtocol::kVrpn);
+  const std::vector<ViconPort> other{examine_server("127.0.0.1", drivers::qualisys::qtm_row(),
+                                                    vrpn.port(), std::chrono::seconds(2))};
+  EXPECT_TRUE(says(describe("127.0.0.1", other), "a VRPN server"));
+  EXPECT_FALSE(is_usable(other));
+}
+
 TEST(ExamineVicon, RecognisesAVrpnServer) {
-  sim::vicon::ServerSettings settings;
-  settings.protocol = MocapProtocol::kVrpn;
-  sim::vicon::SocketServer server(settings, "127.0.0.1", 0);
-  std::atomic<bool> is_done = false;
-  std::thread thread([&] {
-    sim::vicon::EmulatedFrame frame;
-    frame.bodies.resize(1);
-    frame.bodies[0].name = "QUAD";
-    while (!is_done) {
-      frame.bodies[0].world_from_body.translation_m.x() += 1e-4;
-      frame.captured += Duration{10'000};
-      server.publish(frame);
-      server.wait(std::chrono::milliseconds(10));
-    }
-  });
+  const RunningServer server(MocapProtocol::kVrpn);
   const auto ports =
       examine_vicon("127.0.0.1", {server.port()}, server.port(), std::chrono::seconds(2));
-  is_done = true;
-  thread.join();
   ASSERT_EQ(ports.size(), 2u);
   EXPECT_EQ(ports[0].answer, Answer::kAccepted);
   EXPECT_EQ(ports[0].server_type, ServerType::kVrpn);
