@@ -73,8 +73,7 @@ set(vantage_scenario_reader_public
 
 set(vantage_drivers_libraries
   crazyflie_driver natnet_driver qualisys_driver quadrotor_driver rover_driver safety sensor_driver
-  vehicle_body vehicle_port
-  vicon_driver)
+  vehicle_body vehicle_port vicon_driver)
 set(vantage_drivers_needs scenario wire)
 set(vantage_drivers_packages fmt LIBUSB)
 set(vantage_drivers_public
