@@ -164,9 +164,25 @@ void CrazyflieEmulator::process(const Packet& packet, Time now) {
     case Port::kLink:
       process_platform(packet);
       return;
+    case Port::kMemory:
+      process_memory(packet);
+      return;
     default:
       ++ignored_;
   }
+}
+
+// Clients ask for the number of memories when they connect; the emulated vehicle has none.
+void CrazyflieEmulator::process_memory(const Packet& packet) {
+  constexpr std::uint8_t kCountRequest = 1;
+  if (packet.channel != 0 || packet.size != 1 || packet.data[0] != kCountRequest) {
+    ++ignored_;
+    return;
+  }
+  Packet out = packet;
+  out.data[1] = 0;
+  out.size = 2;
+  reply(out);
 }
 
 void CrazyflieEmulator::process_platform(const Packet& packet) {

@@ -86,6 +86,7 @@ class CrazyflieEmulator {
   void process(const wire::crtp::Packet& packet, Time now);
   void process_flight(const wire::crtp::Packet& packet, Time now);
   void process_supervisor(const wire::crtp::Packet& packet, Time now);
+  void process_memory(const wire::crtp::Packet& packet);
   void process_platform(const wire::crtp::Packet& packet);
   std::uint8_t command(const wire::crtp::FlightMessage& message, Time now);
   std::uint8_t plan(const Eigen::Vector3d& to_m, double yaw_rad, double duration_s, bool is_landing,

@@ -1,6 +1,7 @@
 #include "sim/crazyflie/crazyflie_tables.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/check.hpp"
 
@@ -117,11 +118,15 @@ std::uint8_t CrazyflieTables::control_log(const Packet& packet, Time now) {
     case crtp::kLogStop:
       found->second.period = {};
       return crtp::kLogOk;
+    case crtp::kLogAppend:
+      return append_variables(packet, found->second);
     case crtp::kLogStart:
-      if (packet.size < 4) {
+    case crtp::kLogStartTens:
+      if (packet.size != (command == crtp::kLogStart ? 4 : 3)) {
         return crtp::kLogUnknownCommand;
       }
-      found->second.period = Duration{1000 * id_of(packet, 2)};
+      found->second.period =
+          Duration{command == crtp::kLogStart ? 1000 * id_of(packet, 2) : 10'000 * packet.data[2]};
       found->second.next = now + found->second.period;
       return crtp::kLogOk;
     default:
@@ -134,20 +139,31 @@ std::uint8_t CrazyflieTables::create_block(const Packet& packet) {
     return crtp::kLogFull;
   }
   Block block;
-  std::size_t bytes = 0;
+  const std::uint8_t error = append_variables(packet, block);
+  if (error == crtp::kLogOk) {
+    blocks_[packet.data[1]] = block;
+  }
+  return error;
+}
+
+std::uint8_t CrazyflieTables::append_variables(const Packet& packet, Block& block) const {
+  std::vector<crtp::LogVariable> all = block.variables;
   for (std::size_t at = 2; at + 3 <= packet.size; at += 3) {
     const auto type = crtp::type_from_code(Port::kLog, packet.data[at] & 0x0FU);
     const std::uint16_t id = id_of(packet, at + 1);
     if (!type || id >= logs_.size()) {
       return crtp::kLogNoSuch;
     }
-    block.variables.push_back({id, *type});
-    bytes += crtp::size_bytes(*type);
+    all.push_back({id, *type});
+  }
+  std::size_t bytes = 0;
+  for (const crtp::LogVariable& variable : all) {
+    bytes += crtp::size_bytes(variable.type);
   }
   if (bytes > crtp::kLogBytesMax) {
     return crtp::kLogTooBig;
   }
-  blocks_[packet.data[1]] = block;
+  block.variables = std::move(all);
   return crtp::kLogOk;
 }
 

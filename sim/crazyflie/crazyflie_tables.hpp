@@ -51,6 +51,7 @@ class CrazyflieTables {
   std::optional<wire::crtp::Packet> parameter_reply(const wire::crtp::Packet& packet);
   std::uint8_t control_log(const wire::crtp::Packet& packet, Time now);
   std::uint8_t create_block(const wire::crtp::Packet& packet);
+  std::uint8_t append_variables(const wire::crtp::Packet& packet, Block& block) const;
 
   std::vector<CrazyflieVariable> parameters_;
   std::vector<CrazyflieVariable> logs_;

@@ -112,7 +112,6 @@ Packet toc_info_reply(Port port, const TocInfo& info) {
 
 std::optional<Packet> toc_item_reply(Port port, const TocItem& item) {
   const unsigned flags = port == Port::kParameter && item.is_read_only ? kReadOnly : 0U;
-  // The final 0 is left out if it does not fit, as the firmware does.
   PacketBuilder out(port, 0);
   return out.u8(kTocItem)
       .u16(item.id)
@@ -120,6 +119,7 @@ std::optional<Packet> toc_item_reply(Port port, const TocItem& item) {
       .text(item.group)
       .u8(0)
       .text(item.name)
+      .u8(0)
       .finish();
 }
 

@@ -36,6 +36,9 @@ TEST(CrtpTables, TableRoundTrips) {
     EXPECT_EQ(decode_toc_info(port, toc_info_reply(port, info)), info);
     TocItem item{300, ValueType::kI16, port == Port::kParameter, "stabilizer", "estimator"};
     EXPECT_EQ(decode_toc_item(port, *toc_item_reply(port, item)), item);
+    const Packet reply = *toc_item_reply(port, item);
+    EXPECT_EQ(reply.size, 4 + 11 + 10) << "both names end with a 0";
+    EXPECT_EQ(reply.data[reply.size - 1U], 0);
     item.group = "a_group_name_that_is_long";
     EXPECT_FALSE(toc_item_reply(port, item));
   }
