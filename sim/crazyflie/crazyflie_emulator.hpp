@@ -10,6 +10,7 @@
 #include "sim/crazyflie/crazyflie_tables.hpp"
 #include "sim/crazyflie/flight_control.hpp"
 #include "sim/crazyflie/pose_memory.hpp"
+#include "sim/firmware/crazyflie_link.hpp"
 #include "sim/firmware/multirotor.hpp"
 #include "wire/crtp/flight.hpp"
 #include "wire/crtp/packet.hpp"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -32,28 +31,6 @@ double throttle_for(double thrust_n, const MultirotorParameters& body) {
 }
 
 }  // namespace
-
-MultirotorParameters crazyflie_body() {
-  constexpr double kArmM = 0.046 / std::numbers::sqrt2;
-  MultirotorParameters out;
-  out.mass_kg = 0.027;
-  out.arm_x_m = out.arm_y_m = kArmM;
-  out.inertia_kgm2 = {1.66e-5, 1.66e-5, 2.93e-5};
-  out.motor_thrust_max_n = 0.09149 + 0.06767;
-  out.thrust_expo = 0.09149 / out.motor_thrust_max_n;
-  out.motor_lag_s = 0.02;
-  out.torque_per_thrust_m = 0.00596;
-  out.drag_per_s = 0.3;
-  out.spin_drag_nms = 1e-6;
-  out.foot_m = 0.03;
-  out.foot_stiffness_npm = 67.0;
-  out.foot_damping_nspm = 1.1;
-  out.battery_endurance_s = 420.0;
-  out.battery_full_v = 4.15;
-  out.battery_empty_v = 3.35;
-  out.battery_sag_v = 0.15;
-  return out;
-}
 
 Throttles FlightControl::step(const ControlGoal& goal, bool uses_motion,
                               const Pose3& world_from_body,

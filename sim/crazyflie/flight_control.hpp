@@ -7,10 +7,6 @@
 
 namespace vantage::sim {
 
-/// Returns the parameters of a Crazyflie 2.1: 27 g, 46 mm arms, motors with the thrust curve of the
-/// firmware.
-MultirotorParameters crazyflie_body();
-
 /// Motion that the controller of an emulated Crazyflie tracks.
 struct ControlGoal {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
