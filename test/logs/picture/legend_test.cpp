@@ -285,7 +285,7 @@ TEST_F(Legend, ShowsGroundsAsSwatches) {
 TEST_F(Legend, IsBelowTheHeader) {
   const Layout layout(scenario_.world.bounds, panel_height_px(scenario_));
   Svg svg(2000.0, 1000.0);
-  draw_header(svg, layout, scenario_, {});
+  draw_header(svg, layout, scenario_, {}, KeyNumbers::kTrial);
   const auto lines = elements(svg.str(), "text");
   ASSERT_EQ(lines.size(), 2U);
   double above_px = 0.0;

@@ -30,7 +30,7 @@ struct Example {
   }
   [[nodiscard]] std::vector<std::string> header() const {
     Svg svg(2000.0, 1000.0);
-    draw_header(svg, layout(), scenario, summary);
+    draw_header(svg, layout(), scenario, summary, KeyNumbers::kTrial);
     std::vector<std::string> out;
     for (const Attributes& each : elements(svg.str(), "text")) {
       EXPECT_EQ(number(each, "x"), layout().map_corner_px.x());
