@@ -110,7 +110,8 @@ TEST(BearingNoise, IsEqualInPlannerAndFilter) {
 
     sight.reset(problem);
     planner::PackedInformation planned{};
-    ASSERT_TRUE(sight.add_information({look.target_m.x(), look.target_m.y(), 0.0}, false, pose,
+    ASSERT_TRUE(sight.add_information({look.target_m.x(), look.target_m.y(), 0.0},
+                                      Eigen::Vector2d::Zero(), planner::BlockLayout::kMoving, pose,
                                       std::cos(pose.yaw_rad), std::sin(pose.yaw_rad), planned));
     EXPECT_NEAR(planned.m[0], expected(0, 0), slack);
     EXPECT_NEAR(planned.m[1], expected(0, 1), slack);
