@@ -289,7 +289,7 @@ bool ReducedValueIteration::offer_leaf(int i, NodeId parent) {
     return false;
   }
   if (!is_best_leaf(i) ||
-      !expander_.motion().can_stop(children_.world_from_body(i), children_.control[i], t)) {
+      !expander_.motion().can_stop(children_.world_from_body[i], children_.control[i], t)) {
     return true;
   }
   if (id == kNoNode) {

@@ -417,13 +417,13 @@ void BestFirstSearch::offer_leaf(NodeId parent, int child) {
   const double cost = children_.cost[child];
   const int depth = tree_[parent].depth + 1;
   if ((best_parent_ != kNoNode && cost >= result_.cost) ||
-      !expander_.motion().can_stop(children_.world_from_body(child), children_.control[child],
+      !expander_.motion().can_stop(children_.world_from_body[child], children_.control[child],
                                    depth)) {
     return;
   }
   best_parent_ = parent;
   best_control_ = children_.control[child];
-  best_pose_ = children_.world_from_body(child);
+  best_pose_ = children_.world_from_body[child];
   result_.cost = cost;
 }
 

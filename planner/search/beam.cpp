@@ -208,7 +208,7 @@ RefiningBeam::Progress RefiningBeam::expand_level(Pass& pass, int t) {
     }
     for (int i = 0; i < children_.count; ++i) {
       Candidate child;
-      child.world_from_body = children_.world_from_body(i);
+      child.world_from_body = children_.world_from_body[i];
       child.cost = children_.cost[i];
       child.parent = parent;
       child.control = children_.control[i];

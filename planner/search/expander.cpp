@@ -80,14 +80,15 @@ double Expander::predicted_cost(int t) const {
 
 void Expander::move(const Node& node, double cos_yaw, double sin_yaw, Children& out) {
   const Pose2& from = node.world_from_body;
-  Views& views = out.views;
-  out.world_from_parent = from;
-  out.motion = &motion_;
+  ChildPoses& poses = out.world_from_body;
+  Views& views = poses.views;
+  poses.world_from_parent = from;
+  poses.motion = &motion_;
   motion_.children(from, cos_yaw, sin_yaw, views);
   const int controls = motion_.control_count();
   if (problem_->teammates.empty() && motion_.is_open_space(from.position_m())) {
     for (int c = 0; c < controls; ++c) {
-      out.control[c] = static_cast<std::int16_t>(c);
+      out.control[c] = poses.control[c] = static_cast<std::int16_t>(c);
     }
     views.count = out.count = controls;
     return;
@@ -101,7 +102,8 @@ void Expander::move(const Node& node, double cos_yaw, double sin_yaw, Children& 
     views.y_m[count] = views.y_m[c];
     views.cos_yaw[count] = views.cos_yaw[c];
     views.sin_yaw[count] = views.sin_yaw[c];
-    out.control[count++] = static_cast<std::int16_t>(c);
+    out.control[count] = poses.control[count] = static_cast<std::int16_t>(c);
+    ++count;
   }
   views.count = out.count = count;
 }
@@ -154,8 +156,9 @@ void Expander::look_at_one_each(int m, int t, const Children& children, Gains& g
   for (int i = 0; i < children.count; ++i) {
     PackedInformation M;
     if (!sight_.add_information(beliefs_.mean_m(m, t), beliefs_.velocity_mps(m, t), layout,
-                                children.world_from_body(i), children.views.cos_yaw[i],
-                                children.views.sin_yaw[i], M)) {
+                                children.world_from_body[i],
+                                children.world_from_body.views.cos_yaw[i],
+                                children.world_from_body.views.sin_yaw[i], M)) {
       continue;
     }
     if (beliefs_.cost() == CostKind::kTrace) {
@@ -171,13 +174,13 @@ void Expander::look_at_one_each(int m, int t, const Children& children, Gains& g
 }
 
 void Expander::look_from_children(int t, const Children& children, Gains& gains) const {
-  for (int i = 0; i < kLanes * children.views.groups(); ++i) {
+  for (int i = 0; i < kLanes * children.world_from_body.views.groups(); ++i) {
     gains.product[i] = 1.0;
     gains.sum[i] = 0.0;
   }
   for (const std::uint16_t m : candidates_) {
     if (sight_.has_lanes() && beliefs_.layout(m) != BlockLayout::kSpatial) {
-      look_at_one(m, t, children.views, gains);
+      look_at_one(m, t, children.world_from_body.views, gains);
     } else {
       look_at_one_each(m, t, children, gains);
     }
@@ -211,7 +214,7 @@ bool Expander::expand(Tree& tree, NodeId id, Children& out) {
     const TerminalValue::Rest rest = problem_->terminal.rest(tree.posterior(id).targets);
     for (int i = 0; i < out.count; ++i) {
       out.terminal_rise[i] =
-          problem_->terminal.at(rest, out.world_from_body(i).position_m()) - here;
+          problem_->terminal.at(rest, out.world_from_body[i].position_m()) - here;
       out.cost[i] += out.terminal_rise[i];
     }
   }

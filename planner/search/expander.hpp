@@ -14,23 +14,30 @@
 
 namespace vantage::planner {
 
+/// Poses of the children of one node, computed on request: most leaves are discarded by their cost.
+struct ChildPoses {
+  Views views;  ///< positions and headings
+  Pose2 world_from_parent;
+  const MotionTable* motion = nullptr;
+  std::int16_t control[kMaxControls];
+
+  template <class Index>
+  [[nodiscard]] Pose2 operator[](Index i) const {
+    return {views.x_m[i], views.y_m[i], motion->child_yaw_rad(world_from_parent, control[i])};
+  }
+};
+
 /// Children of one node: the feasible controls in ascending order.
 struct Children {
   int count = 0;
   std::int16_t control[kMaxControls];
   double cost[kMaxControls];           ///< accumulated J plus the terminal value at the child
   double terminal_rise[kMaxControls];  ///< terminal value at the child minus that at the parent
-  Views views;                         ///< positions and headings
-  Pose2 world_from_parent;
-  const MotionTable* motion = nullptr;
+  ChildPoses world_from_body;
 
-  /// Computed on request: most leaves are discarded by their cost.
-  [[nodiscard]] Pose2 world_from_body(int i) const {
-    return {views.x_m[i], views.y_m[i], motion->child_yaw_rad(world_from_parent, control[i])};
-  }
   [[nodiscard]] Node node(int i, NodeId parent, int depth) const {
     Node child;
-    child.world_from_body = world_from_body(i);
+    child.world_from_body = world_from_body[i];
     child.cost = cost[i];
     child.parent = parent;
     child.control = control[i];

@@ -137,7 +137,7 @@ bool PrefixBound::expand(Entry least, const Deadline& deadline, std::int64_t& wo
   const Node& parent = tree_[least.id];
   for (int i = 0; i < children_.count; ++i) {
     Node child;
-    child.world_from_body = children_.world_from_body(i);
+    child.world_from_body = children_.world_from_body[i];
     child.cost = children_.cost[i];
     child.parent = least.id;
     child.control = children_.control[i];

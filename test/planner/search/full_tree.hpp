@@ -29,7 +29,7 @@ struct FullTree {
       complete = expander.expand(tree, id, children) && complete;
       for (int i = 0; i < children.count; ++i) {
         planner::Node child;
-        child.world_from_body = children.world_from_body(i);
+        child.world_from_body = children.world_from_body[i];
         child.cost = children.cost[i];
         child.parent = id;
         child.control = children.control[i];
