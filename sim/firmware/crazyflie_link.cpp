@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -23,6 +24,9 @@ namespace sitl = wire::sitl;
 // Magnetometer and barometer are sampled at 50 Hz each, in turn.
 constexpr std::int64_t kFieldEvery = 20;
 constexpr std::int64_t kPressureTurn = 10;
+
+constexpr std::int64_t kSamplePeriodMinNs = 500'000;
+constexpr std::int64_t kClientPeriodNs = 1'000'000;
 
 int open_crazyflie_port(int port) {
   const sockaddr_in address = address_of(INADDR_LOOPBACK, port);
@@ -77,8 +81,8 @@ CrazyflieLink::Ports CrazyflieLink::ports_of(int instance) {
   return {sitl::kCrazyflieFirmwarePort + instance, sitl::kCrazyflieClientPort + instance};
 }
 
-CrazyflieLink::CrazyflieLink(const Ports& ports)
-    : firmware_fd_(open_crazyflie_port(ports.firmware)) {
+CrazyflieLink::CrazyflieLink(const Ports& ports, Clock clock)
+    : firmware_fd_(open_crazyflie_port(ports.firmware)), clock_(std::move(clock)) {
   try {
     client_fd_ = open_crazyflie_port(ports.client);
   } catch (const StartupError&) {
@@ -128,12 +132,17 @@ bool CrazyflieLink::write(int fd, const std::optional<sockaddr_in>& to, Bytes pa
 
 void CrazyflieLink::relay_client() {
   sockaddr_in from{};
-  while (const auto packet = read(client_fd_, from)) {
+  while (clock_() - relayed_ns_ >= kClientPeriodNs) {
+    const auto packet = read(client_fd_, from);
+    if (!packet) {
+      return;
+    }
     client_ = from;
     if (sitl::is_simulator_packet(*packet)) {
       ++counts_.forged;
     } else if (write(firmware_fd_, firmware_, *packet)) {
       ++counts_.to_firmware;
+      relayed_ns_ = clock_();
     }
   }
 }
@@ -157,6 +166,11 @@ bool CrazyflieLink::send(const FirmwareSensors& sensors) {
   if (!firmware_) {
     return false;
   }
+  if (clock_() - sampled_ns_ < kSamplePeriodMinNs) {
+    ++counts_.crowded;
+    return false;
+  }
+  sampled_ns_ = clock_();
   const auto inertial = sitl::format_inertial(convert_axes(sensors.specific_force_body_mps2),
                                               convert_axes(sensors.gyro_body_radps));
   const bool is_sent = write(firmware_fd_, firmware_, inertial);

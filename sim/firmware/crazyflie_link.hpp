@@ -3,11 +3,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 
 #include <netinet/in.h>
 
+#include "core/deadline.hpp"
 #include "sim/firmware/firmware_link.hpp"
 
 namespace vantage::sim {
@@ -31,14 +33,21 @@ class CrazyflieLink : public FirmwareLink {
   /// Returns the ports of `instance`: 19950 + instance and 19850 + instance.
   static Ports ports_of(int instance);
 
+  using Clock = std::function<std::int64_t()>;
+
+  /// @param clock  returns ns of a monotonic clock
   /// @throws StartupError if a port cannot be opened.
-  explicit CrazyflieLink(const Ports& ports);
+  explicit CrazyflieLink(const Ports& ports, Clock clock = monotonic_ns);
   ~CrazyflieLink() override;
 
   [[nodiscard]] Duration period() const override { return Duration{1'000}; }
   [[nodiscard]] bool is_lockstep() const override { return false; }
+  /// Sends the sample unless the previous one was sent less than half a period ago: the firmware
+  /// has room for 5 packets and loses those of the client if a late simulator sends many samples at
+  /// once.
   bool send(const FirmwareSensors& sensors) override;
-  /// Relays all waiting packets and returns the newest motor command.
+  /// Relays all packets of the firmware, and one of the client per period; returns the newest motor
+  /// command.
   std::optional<MotorCommand> receive(Duration timeout) override;
   [[nodiscard]] std::int64_t dropped() const override {
     return counts_.forged + counts_.bad_length + counts_.no_peer + counts_.unsent;
@@ -53,6 +62,7 @@ class CrazyflieLink : public FirmwareLink {
     std::int64_t bad_length = 0;  ///< datagrams with no bytes or more than 31
     std::int64_t no_peer = 0;     ///< no firmware or no client has sent a packet yet
     std::int64_t unsent = 0;      ///< the system refused the datagram
+    std::int64_t crowded = 0;     ///< samples that followed the previous one too closely
   };
   [[nodiscard]] const Counts& counts() const { return counts_; }
 
@@ -67,6 +77,9 @@ class CrazyflieLink : public FirmwareLink {
   int client_fd_ = -1;
   std::optional<sockaddr_in> firmware_;
   std::optional<sockaddr_in> client_;
+  Clock clock_;
+  std::int64_t sampled_ns_ = 0;  ///< time of the last sample
+  std::int64_t relayed_ns_ = 0;  ///< time of the last packet of the client
   std::int64_t samples_ = 0;
   std::array<std::uint8_t, 64> buffer_{};
   Counts counts_;

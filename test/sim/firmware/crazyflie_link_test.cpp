@@ -65,7 +65,7 @@ class CrazyflieLinkTest : public testing::Test {
  protected:
   CrazyflieLinkTest() {
     ports = {test::free_port(), test::free_port()};
-    link = std::make_unique<CrazyflieLink>(ports);
+    link = std::make_unique<CrazyflieLink>(ports, [this] { return now_ns += step_ns; });
   }
   void connect() {
     firmware.send(ports.firmware, {0xF3});
@@ -73,6 +73,8 @@ class CrazyflieLinkTest : public testing::Test {
     ASSERT_EQ(firmware.received(), (std::vector<Bytes>{{0xF3}}));
   }
 
+  std::int64_t now_ns = 0;
+  std::int64_t step_ns = 1'000'000;  ///< ns; time that passes with each reading of the clock
   CrazyflieLink::Ports ports;
   std::unique_ptr<CrazyflieLink> link;
   Peer firmware;
@@ -167,6 +169,38 @@ TEST_F(CrazyflieLinkTest, DropsAndCountsWhatIsNotToBeRelayed) {
   firmware.send(ports.firmware, {0xE0, 0, 0, 0, 0, 0, 0, 0});  // a byte short
   EXPECT_FALSE(link->receive(kLong));
   EXPECT_TRUE(client.received().empty());
+}
+
+// The firmware has room for 5 packets. A late simulator does not send all missed samples at once.
+TEST_F(CrazyflieLinkTest, SkipsSamplesThatFollowTooClosely) {
+  connect();
+  step_ns = 0;
+  now_ns += 1'000'000;
+  ASSERT_TRUE(link->send({}));
+  EXPECT_FALSE(link->send({}));
+  now_ns += 499'999;
+  EXPECT_FALSE(link->send({}));
+  EXPECT_EQ(firmware.received().size(), 2U) << "one sample and the magnetometer";
+  EXPECT_EQ(link->counts().crowded, 2);
+  now_ns += 1;
+  EXPECT_TRUE(link->send({}));
+  EXPECT_EQ(firmware.received().size(), 1U);
+}
+
+TEST_F(CrazyflieLinkTest, RelaysOnePacketOfTheClientPerMillisecond) {
+  connect();
+  step_ns = 0;
+  now_ns += 1'000'000;
+  for (std::uint8_t k = 0; k < 3; ++k) {
+    client.send(ports.client, {0xFC, k});
+  }
+  for (std::uint8_t k = 0; k < 3; ++k) {
+    EXPECT_FALSE(link->receive(Duration{0}));
+    EXPECT_FALSE(link->receive(Duration{0}));
+    EXPECT_EQ(firmware.received(), (std::vector<Bytes>{{0xFC, k}}));
+    now_ns += 1'000'000;
+  }
+  EXPECT_EQ(link->dropped(), 0);
 }
 
 TEST_F(CrazyflieLinkTest, FollowsRestartedFirmware) {
