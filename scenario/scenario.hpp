@@ -54,8 +54,8 @@ struct AutopilotSpec {
   std::optional<BatterySpec> battery = std::nullopt;
 };
 
-/// Real autopilot firmware that flies a simulated vehicle of `device: wire`. The autopilot's
-/// dialect selects the firmware.
+/// Real firmware that flies a simulated vehicle of `device: wire`. The kind of the vehicle and its
+/// dialect select the firmware.
 struct FirmwareSpec {
   std::string binary;           ///< program started by `vantage up`; empty: the user starts one
   std::string parameters;       ///< parameter file loaded at start; empty: that of config/autopilot

@@ -10,6 +10,7 @@
 #include "models/plan/plan.hpp"
 #include "models/sensor/law.hpp"
 #include "scenario/reader/scenario_detection_yaml.hpp"
+#include "scenario/reader/scenario_firmware_yaml.hpp"
 #include "scenario/reader/sensor_parameters.hpp"
 #include "scenario/vehicle_kinds.hpp"
 
@@ -209,21 +210,6 @@ void read_autopilot(Mapping& from, AutopilotSpec& autopilot) {
   }
 }
 
-void read_firmware(Mapping& from, FirmwareSpec& firmware) {
-  constexpr int kInstanceMax = 99;
-  from.text("binary", firmware.binary);
-  from.text("parameters", firmware.parameters);
-  from.text("serial", firmware.serial);
-  int instance = -1;
-  from.integer("instance", instance, 0, kInstanceMax);
-  if (instance >= 0) {
-    firmware.instance = instance;
-  }
-  if (!firmware.serial.empty() && !firmware.binary.empty()) {
-    from.refuse("serial", "selects a board, which runs its own firmware: remove `binary`");
-  }
-}
-
 void read_rover(Mapping& from, RoverSpec& rover) {
   constexpr int kNumberMax = 65535;
   from.require("url");
@@ -339,14 +325,7 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   for (const VehicleReader& reader : kVehicleReaders) {
     from.section(reader.section, [&](Mapping& section) { reader.read(section, robot); });
   }
-  from.section("firmware",
-               [&](Mapping& firmware) { read_firmware(firmware, robot.firmware.emplace()); });
-  if (robot.firmware && !robot.autopilot) {
-    from.refuse("firmware", "needs an `autopilot` section: its dialect selects the firmware");
-  }
-  if (robot.firmware && robot.device != DeviceSource::kWire) {
-    from.refuse("firmware", "is for simulated vehicles only: set device to 'wire'");
-  }
+  read_firmware(from, robot);
   if (robot.device == DeviceSource::kReal && robot.autopilot && robot.autopilot->system_id == 0) {
     from.refuse("autopilot",
                 "must contain the system_id, 1 to 255, of a real vehicle: 0 would connect to "

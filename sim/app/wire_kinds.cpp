@@ -17,12 +17,18 @@ namespace {
 using scenario::RobotSpec;
 using scenario::Scenario;
 
+/// Returns the vehicle that the robot's real firmware flies. Precondition: robot.firmware.
+std::unique_ptr<WireVehicle> make_with_firmware(const Scenario& scenario, std::size_t index) {
+  const RobotSpec& robot = scenario.robots[index];
+  return std::make_unique<WireFirmware>(robot, scenario.wind.value_or(scenario::WindSpec{}),
+                                        scenario.firmware_instance(robot), scenario.seed + index);
+}
+
 std::unique_ptr<WireVehicle> make_flying(const Scenario& scenario, std::size_t index, Time start) {
   const RobotSpec& robot = scenario.robots[index];
   const std::uint64_t seed = scenario.seed + index;
   if (robot.firmware) {
-    return std::make_unique<WireFirmware>(robot, scenario.wind.value_or(scenario::WindSpec{}),
-                                          scenario.firmware_instance(robot), seed);
+    return make_with_firmware(scenario, index);
   }
   const auto system_id = static_cast<std::uint8_t>(index % 250 + 1);
   return std::make_unique<WireQuadrotor>(robot, scenario.wind, system_id, seed, start);
@@ -35,6 +41,9 @@ std::unique_ptr<WireVehicle> make_rover(const Scenario& scenario, std::size_t in
 
 std::unique_ptr<WireVehicle> make_crazyflie(const Scenario& scenario, std::size_t index,
                                             Time start) {
+  if (scenario.robots[index].firmware) {
+    return make_with_firmware(scenario, index);
+  }
   return std::make_unique<WireCrazyflie>(scenario.robots[index],
                                          scenario.wind.value_or(scenario::WindSpec{}),
                                          scenario.seed + index, start);

@@ -307,10 +307,11 @@ TEST(WireFirmware, WaitsForItsFirmwareAtItsStart) {
     EXPECT_NEAR(flatten(vehicle.world_from_body()).yaw_rad, robot.start.yaw_rad, 1e-3);
     EXPECT_LT(vehicle.velocity_world_mps().norm(), 1e-2);
     const auto counts = vehicle.counters();
-    ASSERT_EQ(counts.size(), 2u);
+    ASSERT_EQ(counts.size(), 3u);
     EXPECT_EQ(counts[0].name, "wire.Q2.firmware_silences");
     EXPECT_EQ(counts[0].count, 0);
     EXPECT_EQ(counts[1].name, "wire.Q2.firmware_resumed");
+    EXPECT_EQ(counts[2].name, "wire.Q2.firmware_dropped");
   }
 }
 

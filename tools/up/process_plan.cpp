@@ -58,6 +58,12 @@ std::string absolute(const std::string& path) {
   return path.empty() ? path : std::filesystem::absolute(path).string();
 }
 
+/// Returns the program that `vantage up` starts for the robot; empty: none.
+const std::string& firmware_binary(const scenario::RobotSpec& robot) {
+  static const std::string none;
+  return robot.firmware ? robot.firmware->binary : none;
+}
+
 /// Returns the UDP port at which the robot's driver waits for its autopilot.
 Result<int> driver_port(const scenario::RobotSpec& robot) {
   const std::string& url = robot.autopilot->url;
@@ -146,6 +152,43 @@ ProcessSpec px4_process(const scenario::RobotSpec& robot, int instance, int syst
   return out;
 }
 
+// The firmware says hello to this port until the simulator answers (wire/sitl/crazyflie_sensors).
+constexpr int kCrazyflieHelloPort = 19'950;  // of instance 0; instance n: + n
+
+ProcessSpec crazyflie_process(const scenario::RobotSpec& robot, int instance,
+                              const ProcessSettings& settings) {
+  ProcessSpec out{"firmware " + robot.name,
+                  {find_program(robot.firmware->binary),
+                   std::to_string(kCrazyflieHelloPort + instance), "127.0.0.1"}};
+  out.folder = absolute(settings.firmware_folder) + "/" + robot.name;
+  return out;
+}
+
+ProcessSpec firmware_process(const scenario::RobotSpec& robot, int instance,
+                             const ProcessSettings& settings) {
+  if (robot.crazyflie) {
+    return crazyflie_process(robot, instance, settings);
+  }
+  const int system_id = robot.autopilot->system_id > 0 ? robot.autopilot->system_id : instance + 1;
+  return robot.autopilot->dialect == models::AutopilotDialect::kPx4
+             ? px4_process(robot, instance, system_id, settings)
+             : ardupilot_process(robot, instance, system_id, settings);
+}
+
+/// Adds what prevents the driver from reaching the autopilot of a MAVLink robot with firmware.
+void add_port_faults(const scenario::RobotSpec& robot, int instance,
+                     std::vector<std::string>& out) {
+  const auto port = driver_port(robot);
+  if (!port.ok()) {
+    out.push_back(port.error().message);
+  } else if (const int theirs = kPx4Port + instance;
+             robot.autopilot->dialect == models::AutopilotDialect::kPx4 && port.value() != theirs) {
+    out.push_back(
+        fmt::format("robot {}: instance {} of PX4 sends to port {}, but `url` has port {}",
+                    robot.name, instance, theirs, port.value()));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> robots_with_driver(const scenario::Scenario& scenario) {
@@ -178,16 +221,9 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
         out.push_back("robot " + robot.name + ": crazyflie.url " + uri.error().message);
       }
     }
-    if (robot.firmware && !robot.firmware->binary.empty()) {
-      const auto port = driver_port(robot);
-      if (!port.ok()) {
-        out.push_back(port.error().message);
-      } else if (const int theirs = kPx4Port + scenario.firmware_instance(robot);
-                 robot.autopilot->dialect == models::AutopilotDialect::kPx4 &&
-                 port.value() != theirs) {
-        out.push_back(
-            fmt::format("robot {}: instance {} of PX4 sends to port {}, but `url` has port {}",
-                        robot.name, scenario.firmware_instance(robot), theirs, port.value()));
+    if (!firmware_binary(robot).empty()) {
+      if (robot.autopilot) {
+        add_port_faults(robot, scenario.firmware_instance(robot), out);
       }
       if (find_program(robot.firmware->binary).empty()) {
         out.push_back(
@@ -239,13 +275,8 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
     out.back().is_essential = true;
   }
   for (const scenario::RobotSpec& robot : scenario.robots) {
-    if (robot.firmware && !robot.firmware->binary.empty() && runs(scenario::kSimPart)) {
-      const int instance = scenario.firmware_instance(robot);
-      const int system_id =
-          robot.autopilot->system_id > 0 ? robot.autopilot->system_id : instance + 1;
-      out.push_back(robot.autopilot->dialect == models::AutopilotDialect::kPx4
-                        ? px4_process(robot, instance, system_id, settings)
-                        : ardupilot_process(robot, instance, system_id, settings));
+    if (!firmware_binary(robot).empty() && runs(scenario::kSimPart)) {
+      out.push_back(firmware_process(robot, scenario.firmware_instance(robot), settings));
     }
   }
   const std::optional<scenario::Ros2Spec> ros2 = scenario::ros2_of(scenario);

@@ -275,6 +275,36 @@ TEST(ScenarioRules, RealAutopilotsHaveAnIdAndAKey) {
   EXPECT_EQ(answer_to_robot(", device: real"), "taken") << "without an autopilot there is none";
 }
 
+TEST(ScenarioRules, FirmwareIsOfTheVehiclesKind) {
+  const std::string px4 = ", device: wire, autopilot: {dialect: px4, url: \"udp://:1\"}";
+  const std::string crazyflie = ", device: wire, crazyflie: {url: \"udp://127.0.0.1:1\"}";
+  const std::string radio = ", device: wire, crazyflie: {url: \"radio://0/80/2M/E7E7E7E701\"}";
+  const std::string at = "f:6: robots[0].firmware";
+  struct Row {
+    std::string robot;
+    std::string answer;
+  };
+  for (const Row& row : {
+           Row{px4 + ", firmware: {kind: px4, binary: b}", "taken"},
+           Row{px4 + ", firmware: {kind: crazyflie, binary: b}",
+               at + ".kind: must be 'px4', the kind of the robot's vehicle, is 'crazyflie'"},
+           Row{crazyflie + ", firmware: {kind: crazyflie, binary: b}", "taken"},
+           Row{crazyflie + ", firmware: {binary: b, instance: 3}", "taken"},
+           Row{crazyflie + ", firmware: {kind: cf2}",
+               at + ".kind: must be 'crazyflie', the kind of the robot's vehicle, is 'cf2'"},
+           Row{crazyflie + ", firmware: {serial: /dev/ttyACM0}",
+               at + ".serial: is for boards with PX4 only: remove it"},
+           Row{crazyflie + ", firmware: {parameters: p}",
+               at + ".parameters: is for PX4 and ArduPilot only: the driver sets a Crazyflie's "
+                    "parameters"},
+           Row{radio + ", firmware: {binary: b}",
+               at + ": needs a crazyflie.url of the form udp://127.0.0.1:PORT, is "
+                    "'radio://0/80/2M/E7E7E7E701'"},
+       }) {
+    EXPECT_EQ(answer_to_robot(row.robot), row.answer) << row.robot;
+  }
+}
+
 TEST(ScenarioRules, FirmwareRequiresASimulatedVehicleWithAutopilot) {
   const std::string flown = ", device: wire, autopilot: {dialect: px4, url: \"udp://:1\"}";
   EXPECT_EQ(answer_to_robot(flown + ", firmware: {binary: px4, parameters: p}"), "taken");
@@ -283,8 +313,8 @@ TEST(ScenarioRules, FirmwareRequiresASimulatedVehicleWithAutopilot) {
             "f:6: robots[0].firmware.serial: selects a board, which runs its own firmware: remove "
             "`binary`");
   EXPECT_EQ(answer_to_robot(", device: wire, firmware: {binary: px4}"),
-            "f:6: robots[0].firmware: needs an `autopilot` section: its dialect selects the "
-            "firmware");
+            "f:6: robots[0].firmware: needs an `autopilot` or `crazyflie` section, which selects "
+            "the firmware");
   EXPECT_EQ(answer_to_robot(", autopilot: {dialect: px4, url: \"udp://:1\"}, firmware: {}"),
             "f:6: robots[0].firmware: is for simulated vehicles only: set device to 'wire'");
   const Scenario scenario = parse_scenario(

@@ -173,6 +173,34 @@ TEST(ProcessPlan, StartsPx4InItsFolderWithParameters) {
                                       "/etc"}));
 }
 
+TEST(ProcessPlan, StartsCrazyflieFirmwareWithThePortOfItsInstance) {
+  scenario::Scenario scenario = on_the_wire();
+  scenario.robots.resize(2);
+  for (scenario::RobotSpec& robot : scenario.robots) {
+    robot.autopilot.reset();
+    robot.crazyflie.emplace().url = "udp://127.0.0.1:19850";
+    robot.firmware.emplace().binary = "/bin/sh";
+  }
+  scenario.robots[0].firmware->instance = 7;
+  EXPECT_TRUE(device_faults(scenario).empty());
+  const auto plan =
+      process_plan(scenario, {"/opt/bin", "s.yaml", "", "", false, "/var/flights/firmware"});
+  struct Row {
+    std::string name;
+    std::string port;
+    std::string folder;
+  };
+  for (const Row& row : {Row{"firmware Q1", "19957", "/var/flights/firmware/Q1"},
+                         Row{"firmware Q2", "19951", "/var/flights/firmware/Q2"}}) {
+    const auto found = std::ranges::find(plan, row.name, &ProcessSpec::name);
+    ASSERT_NE(found, plan.end()) << row.name;
+    EXPECT_EQ(found->arguments, (std::vector<std::string>{"/bin/sh", row.port, "127.0.0.1"}));
+    EXPECT_EQ(found->folder, row.folder);
+  }
+  scenario.robots[0].firmware->binary = "no-such-firmware";
+  EXPECT_EQ(device_faults(scenario).size(), 1U);
+}
+
 TEST(DeviceFaults, NameAnUrlThatPx4DoesNotSupport) {
   scenario::Scenario scenario = flown_by_px4();
   EXPECT_TRUE(device_faults(scenario).empty());
