@@ -127,6 +127,9 @@ void CrazyflieDriver::on_mocap(const models::MocapFrame& frame, Time now) {
   const CrazyflieTelemetry& telemetry = link_.telemetry();
   if (is_resting && telemetry.info_at() && !telemetry.has(info::kFlying)) {
     ground_m_ = pose.translation_m.z();
+    link_.set_start(pose);
+  } else {
+    link_.set_start(std::nullopt);
   }
   if (now + kPoseSlack >= next_pose_ && link_.is_connected(now)) {
     next_pose_ = std::max(next_pose_ + kPosePeriod, now);

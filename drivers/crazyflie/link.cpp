@@ -1,8 +1,11 @@
 #include "drivers/crazyflie/link.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "core/angle.hpp"
+#include "core/pose.hpp"
 #include "models/exchange/counts.hpp"
 #include "wire/crtp/system.hpp"
 
@@ -14,6 +17,8 @@ using crtp::Packet;
 
 constexpr Duration kSearchPeriod = std::chrono::milliseconds(100);
 constexpr Duration kSilence = std::chrono::seconds(1);
+constexpr double kTurnedRad = 0.5;  // rad; error of the yaw on the ground that is not noise
+constexpr Duration kSettling = std::chrono::seconds(2);
 // longest time without log data before the log is set up again
 constexpr Duration kLogSilence = std::chrono::milliseconds(700);
 
@@ -99,7 +104,7 @@ void CrazyflieLink::tick(Time now) {
         return;
       }
       phase_ = Phase::kSetUp;
-      set_up_.begin(parameters_, logs_, !telemetry_.has(crtp::info::kFlying));
+      set_up_.begin(parameters_, logs_, !telemetry_.has(crtp::info::kFlying), start_);
       return;
     case Phase::kSetUp:
       if (const auto request = set_up_.tick(now)) {
@@ -116,11 +121,24 @@ void CrazyflieLink::tick(Time now) {
                                    telemetry_.info_at().value_or(phase_since_));
       if (now - std::max(newest, phase_since_) > kLogSilence) {
         phase_ = Phase::kSetUp;
-        set_up_.begin(parameters_, logs_, false);
+        set_up_.begin(parameters_, logs_, false, start_);
+      } else if (is_estimate_turned(now) && now - phase_since_ > kSettling) {
+        phase_ = Phase::kSetUp;
+        set_up_.begin(parameters_, logs_, true, start_);
       }
       return;
     }
   }
+}
+
+bool CrazyflieLink::is_estimate_turned(Time now) const {
+  if (!start_ || !telemetry_.has_info(now) || telemetry_.has(crtp::info::kFlying) ||
+      !telemetry_.has_attitude(now)) {
+    return false;
+  }
+  Pose3 estimate;
+  estimate.rotation = telemetry_.world_from_body();
+  return std::abs(wrap_to_pi(flatten(estimate).yaw_rad - flatten(*start_).yaw_rad)) > kTurnedRad;
 }
 
 void CrazyflieLink::send(const std::optional<Packet>& packet) {

@@ -25,6 +25,10 @@ class CrazyflieLink {
 
   /// Processes one packet of the vehicle. Returns true if it is one.
   bool receive(std::span<const std::uint8_t> bytes, Time now);
+  /// Sets the pose of the vehicle on the ground; nullopt: unknown, or it does not rest. The
+  /// firmware's filter does not converge to an attitude that differs by half a turn. Therefore the
+  /// estimate starts at this pose, and starts anew while its yaw differs.
+  void set_start(const std::optional<Pose3>& world_from_body) { start_ = world_from_body; }
   /// Sends all pending requests.
   void tick(Time now);
   /// Sends a packet; without one, counts a refused encoding.
@@ -47,6 +51,7 @@ class CrazyflieLink {
   enum class Phase { kSearch, kParameterTable, kLogTable, kSetUp, kReady };
   void take(const wire::crtp::Packet& packet, Time now);
   void search(Time now);
+  [[nodiscard]] bool is_estimate_turned(Time now) const;
 
   std::shared_ptr<TableCache> cache_;
   Phase phase_ = Phase::kSearch;
@@ -54,6 +59,7 @@ class CrazyflieLink {
   TableFetch logs_{wire::crtp::Port::kLog};
   CrazyflieSetUp set_up_;
   CrazyflieTelemetry telemetry_;
+  std::optional<Pose3> start_;
   std::vector<wire::crtp::Packet> output_;
   std::optional<Time> received_at_;
   Time next_search_{};

@@ -15,11 +15,17 @@ constexpr double kMellinger = 2.0;  // the PID controller (1) ignores velocities
 }  // namespace
 
 void CrazyflieSetUp::begin(const TableFetch& parameters, const TableFetch& logs,
-                           bool writes_parameters) {
+                           bool writes_parameters, const std::optional<Pose3>& start) {
   *this = {};
   if (writes_parameters) {
     add_parameter(parameters, "stabilizer.estimator", kKalman);
     add_parameter(parameters, "stabilizer.controller", kMellinger);
+    if (start) {
+      add_parameter(parameters, "kalman.initialX", start->translation_m.x());
+      add_parameter(parameters, "kalman.initialY", start->translation_m.y());
+      add_parameter(parameters, "kalman.initialZ", start->translation_m.z());
+      add_parameter(parameters, "kalman.initialYaw", flatten(*start).yaw_rad);
+    }
     add_parameter(parameters, "kalman.resetEstimation", 1.0);
   }
   add_block(logs, kStateBlock);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/pose.hpp"
 #include "core/time.hpp"
 #include "drivers/crazyflie/table_fetch.hpp"
 #include "drivers/crazyflie/telemetry.hpp"
@@ -18,7 +19,9 @@ class CrazyflieSetUp {
  public:
   /// Begins.
   /// @param writes_parameters  false while the vehicle flies: then only the log is started
-  void begin(const TableFetch& parameters, const TableFetch& logs, bool writes_parameters);
+  /// @param start  pose on the ground, from which the estimate starts anew; absent: from the origin
+  void begin(const TableFetch& parameters, const TableFetch& logs, bool writes_parameters,
+             const std::optional<Pose3>& start);
   /// Processes a packet of the vehicle.
   void receive(const wire::crtp::Packet& packet);
   /// Returns the request that is due.

@@ -104,6 +104,16 @@ TEST(CrazyflieDriver, SelectsEstimatorAndController) {
   EXPECT_EQ(bench.vehicle->parameter("stabilizer.controller"), 2.0);
 }
 
+// The firmware's filter does not converge to a heading that is opposite to its initial one.
+TEST(CrazyflieDriver, StartsTheEstimateAtTheMocapPose) {
+  CrazyflieBench bench;
+  ASSERT_TRUE(bench.ready()) << bench.reasons();
+  EXPECT_NEAR(bench.vehicle->parameter("kalman.initialX"), 2.0, 0.02);
+  EXPECT_NEAR(bench.vehicle->parameter("kalman.initialY"), 2.0, 0.02);
+  EXPECT_NEAR(bench.vehicle->parameter("kalman.initialZ"), 0.0, 0.02);
+  EXPECT_NEAR(bench.vehicle->parameter("kalman.initialYaw"), kPi / 2, 0.02);
+}
+
 TEST(CrazyflieDriver, ConnectsAgainToARestartedVehicle) {
   CrazyflieBench bench;
   ASSERT_TRUE(bench.ready()) << bench.reasons();
