@@ -16,8 +16,8 @@ namespace vantage::localizer {
 
 /// Duration of one increment: the grid of all motion that robots exchange.
 inline constexpr Duration kIncrement = std::chrono::milliseconds(100);
-/// Number of increments in a message; data older than this are lost for a teammate that received
-/// none of the messages with them.
+/// Number of increments in a message; a teammate loses data if it has received no message
+/// before they are older than this.
 inline constexpr int kMessageIncrements = 20;
 /// Largest number of sightings in a message.
 inline constexpr int kMessageSightings = 64;

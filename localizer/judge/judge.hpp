@@ -10,7 +10,7 @@
 
 namespace vantage::localizer {
 
-/// How a recording is processed.
+/// Options of processing a recording.
 struct JudgeOptions {
   bool is_start_known = true;  ///< true: σ 0.01 m and 0.01 rad around the true pose
   double loss = 0.0;           ///< probability that a receiver misses a message

@@ -9,7 +9,7 @@
 
 namespace vantage::planner {
 
-/// Which robot visits which stop when: a problem as tables.
+/// Problem of assigning stops and their order to robots, as tables.
 ///
 /// Robots start at their own positions and visit the stops of their tours in order. A visit of stop
 /// i that begins at time a gains values(i, a) and lasts `visit_s`. A stop is visited at most once.
