@@ -1,4 +1,4 @@
-// Custom sensor that measures how far ahead of the robot a target is. Has a parameter of its own.
+// Custom sensor with its own parameter. It measures how far ahead of the robot a target is.
 #include <cmath>
 #include <cstdio>
 

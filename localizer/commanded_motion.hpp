@@ -11,7 +11,7 @@ namespace vantage::localizer {
 ///
 /// Commands are added in the order of their times. advance_to() returns the displacement since the
 /// previous call; it needs only commands older than the delay. Keeps at most kCommandsMax commands
-/// that do not act yet; no function allocates memory.
+/// that have not taken effect; no function allocates memory.
 class CommandedMotion {
  public:
   static constexpr int kCommandsMax = 256;
@@ -19,7 +19,7 @@ class CommandedMotion {
   explicit CommandedMotion(const scenario::DriveSpec& drive) : drive_(drive) {}
 
   /// Adds a command that was given at `time`. Returns false if it is older than the newest command;
-  /// it is then ignored. If the buffer is full, the oldest command that does not act yet is lost.
+  /// it is then ignored. If the buffer is full, the oldest pending command is lost.
   bool command(Time time, double speed_mps, double turn_radps);
 
   /// Moves the robot to `time` and returns the displacement (forward m, left m, turn rad) in the
@@ -41,7 +41,7 @@ class CommandedMotion {
   bool is_started_ = false;
   Time now_{};
   Time newest_ = Time::min();
-  double wanted_mps_ = 0.0;  ///< command that acts
+  double wanted_mps_ = 0.0;  ///< command in effect
   double wanted_radps_ = 0.0;
   double speed_mps_ = 0.0;  ///< response to the commands, before scale and bias
   double turn_radps_ = 0.0;

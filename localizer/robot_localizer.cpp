@@ -8,7 +8,7 @@
 namespace vantage::localizer {
 namespace {
 
-/// Sightings arrive up to this number of cells after their corrected time.
+/// Maximum delay of a sighting after its corrected time, cells.
 constexpr std::int64_t kLatencyCells = 2;
 /// Factor of the variances of a motion that is guessed from the previous one.
 constexpr double kGuessNoiseScale = 30.0;

@@ -16,8 +16,8 @@ namespace vantage::localizer {
 
 /// Duration of one increment: the grid of all motion that robots exchange.
 inline constexpr Duration kIncrement = std::chrono::milliseconds(100);
-/// Number of increments in a message; a teammate loses data if it has received no message
-/// before they are older than this.
+/// Number of increments in a message. A teammate that receives no message for longer than this
+/// loses data.
 inline constexpr int kMessageIncrements = 20;
 /// Largest number of sightings in a message.
 inline constexpr int kMessageSightings = 64;
@@ -25,7 +25,7 @@ inline constexpr int kMessageSightings = 64;
 /// Counts of a localiser's inputs since its start.
 struct InputCounts {
   std::int64_t late_sightings = 0;      ///< arrived after their time had been completed
-  std::int64_t missing_increments = 0;  ///< of teammates; replaced by a guess
+  std::int64_t missing_increments = 0;  ///< increments of teammates that were replaced by a guess
   std::int64_t refused = 0;             ///< inputs of an unknown robot, or out of order
   std::int64_t lost_sightings = 0;      ///< dropped because a buffer was full
 };
@@ -37,8 +37,8 @@ struct InputCounts {
 ///
 /// Time is divided into steps of kIncrement. A base filter contains all data up to the time until
 /// which all teammates are complete, at most kMessageIncrements steps ago. advance_to() copies the
-/// base filter and adds the newer data. No function allocates memory after construction, except for
-/// the contents of message().
+/// base filter and adds the newer data. No function allocates memory after construction, except
+/// write_message().
 class RobotLocalizer {
  public:
   /// `robot`: index in the specification. @throws UsageError for an unknown index
@@ -51,7 +51,7 @@ class RobotLocalizer {
   void add_odometry(const models::OdometryReport& odometry);
   /// Adds a frame of the own sensor; times in `sightings` are corrected for the latency.
   void add_sightings(std::span<const models::Sighting> sightings);
-  /// Adds the data of a teammate.
+  /// Adds the data that a teammate sent.
   void add_teammate(const models::PoseEstimate& estimate);
 
   /// Computes the estimate at `now`, which is rounded down to the grid.
@@ -64,8 +64,8 @@ class RobotLocalizer {
   /// Joint filter at time(), with the own view of all teammates.
   [[nodiscard]] const TeamFilter& team() const { return newest_; }
   [[nodiscard]] const InputCounts& counts() const { return counts_; }
-  /// Writes the pose at time() and the newest data for teammates. Sets neither the stamp's run id
-  /// nor its sequence number.
+  /// Writes the pose at time() and the newest data for teammates. Does not set the stamp's run id
+  /// and sequence number.
   void write_message(models::PoseEstimate& message) const;
 
  private:
@@ -75,7 +75,7 @@ class RobotLocalizer {
     std::int64_t index = -1;  ///< start / kIncrement
     Eigen::Vector3d increment = Eigen::Vector3d::Zero();
   };
-  /// The known newest motion and sightings of one robot.
+  /// Newest known motion and sightings of one robot.
   struct Track {
     std::array<Cell, kCells> cells;
     std::int64_t complete_until =
@@ -100,9 +100,10 @@ class RobotLocalizer {
   scenario::LocalizerSpec spec_;
   int robot_;
   CommandedMotion motion_;
-  Eigen::Vector3d partial_ = Eigen::Vector3d::Zero();  ///< displacement in the cell of partial_to_
-  Time partial_to_ = Time::min();                      ///< end of the newest increment
-  bool is_commanded_ = true;                           ///< false: the odometer reports increments
+  Eigen::Vector3d partial_ =
+      Eigen::Vector3d::Zero();     ///< displacement so far in the cell of partial_to_
+  Time partial_to_ = Time::min();  ///< end of the newest increment
+  bool is_commanded_ = true;       ///< false: the odometer reports increments
   std::vector<Track> tracks_;
   TeamFilter base_;
   TeamFilter newest_;

@@ -17,7 +17,7 @@ ExpectedSighting expected_sighting(const scenario::SightingSpec& spec, const Pos
   const double d = std::max(v.norm(), kDistanceMinM);
   const double b = wrap_to_pi(std::atan2(v.y(), v.x()) - world_from_body.yaw_rad);
 
-  // Derivatives of d and of the world-frame direction by the vector v.
+  // Derivatives of d and of the world-frame direction with respect to the vector v.
   const Eigen::RowVector2d d_by_v = v.transpose() / d;
   const Eigen::RowVector2d b_by_v = Eigen::RowVector2d(-v.y(), v.x()) / (d * d);
   const double off = spec.range_is_depth ? b - spec.axis_rad : 0.0;
@@ -41,7 +41,8 @@ ExpectedSighting expected_sighting(const scenario::SightingSpec& spec, const Pos
 
 Eigen::Vector2d sighted_point_m(const scenario::SightingSpec& spec, double range_m,
                                 double bearing_rad) {
-  constexpr double kAlongMin = 0.1;  // a depth does not determine the distance across the axis
+  constexpr double kAlongMin =
+      0.1;  // limit, since a depth does not determine the distance across the axis
   const double b = bearing_rad - spec.bearing_offset_rad;
   const double along = spec.range_is_depth ? std::max(std::cos(b - spec.axis_rad), kAlongMin) : 1.0;
   const double d = std::max((range_m - spec.range_offset_m) / (spec.range_scale * along), 0.0);

@@ -9,11 +9,13 @@ namespace vantage::localizer {
 
 /// Expected sighting of a point, and its derivatives.
 struct ExpectedSighting {
-  double range_m = 0.0;                  ///< as reported
-  double bearing_rad = 0.0;              ///< as reported, from the body's x axis
-  double distance_m = 0.0;               ///< true distance from the sensor
-  Eigen::Matrix<double, 2, 3> by_pose;   ///< derivatives of (range, bearing) by (x, y, yaw)
-  Eigen::Matrix<double, 2, 2> by_point;  ///< derivatives of (range, bearing) by the point
+  double range_m = 0.0;      ///< as reported
+  double bearing_rad = 0.0;  ///< as reported, from the body's x axis
+  double distance_m = 0.0;   ///< true distance from the sensor
+  Eigen::Matrix<double, 2, 3>
+      by_pose;  ///< derivatives of (range, bearing) with respect to (x, y, yaw)
+  Eigen::Matrix<double, 2, 2>
+      by_point;  ///< derivatives of (range, bearing) with respect to the point
 };
 
 /// Returns the sighting of `point_m` from a robot at `world_from_body`. The distance to the sensor

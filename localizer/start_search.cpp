@@ -86,7 +86,7 @@ std::optional<PoseBelief> StartSearch::fit(const Pose2& world_from_odom) const {
 
   PoseBelief belief;
   belief.world_from_body = fitted * odom_from_body_;
-  // The body is at a lever from the mean of the points, so that its position depends on the yaw.
+  // The body has a lever arm from the mean of the points, so its position depends on the yaw.
   const Eigen::Vector2d lever_m = belief.world_from_body.position_m() - mean_world_m;
   Eigen::Matrix3d by_fit = Eigen::Matrix3d::Identity();
   by_fit(0, 2) = -lever_m.y();

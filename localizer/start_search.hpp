@@ -23,9 +23,10 @@ struct PoseBelief {
 /// landmarks.
 ///
 /// The search collects sightings as points in the frame of the robot's odometry. Each pair of the
-/// newest sighting and another landmark's sighting gives one hypothesis of world from odometry. The
-/// hypothesis with the most agreeing sightings is fitted to these. Sightings with a wrong id or a
-/// large error therefore do not disturb the result. No function allocates memory.
+/// newest sighting and another landmark's sighting gives one hypothesis of the odometry frame's
+/// pose in the world. The hypothesis with the most agreeing sightings is fitted to these. Sightings
+/// with a wrong id or a large error therefore do not disturb the result. No function allocates
+/// memory.
 class StartSearch {
  public:
   static constexpr int kSightingsMax = 64;

@@ -24,10 +24,10 @@ constexpr int kSpeedError = 4;
 
 constexpr double kWeakenSigma = 2.5;  // σ; a sighting beyond gets a larger variance
 constexpr double kRejectSigma = 5.0;  // σ; a sighting beyond is rejected
-// 1σ by which the pose is widened after a slip of the wheels.
+// 1σ that is added to the pose after a slip of the wheels.
 constexpr double kSlipYawSigmaRad = 0.2;
 constexpr double kSlipPositionSigmaM = 0.05;
-constexpr int kSlipLandmarksMin = 2;  // rejected sightings of landmarks that indicate a slip
+constexpr int kSlipLandmarksMin = 2;  // number of rejected landmark sightings that indicates a slip
 
 }  // namespace
 

@@ -34,7 +34,7 @@ struct FilterCounts {
 ///
 /// Sightings have heavy tails: a sighting beyond kWeakenSigma gets a larger variance, one beyond
 /// kRejectSigma is rejected. If a frame's sightings of landmarks are rejected together, the wheels
-/// have slipped: the robot's pose gets a larger variance, and the frame is used.
+/// have probably slipped: the robot's pose gets a larger variance, and the frame is used.
 class TeamFilter {
  public:
   static constexpr int kRobotDim = 5;
@@ -48,7 +48,8 @@ class TeamFilter {
   [[nodiscard]] bool is_placed(int robot) const { return placed_[index(robot)] != 0; }
 
   /// Moves all robots by `increments` (forward m, left m, turn rad; one per robot), which took
-  /// `duration_s`. An increment's errors grow by `noise_scale` for robots whose motion is a guess.
+  /// `duration_s`. `noise_scale` multiplies the variances of each robot's increment if its motion
+  /// is a guess.
   void advance(double duration_s, std::span<const Eigen::Vector3d> increments,
                std::span<const double> noise_scale = {});
 
@@ -77,7 +78,7 @@ class TeamFilter {
     int other = -1;  ///< robot index of the sighted teammate; −1: landmark
     Eigen::Vector2d residual;
     Eigen::Matrix<double, 2, kRobotDim> by_own;
-    Eigen::Matrix2d by_other;  ///< by the teammate's position
+    Eigen::Matrix2d by_other;  ///< derivative with respect to the teammate's position
     Eigen::Matrix2d R;
     double weight = 1.0;  ///< factor of R⁻¹; 0: rejected
   };
@@ -87,7 +88,7 @@ class TeamFilter {
   void reset_errors(int robot);
   /// Fills rows_ from the usable sightings of `robot`.
   void linearise(int robot, std::span<const models::Sighting> sightings);
-  /// Returns the covariance of the row's residual without the error that the frame shares.
+  /// Returns the covariance of the row's residual, without the error common to the frame.
   [[nodiscard]] Eigen::Matrix2d innovation(int robot, const Row& row) const;
   /// Sets the weights of all rows; returns the number of rejected sightings of landmarks.
   int weigh(int robot);

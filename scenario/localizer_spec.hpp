@@ -30,7 +30,7 @@ struct SightingSpec {
 
 /// Response of a robot to its commanded velocity.
 struct DriveSpec {
-  double delay_s = 0.0;          ///< s until a command begins to act
+  double delay_s = 0.0;          ///< s; time until a command begins to act
   double lag_s = 0.0;            ///< s; time constant of the first-order response
   double speed_scale = 1.0;      ///< actual speed / commanded speed
   double turn_scale = 1.0;       ///< actual turn rate / commanded turn rate
@@ -51,7 +51,7 @@ struct OdometryNoiseSpec {
 /// 1σ of the errors of sightings. They contain an allowance for errors that are correlated in time.
 struct SightingNoiseSpec {
   double range_sigma_m = 0.0375;           ///< m, at distance 0
-  double range_sigma_per_m = 0.0009;       ///< 1/m; times the squared distance, in addition
+  double range_sigma_per_m = 0.0009;       ///< 1/m; multiplied by the squared distance and added
   double bearing_sigma_rad = 0.008;        ///< rad, for a distant body
   double across_sigma_m = 0.007;           ///< m; error across the line of sight
   double frame_bearing_sigma_rad = 0.018;  ///< rad; error that all bearings of a frame share

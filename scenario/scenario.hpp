@@ -59,7 +59,7 @@ struct AutopilotSpec {
 struct FirmwareSpec {
   std::string binary;           ///< program started by `vantage up`; empty: the user starts one
   std::string parameters;       ///< parameter file loaded at start; empty: that of config/autopilot
-  std::optional<int> instance;  ///< determines the firmware's ports; absent: robot's index
+  std::optional<int> instance;  ///< determines the firmware's ports; absent: the robot's index
   std::string serial;           ///< DEVICE[:BAUD] of a board in hardware-in-the-loop mode (PX4)
 };
 
@@ -92,7 +92,7 @@ struct RobotSpec {
   models::VehicleLimits limits;
   models::SensorModel sensor;
   models::DetectionModel detection;                  ///< detection statistics of `sensor`
-  Publisher sensor_publisher = Publisher::kVantage;  ///< of MEASUREMENT and SCAN
+  Publisher sensor_publisher = Publisher::kVantage;  ///< publisher of MEASUREMENT and SCAN
   EnergySpec energy;
   DeviceSource device = DeviceSource::kDirect;
   std::optional<AutopilotSpec> autopilot;
@@ -124,7 +124,7 @@ struct TargetTruthSpec {
 };
 
 struct EstimatorSpec {
-  Publisher publisher = Publisher::kVantage;  ///< of BELIEF, MIXTURE and MAP
+  Publisher publisher = Publisher::kVantage;  ///< publisher of BELIEF, MIXTURE and MAP
   models::TargetModel target_model;
   double prior_position_sigma_m = 1.0;  ///< 1σ at first detection, in unmeasured directions
   double prior_velocity_sigma_mps = 0.5;
@@ -132,7 +132,7 @@ struct EstimatorSpec {
   /// discovered.
   double undiscovered_position_sigma_m = 4.0;
   double grid_resolution_m = 0.25;
-  double grid_memory_s = 30.0;  ///< s until a cell counts as unexplored again; ≤ 0: never
+  double grid_memory_s = 30.0;  ///< s; time until a cell counts as unexplored again; ≤ 0: never
   /// Gate for innovations, σ; 0: no gate. A detection beyond the gate is counted and increases the
   /// covariance, but is not fused. Only for sensors with a measurement that determines a position.
   double gate_sigma = 4.0;
@@ -183,7 +183,7 @@ struct PlannerSpec {
   /// True: plans keep separation_m horizontally. Then no vehicle is above another one, and an
   /// emergency landing cannot hit a vehicle below.
   bool separation_from_above = false;
-  double obstacle_margin_m = 0.1;     ///< minimum distance of vehicle's disc to obstacles
+  double obstacle_margin_m = 0.1;     ///< minimum distance of the vehicle's disc to obstacles
   double tracking_tolerance_m = 0.2;  ///< allowed distance between a vehicle and its plan
   models::ExplorationSpec exploration;
   TourSpec tour;

@@ -34,7 +34,7 @@ class File {
   int fd_;
 };
 
-/// Reads the secret in `file` into `out`. Returns the fault; empty: none.
+/// Reads the secret in `file` into `out`. Returns the error text; empty if there was no error.
 std::string fault_of_reading(const std::string& file, std::span<std::uint8_t> out,
                              const std::string& what) {
   const File opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));

@@ -9,7 +9,7 @@
 namespace vantage::bus::udpm {
 namespace {
 
-// The kernel runs the filter of a UDP socket on the datagram with its UDP header.
+// The kernel runs the filter on the datagram including its UDP header of this size.
 constexpr std::uint32_t kUdpHeaderBytes = 8;
 constexpr std::uint32_t kChannelOffset = kUdpHeaderBytes + kShortHeaderBytes;
 constexpr std::uint32_t kPass = 0xFFFFFFFF;
@@ -23,9 +23,9 @@ void add(Program& out, int code, std::uint32_t value, std::size_t if_true = 0,
                  static_cast<std::uint8_t>(if_false), value});
 }
 
-/// Appends instructions that pass a datagram whose channel begins with `bytes`, and continue after
-/// themselves otherwise. A load beyond the end of a datagram would drop it, so its length is tested
-/// first.
+/// Appends instructions that pass a datagram whose channel begins with `bytes`; for other
+/// datagrams, the next instruction follows. The length is tested first, because a load beyond the
+/// end of a datagram would drop it.
 void add_pattern(Program& out, const std::string& bytes) {
   struct Piece {
     int size_code;
@@ -43,7 +43,8 @@ void add_pattern(Program& out, const std::string& bytes) {
     pieces.push_back({size == 4 ? BPF_W : (size == 2 ? BPF_H : BPF_B), at, value});
     at += size;
   }
-  // Two instructions per piece, then one that passes; a failed test jumps behind all of them.
+  // Each piece needs two instructions; one more passes the datagram. A failed test jumps past all
+  // of them.
   std::size_t left = 2 * pieces.size() + 1;
   add(out, BPF_LD | BPF_W | BPF_LEN, 0);
   add(out, BPF_JMP | BPF_JGE | BPF_K, kChannelOffset + static_cast<std::uint32_t>(bytes.size()), 0,
@@ -73,7 +74,7 @@ std::optional<Program> channel_filter(std::span<const std::string_view> patterns
     if (!is_prefix) {
       bytes.push_back('\0');
     }
-    // A longer text matches no channel of LCM.
+    // LCM has no channel names longer than this, so a longer pattern matches nothing.
     if (bytes.size() <= kChannelBytesMax + 1) {
       add_pattern(out, bytes);
     }

@@ -203,8 +203,9 @@ void MulticastSocket::set_filter(std::span<const sock_filter> filter) {
 }
 
 // Only receive() empties the buffer. So if the buffer was full since the last series, it is nearly
-// full now. The kernel frees up to a quarter of the buffer later than it was read. Datagrams that
-// arrived after an overflow report it, so the flag stays set until one of them was received.
+// full now. The kernel frees up to a quarter of the buffer only some time after the data were read.
+// Datagrams that arrived after an overflow report it, so the flag stays set until one of them was
+// received.
 void MulticastSocket::begin_receiving() {
   std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
   socklen_t size = sizeof memory;

@@ -49,15 +49,15 @@ class MulticastSocket {
   /// After a loss of the network, tries to join the group again, at most once per kRetryPeriodNs.
   /// Returns true while the network is present.
   bool keep_joined(std::int64_t monotonic_ns);
-  /// Returns the error text of the last attempt to join the group; empty: the attempt succeeded.
+  /// Returns the error text of the last attempt to join the group; empty if it succeeded.
   [[nodiscard]] const std::string& fault() const { return fault_; }
   /// Returns the number of times that the network was lost, or was missing at the start.
   [[nodiscard]] std::int64_t network_losses() const { return network_losses_; }
-  /// Makes the kernel drop datagrams that `filter` drops; empty: none. If the kernel refuses the
-  /// filter, all datagrams are received.
+  /// Makes the kernel drop the datagrams that `filter` rejects; an empty filter rejects none. If
+  /// the kernel refuses the filter, all datagrams are received.
   void set_filter(std::span<const sock_filter> filter);
-  /// Must be called before a series of receive(): determines whether the receive buffer can have
-  /// overflowed, because the kernel counts filtered datagrams as dropped, too.
+  /// Call this before a series of receive() calls. It determines whether the receive buffer may
+  /// have overflowed, because the kernel also counts filtered datagrams as dropped.
   void begin_receiving();
   /// Waits up to `timeout`; returns true when a datagram can be received.
   bool wait(std::chrono::nanoseconds timeout);
@@ -102,8 +102,8 @@ class MulticastSocket {
   std::int64_t kernel_drops_ = 0;
   bool is_filtered_ = false;
   bool was_filtered_ = false;          ///< the kernel's counter may contain filtered datagrams
-  bool is_full_ = false;               ///< at the begin of the present series of receive()
-  bool is_overflow_possible_ = false;  ///< since the last reported overflow
+  bool is_full_ = false;               ///< at the start of the present series of receive()
+  bool is_overflow_possible_ = false;  ///< after the last reported overflow
   bool is_joined_ = false;
   std::string fault_;
   std::int64_t network_losses_ = 0;

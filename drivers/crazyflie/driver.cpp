@@ -14,8 +14,9 @@ namespace crtp = wire::crtp;
 namespace info = wire::crtp::info;
 using models::FlightState;
 
-constexpr double kLeadS = 0.05;              // s; from a set-point to its effect
-constexpr double kAccelerationLeadS = 0.08;  // s; the vehicle tilts first
+constexpr double kLeadS = 0.05;  // s; from a set-point to its effect
+constexpr double kAccelerationLeadS =
+    0.08;                            // s; longer than kLeadS, because the vehicle must tilt first
 constexpr double kHandOverM = 0.25;  // m; height below which the vehicle completes a landing
 constexpr double kLowM = 0.05;
 constexpr double kSeenS = 0.1;         // s; maximum age of a pose that may correct a set-point

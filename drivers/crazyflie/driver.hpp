@@ -36,9 +36,9 @@ class CrazyflieDriver {
   CrazyflieDriver(const scenario::Scenario& scenario, const std::string& robot,
                   const SafetyLimits& limits, const std::shared_ptr<TableCache>& cache);
 
-  /// Processes one packet of the vehicle. Returns true if it is one.
+  /// Processes the bytes of one packet from the vehicle. Returns false if they are not a packet.
   bool receive(std::span<const std::uint8_t> bytes, Time now);
-  /// Checks a mocap frame, and sends the pose of this vehicle to it.
+  /// Checks a mocap frame, and sends the vehicle its pose.
   void on_mocap(const models::MocapFrame& frame, Time now);
   /// Processes a plan of this vehicle or of a teammate.
   void on_plan(const models::RobotPlan& plan, Time now);
@@ -81,7 +81,7 @@ class CrazyflieDriver {
   CrazyflieSequence sequence_;
   models::VehicleLimits vehicle_;
   GuardOutput orders_;
-  std::optional<double> ground_m_;  ///< m; last height of the body with the motors off, by mocap
+  std::optional<double> ground_m_;  ///< m; last height of the body with the motors off, from mocap
   Time last_setpoint_{};
   Time next_setpoint_{};
   Time next_pose_{};

@@ -18,7 +18,7 @@ enum class CrazyflieGoal {
 };
 
 /// State machine for arming, flight, landing and stop of a Crazyflie. It sends set-points and
-/// commands in the only orders that do not lock the vehicle's motors or stop them in the air:
+/// commands in an order that neither locks the vehicle's motors nor stops them in the air:
 ///   - no set-point before the motors may run, and from then on one at each step of kFly
 ///   - before arming "set-points end", because an old set-point locks the motors
 ///   - to land: no set-points any more, then the command to land, then "set-points end"
@@ -27,7 +27,7 @@ class CrazyflieSequence {
  public:
   struct Situation {
     bool may_arm = false;  ///< all preconditions are met
-    bool is_low = false;   ///< by mocap, the body is on the ground
+    bool is_low = false;   ///< mocap shows the body on the ground
     bool is_seen = false;  ///< `height_m` is measured by mocap
     double height_m = 0.0;
     double ground_m = 0.0;  ///< m; height of the body on the ground

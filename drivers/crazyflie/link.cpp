@@ -17,7 +17,7 @@ using crtp::Packet;
 
 constexpr Duration kSearchPeriod = std::chrono::milliseconds(100);
 constexpr Duration kSilence = std::chrono::seconds(1);
-constexpr double kTurnedRad = 0.5;  // rad; error of the yaw on the ground that is not noise
+constexpr double kTurnedRad = 0.5;  // rad; a larger yaw error on the ground is not noise
 constexpr Duration kSettling = std::chrono::seconds(2);
 // longest time without log data before the log is set up again
 constexpr Duration kLogSilence = std::chrono::milliseconds(700);
@@ -116,7 +116,7 @@ void CrazyflieLink::tick(Time now) {
       }
       return;
     case Phase::kReady: {
-      // A radio that was silent for a second makes the vehicle delete its log blocks.
+      // The vehicle deletes its log blocks after one second of radio silence.
       const Time newest = std::min(telemetry_.state_at().value_or(phase_since_),
                                    telemetry_.info_at().value_or(phase_since_));
       if (now - std::max(newest, phase_since_) > kLogSilence) {

@@ -23,15 +23,15 @@ class CrazyflieLink {
  public:
   explicit CrazyflieLink(std::shared_ptr<TableCache> cache) : cache_(std::move(cache)) {}
 
-  /// Processes one packet of the vehicle. Returns true if it is one.
+  /// Processes the bytes of one packet from the vehicle. Returns false if they are not a packet.
   bool receive(std::span<const std::uint8_t> bytes, Time now);
-  /// Sets the pose of the vehicle on the ground; nullopt: unknown, or it does not rest. The
-  /// firmware's filter does not converge to an attitude that differs by half a turn. Therefore the
-  /// estimate starts at this pose, and starts anew while its yaw differs.
+  /// Sets the pose of the vehicle on the ground; nullopt if it is unknown or the vehicle moves. The
+  /// firmware's filter does not converge from an attitude that is wrong by half a turn. Therefore
+  /// the estimate starts at this pose, and is restarted while its yaw differs.
   void set_start(const std::optional<Pose3>& world_from_body) { start_ = world_from_body; }
   /// Sends all pending requests.
   void tick(Time now);
-  /// Sends a packet; without one, counts a refused encoding.
+  /// Sends a packet; nullopt (a refused encoding) is only counted.
   void send(const std::optional<wire::crtp::Packet>& packet);
   std::vector<wire::crtp::Encoded> take_output();
 

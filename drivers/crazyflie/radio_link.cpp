@@ -89,13 +89,13 @@ crtp::Encoded RadioLink::next(Time now) {
     }
   }
   if (current_ && is_stream(current_->packet) && now - current_->since > kAgeMax) {
-    // The vehicle may have received the packet without a known acknowledgement. Its number is
-    // therefore used up by a packet without content.
+    // The vehicle may have received the packet although its acknowledgement was lost. A packet
+    // without content therefore uses up its number.
     current_ = without_content(now);
     ++counts_.dropped;
   }
   if (!current_) {
-    // Also a packet without content uses up a number, so that it is repeated like any other.
+    // A packet without content also uses up a number, so it is repeated like any other packet.
     current_ = without_content(now);
   }
   out = current_->packet;
@@ -142,7 +142,7 @@ void RadioLink::answer(std::span<const std::uint8_t> bytes, Time now) {
   if (payload.empty() || payload.size() > crtp::kPacketMax) {
     return;
   }
-  // Without content: port 15, channel 3.
+  // Packets without content have port 15 and channel 3.
   if ((payload[0] & 0xF3U) != 0xF3U) {
     if (received_.size() >= kQueueMax) {
       ++counts_.dropped;
@@ -151,7 +151,7 @@ void RadioLink::answer(std::span<const std::uint8_t> bytes, Time now) {
     ++counts_.received;
     received_.emplace_back(payload.begin(), payload.end());
   } else if (received_.empty()) {
-    received_.push_back({crtp::kNullHeader});  // shows that the vehicle is there
+    received_.push_back({crtp::kNullHeader});  // shows that the vehicle answers
   }
 }
 

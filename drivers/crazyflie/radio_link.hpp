@@ -53,7 +53,8 @@ class RadioLink {
   /// True if the vehicle has agreed to safe link.
   [[nodiscard]] bool has_safe_link() const { return is_safe_; }
   [[nodiscard]] const RadioCounts& counts() const { return counts_; }
-  /// Returns the time from write() to the acknowledgement of the last packet, once.
+  /// Returns the time from write() to the acknowledgement of the last packet; nullopt if this time
+  /// was already returned.
   std::optional<Duration> take_latency() { return std::exchange(latency_, std::nullopt); }
 
  private:
@@ -79,7 +80,7 @@ class RadioLink {
   std::optional<Duration> latency_;
 };
 
-/// One dongle that serves several vehicles, on any channels and data rates, in turn.
+/// One dongle that serves several vehicles in turn, on any channels and data rates.
 class RadioDongle {
  public:
   /// Pause between attempts to open a dongle that is absent.

@@ -21,7 +21,7 @@ Time steady_now() {
                         .count());
 }
 
-/// Port on one vehicle of a dongle. The lock is not held during USB transfers.
+/// Port to one vehicle through a dongle. The lock is not held during USB transfers.
 class RadioPort : public Port {
  public:
   RadioPort(std::unique_ptr<UsbRadio> usb, const crtp::RadioAddress& address)
@@ -120,8 +120,8 @@ class RadioPort : public Port {
     }
   }
 
-  RadioLink link_;      // used by the thread alone
-  RadioDongle dongle_;  // used by the thread alone
+  RadioLink link_;      // used only by the thread
+  RadioDongle dongle_;  // used only by the thread
   mutable std::mutex mutex_;
   std::deque<Sent> waiting_;
   std::deque<crtp::Encoded> received_;

@@ -8,10 +8,10 @@
 
 namespace vantage::drivers {
 
-/// Opens the connection to a Crazyflie by a dongle. A thread exchanges packets continuously,
-/// because the vehicle can only answer. A dongle that is removed is opened again.
+/// Opens the connection to a Crazyflie through a dongle. A thread exchanges packets continuously,
+/// because the vehicle can only answer. A dongle that was removed is opened again.
 std::unique_ptr<Port> open_radio_port(const wire::crtp::RadioUri& uri);
-/// As above, on a given dongle.
+/// As above, with the given dongle.
 std::unique_ptr<Port> open_radio_port(std::unique_ptr<UsbRadio> usb,
                                       const wire::crtp::RadioAddress& address);
 

@@ -17,7 +17,7 @@ namespace vantage::drivers {
 /// log blocks. One request is under way at a time; it is repeated until the vehicle answers.
 class CrazyflieSetUp {
  public:
-  /// Begins.
+  /// Begins the set-up.
   /// @param writes_parameters  false while the vehicle flies: then only the log is started
   /// @param start  pose on the ground, from which the estimate starts anew; absent: from the origin
   void begin(const TableFetch& parameters, const TableFetch& logs, bool writes_parameters,
@@ -28,7 +28,8 @@ class CrazyflieSetUp {
   std::optional<wire::crtp::Packet> tick(Time now);
 
   [[nodiscard]] bool is_done() const { return steps_.size() == done_ && !fault_; }
-  /// Returns why the vehicle cannot be used; nullopt if it can, or the set-up is under way.
+  /// Returns the reason why the vehicle cannot be used; nullopt if it can be used or the set-up is
+  /// not finished.
   [[nodiscard]] const std::optional<std::string>& fault() const { return fault_; }
   [[nodiscard]] bool has_battery() const { return has_battery_; }
 

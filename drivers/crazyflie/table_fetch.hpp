@@ -23,7 +23,7 @@ class TableCache {
   TableCache(TableCache&&) = delete;
   TableCache& operator=(TableCache&&) = delete;
 
-  /// Returns the table; nullopt if it is not stored or damaged.
+  /// Returns the table; nullopt if it is not stored or is damaged.
   virtual std::optional<std::vector<wire::crtp::TocItem>> find(wire::crtp::Port port,
                                                                const wire::crtp::TocInfo& info) = 0;
   virtual void store(wire::crtp::Port port, const wire::crtp::TocInfo& info,

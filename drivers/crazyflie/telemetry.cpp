@@ -26,7 +26,7 @@ constexpr std::array<LoggedVariable, 6> kHealth{{{"supervisor.info", ValueType::
                                                  {"kalman.varZ", ValueType::kF16},
                                                  {"gyro.z", ValueType::kF16},
                                                  {"pm.vbat", ValueType::kF16, true}}};
-constexpr double kBatteryKept = 0.975;  // per report; a time constant of 2 s
+constexpr double kBatteryKept = 0.975;  // weight of the old value per report; time constant 2 s
 
 }  // namespace
 
@@ -44,7 +44,7 @@ void CrazyflieTelemetry::take(const crtp::LogData& data, bool has_battery, Time 
   for (std::size_t i = 0; i < count; ++i) {
     const auto value = crtp::take_value(rest, variables[i].type);
     if (!value) {
-      return;  // another block of this number
+      return;  // another block with this number
     }
     values[i] = *value;
   }

@@ -26,7 +26,7 @@ inline constexpr std::uint16_t kLogPeriodMs = 50;
 /// Returns the variables of a log block, in the order of their values.
 std::span<const LoggedVariable> logged_variables(std::uint8_t block);
 
-/// Newest values that a Crazyflie has reported. Values are as old as their messages.
+/// Newest values that a Crazyflie has reported. The age of a value is the age of its message.
 class CrazyflieTelemetry {
  public:
   static constexpr Duration kFresh = std::chrono::milliseconds(500);
@@ -59,7 +59,8 @@ class CrazyflieTelemetry {
   [[nodiscard]] bool has_position(Time now) const {
     return has_state(now) && position_world_m_.allFinite() && velocity_world_mps_.allFinite();
   }
-  /// True if the attitude may be used: compressed, it cannot be NaN, but then the position is.
+  /// True if the attitude may be used. Its compressed form cannot show NaN, but the position is NaN
+  /// then.
   [[nodiscard]] bool has_attitude(Time now) const { return has_position(now); }
   [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
   [[nodiscard]] double tilt_rad() const;

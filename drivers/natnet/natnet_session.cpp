@@ -13,7 +13,7 @@ using wire::natnet::PacketId;
 
 constexpr Duration kConnectPeriod = std::chrono::milliseconds(500);
 constexpr Duration kDefinitionsPeriod = std::chrono::milliseconds(500);
-/// Time between echo requests, as that of pings of a DataStream.
+/// Time between echo requests; the same as between the pings of a DataStream client.
 constexpr Duration kEchoPeriod = std::chrono::milliseconds(50);
 /// A unicast server stops sending to a client that sends nothing.
 constexpr Duration kKeepAlivePeriod = std::chrono::seconds(1);

@@ -20,7 +20,7 @@ std::optional<Duration> TickClock::steady_at(std::uint64_t ticks) const {
   if (!best_) {
     return std::nullopt;
   }
-  constexpr double kReach_s = 1e6;  // s; a larger distance is not a tick of this clock
+  constexpr double kReach_s = 1e6;  // s; ticks farther away do not belong to this clock
   const double since_s = seconds_between(best_->ticks, ticks);
   return std::abs(since_s) > kReach_s ? std::nullopt
                                       : std::optional(best_->steady + from_seconds(since_s));

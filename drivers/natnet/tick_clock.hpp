@@ -7,7 +7,7 @@
 
 namespace vantage::drivers::natnet {
 
-/// Estimator of the own steady time at a tick of the server's clock, from the answers to echo
+/// Estimator of the local steady time at a tick of the server's clock, from the answers to echo
 /// requests.
 ///
 /// The server's clock showed the returned ticks after the request was sent and before the answer
@@ -35,7 +35,7 @@ class TickClock {
 
  private:
   struct Answer {
-    Duration steady{};  ///< estimated own time at `ticks`
+    Duration steady{};  ///< estimated local time at `ticks`
     std::uint64_t ticks = 0;
     Duration arrived{};
     double error_s = 0.0;

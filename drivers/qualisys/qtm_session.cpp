@@ -15,7 +15,7 @@ using wire::vicon::Framing;
 constexpr std::string_view kGreeting = "QTM RT Interface connected";
 /// Versions that this client knows, the newest first. All have the same layout of frames.
 constexpr std::array<std::string_view, 5> kVersions{"1.25", "1.21", "1.16", "1.12", "1.8"};
-/// Time between pings, as that of pings of a DataStream.
+/// Time between pings; the same as between the pings of a DataStream client.
 constexpr Duration kPingPeriod = std::chrono::milliseconds(50);
 constexpr Duration kRetryPeriod = std::chrono::seconds(1);
 constexpr std::size_t kPingsMax = 64;

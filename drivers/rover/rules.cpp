@@ -54,7 +54,7 @@ constexpr auto kRows = std::to_array<Condition>({
     common::kDriverStalled,
     held_for_operator(common::kShortOfProcessor),
     common::kWaitsForProcessor,
-    // Reported, without a change of state
+    // The rows below are reported without a change of state.
     common::kPoseUnsettled,
     common::kPlannerSilent,
     common::kTwoPlanners,

@@ -226,7 +226,8 @@ constexpr auto kRows = std::to_array<Condition>({
     common::kOperatorQuiet,
     common::kDriverStalled,
     common::kWaitsForProcessor,
-    // Without a change of state: reported only, slows the plan, or forbids arming
+    // The rows below do not change the state: they are only reported, slow the plan, or forbid
+    // arming.
     kPoseAging,
     common::kPoseUnsettled,
     kBodyTilted,

@@ -26,11 +26,11 @@ struct Condition {
   Severity severity;  ///< action in the air
   Clearing clearing;
   bool blocks_arming = false;  ///< forbids arming, and thus also taking off
-  double after_s = 0.0;        ///< s; the condition must hold this long before it acts
+  double after_s = 0.0;        ///< s; the condition must be true for this time before it acts
   const char* limit;           ///< text: the comparison with its limit
   const char* clears;          ///< text: the rule that clears the condition
   bool (*holds)(const SafetyInputs& inputs, const SafetyLimits& limits);
-  bool yields = false;           ///< clears later by yield_s for the vehicle that must yield
+  bool yields = false;           ///< clears yield_s later for the vehicle that must yield
   bool blocks_take_off = false;  ///< forbids take-off, but not arming
   bool spares_pilot = false;     ///< has no effect while a pilot controls the vehicle
   bool distrusts_pose = false;   ///< stops the use of poses until the vehicle is disarmed

@@ -90,8 +90,9 @@ struct SafetyInputs : Surroundings {
   double heartbeat_age_s = 0.0;
   double telemetry_age_s = 0.0;
   bool estimator_good = true;
-  double estimate_error_m = 0.0;    ///< m; 3D distance between autopilot and mocap position
-  double velocity_error_mps = 0.0;  ///< m/s; horizontal, between autopilot and mocap, in flight
+  double estimate_error_m = 0.0;  ///< m; 3D distance between autopilot and mocap position
+  double velocity_error_mps =
+      0.0;  ///< m/s; horizontal difference between autopilot and mocap, in flight
   double attitude_error_rad = 0.0;  ///< rad; difference of the vertical between autopilot and mocap
   double yaw_error_rad = 0.0;       ///< rad; yaw difference between autopilot and mocap
   double tilt_rad = 0.0;

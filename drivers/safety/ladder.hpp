@@ -37,9 +37,9 @@ struct LadderState {
   Refusal refusal;
   bool wants_follow = false;  ///< `follow` was received and has not been revoked
   Reasons latched;            ///< acting conditions; each ends only by its clearing rule
-  std::array<Time, kConditionsMax> since{};  ///< time since which each condition holds
+  std::array<Time, kConditionsMax> since{};  ///< time since which each condition is true
   std::array<Time, kConditionsMax> gone_since{};
-  Reasons held;  ///< conditions that held at the last tick
+  Reasons held;  ///< conditions that were true at the last tick
   /// The running motors were commanded to stop, but are not reported as stopped: they may stop at
   /// any moment.
   bool is_stopping = false;

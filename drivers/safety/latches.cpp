@@ -37,7 +37,7 @@ bool has_any(std::span<const Condition> rows, const Reasons& set, const Is& is) 
   return false;
 }
 
-/// Returns the conditions with the property `blocks` that hold now.
+/// Returns the conditions with the property `blocks` that are true now.
 Reasons blocking(std::span<const Condition> rows, bool Condition::*blocks,
                  const SafetyInputs& inputs, const SafetyLimits& limits) {
   Reasons out;

@@ -12,7 +12,7 @@
 
 namespace vantage::drivers {
 
-/// Updates the set of conditions that hold and the time since which each holds.
+/// Updates the set of true conditions and the time since which each is true.
 void watch(LadderState& next, std::span<const Condition> rows, const SafetyInputs& inputs,
            const SafetyLimits& limits);
 /// Computes one tick of a ladder: calls watch(), then the function of the current state: `idle`,
@@ -43,7 +43,7 @@ void latch(LadderState& next, std::span<const Condition> rows, const SafetyInput
            const SafetyLimits& limits);
 /// True if a latched condition has this severity.
 bool acts(std::span<const Condition> rows, const Reasons& latched, Severity severity);
-/// True if a condition with this clearing rule holds now.
+/// True if a condition with this clearing rule is true now.
 bool holds_any(std::span<const Condition> rows, const LadderState& ladder, Clearing clearing);
 /// True if a latched condition would persist when a plan begins.
 bool waits_for_more_than_a_plan(std::span<const Condition> rows, const Reasons& latched);

@@ -100,7 +100,8 @@ SafetyLimits limits_for(const scenario::Scenario& scenario, const std::string& r
   // Less than half the separation: an accepted pose is closer to the vehicle than to other bodies.
   limits.pose_gate_max_m = std::min(0.6, 0.48 * limits.separation_hold_m);
   limits.pose_gate_m = std::min(limits.pose_gate_m, 0.95 * limits.pose_gate_max_m);
-  // A closer vehicle would hover there forever, since the planner finds no path from there.
+  // Closer to an obstacle a vehicle would hover forever, since the planner finds no path from
+  // there.
   limits.hover_clearance_m = std::max(0.05, scenario.planner.obstacle_margin_m);
   const double round_s = scenario.planner.execute_steps * scenario.planner.step_s;
   limits.round_s = round_s;

@@ -13,7 +13,7 @@ namespace vantage::drivers {
 /// of about 1 kg; limits_for() replaces those that the scenario determines. The row of conditions()
 /// that names a limit states its effect.
 struct SafetyLimits {
-  // Pose; ages count from the arrival at the receiver.
+  // Limits of the pose; ages count from the arrival at the receiver.
   double pose_age_warn_s = 0.05;
   double pose_age_hold_s = 0.10;
   double pose_age_land_s = 0.50;
@@ -47,7 +47,7 @@ struct SafetyLimits {
   double tracking_hold_m = 0.4;  ///< m; 3D tracking error
   double tracking_land_m = 1.0;
 
-  // Position and stopping position of the vehicle.
+  // Limits of the position and the stopping position of the vehicle.
   models::World fence;  ///< bounds, ceiling, obstacles
   double fence_land_m = 0.0;
   double fence_kill_m = 1.0;  ///< m; distance of the centre beyond the bounds or the ceiling
@@ -138,7 +138,7 @@ struct SafetyLimits {
   double sink_error_m = 0.35;  ///< m above the commanded height during the descent
   double tilt_kill_rad = 1.05;
 
-  // Operator and this process.
+  // Limits of the operator and of this process.
   bool needs_operator = true;
   double operator_age_hold_s = 1.0;
   double operator_age_land_s = 3.0;

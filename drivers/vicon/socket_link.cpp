@@ -127,7 +127,7 @@ void SocketLink::open_datagram(Moment now) {
   driver_.on_opened(now);
 }
 
-// The socket is not connected, because a server may send frames from another port than that of its
+// The socket is not connected, because a server may send frames from a port other than that of its
 // answers.
 void SocketLink::open_requested(Moment now) {
   const Result<sockaddr_in> server = find_host(driver_.host(), driver_.port());
@@ -153,7 +153,7 @@ void SocketLink::follow_group() {
   if (!wanted) {
     return;
   }
-  // Joins on the card of the route to the server; the card of the default route may be another.
+  // Joins on the card of the route to the server; the default route may use another card.
   sockaddr_in own{};
   socklen_t own_size = sizeof own;
   const Descriptor route(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));

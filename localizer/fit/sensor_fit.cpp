@@ -21,7 +21,8 @@ constexpr double kRangeSigmaM = 0.018;
 constexpr double kRangeSigmaPerM = 0.0013;
 constexpr double kBearingSigmaRad = 0.006;
 constexpr double kOutlierSigma = 6.0;
-constexpr double kNearM = 1.5;  // nearer bearings depend on where on the body the code is
+constexpr double kNearM =
+    1.5;  // m; bearings of nearer bodies depend on where the code is on the body
 
 double median_of(std::vector<double> values) {
   if (values.empty()) {
@@ -235,10 +236,10 @@ SensorFit fit_sensor(const std::vector<scenario::LandmarkSpec>& landmarks,
 namespace {
 
 constexpr double kWindowS = 0.2;
-constexpr double kTurnSigmaRad = 0.005;  // assumed per window while the drive is fitted
+constexpr double kTurnSigmaRad = 0.005;  // 1σ of a window's turn, assumed while the drive is fitted
 constexpr double kMoveSigmaM = 0.002;
 
-/// Motion of one robot in time windows: true, and of the commands.
+/// True and commanded motion of one robot in time windows.
 struct Windows {
   std::vector<double> true_turn_rad;
   std::vector<double> true_move_m;
@@ -289,7 +290,7 @@ Windows windows_of(const RobotRecording& recording, const TrueWindows& truth, do
       motion.command(each.stamp.time, each.motion_body.x(), each.motion_body.z());
     }
   };
-  // Step from the first command on, so that the response has its true speed at the first window.
+  // Start at the first command, so that the response has its true speed at the first window.
   static_cast<void>(motion.advance_to(recording.odometry.front().stamp.time));
   for (Time time = recording.odometry.front().stamp.time; time < truth.begin; time += window) {
     feed(time);

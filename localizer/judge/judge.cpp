@@ -14,7 +14,7 @@
 namespace vantage::localizer {
 namespace {
 
-constexpr double kUnjudgedS = 60.0;    // after an unknown start
+constexpr double kUnjudgedS = 60.0;    // after an unknown start, this time is not judged
 constexpr double kInside2 = 5.991465;  // 95 % quantile of χ² with 2 degrees of freedom
 constexpr double kInside3 = 7.814728;
 constexpr double kStartSigma = 0.01;                      // m and rad
@@ -343,7 +343,7 @@ class HindsightJudge {
         is_start_known_(is_start_known),
         placed_after_s_(recording.size(), -1.0) {}
 
-  /// Notes which robots have a pose at `now`.
+  /// Records which robots have a pose at `now`.
   void note_placed(const TeamFilter& filter, Time now) {
     for (std::size_t robot = 0; robot < placed_after_s_.size(); ++robot) {
       if (placed_after_s_[robot] < 0.0 && filter.is_placed(static_cast<int>(robot))) {
@@ -352,8 +352,8 @@ class HindsightJudge {
     }
   }
 
-  /// Judges the instants of the grid before `until` that were not judged yet, with the data that
-  /// `run` contains, and drops their record.
+  /// Judges the unjudged grid instants before `until` with the data that `run` contains, and drops
+  /// their record.
   void judge_until(JointRun& run, Time until) {
     if (until <= judged_until_) {
       return;
@@ -413,8 +413,8 @@ JudgeFigures judge_hindsight(const scenario::LocalizerSpec& spec, const Recordin
       run.step(recording, time_of(step - 1), now);
     }
     judge.note_placed(run.filter(), now);
-    // The filter contains frames stamped up to one step after `now`. Estimates until the next pass
-    // would contain more than hindsight_s if they waited for it.
+    // The filter contains frames stamped up to one step after `now`. An estimate that waited for
+    // the next pass would contain more than hindsight_s of later data.
     if (std::isfinite(options.hindsight_s) && (now - begin) % kHindsightPass == Duration{0}) {
       judge.judge_until(run, now - from_seconds(options.hindsight_s) + kHindsightPass + kIncrement);
     }

@@ -14,7 +14,7 @@ namespace vantage::localizer {
 struct JudgeOptions {
   bool is_start_known = true;  ///< true: σ 0.01 m and 0.01 rad around the true pose
   double loss = 0.0;           ///< probability that a receiver misses a message
-  std::uint64_t seed = 1;      ///< of the lost messages
+  std::uint64_t seed = 1;      ///< seed of the random message losses
   int message_every = 2;       ///< steps of 0.1 s between the messages of a robot
   /// s; an estimate for t uses data up to t + hindsight_s. 0: filter, one localiser per robot with
   /// messages. Above 0: one joint filter without messages; infinity: all data.
@@ -32,18 +32,18 @@ struct ErrorFigures {
 
 /// Results of one recording, judged at every 0.1 s.
 struct JudgeFigures {
-  ErrorFigures position_m;  ///< of all robots
+  ErrorFigures position_m;  ///< errors of all robots
   std::vector<ErrorFigures> robot_position_m;
-  ErrorFigures yaw_rad;                ///< of the robots whose true heading is trusted
+  ErrorFigures yaw_rad;                ///< heading errors of the robots with trusted true heading
   double nees_position = 0.0;          ///< mean; ideal 2
   double nees_pose = 0.0;              ///< mean over the robots with trusted heading; ideal 3
   double inside_position = 0.0;        ///< share of positions inside their 95 % ellipse
   double inside_pose = 0.0;            ///< share of poses inside their 95 % ellipsoid
   std::vector<double> placed_after_s;  ///< per robot, s; −1: never
   int without_pose = 0;                ///< instants at which a judged robot had no pose
-  double bytes_per_robot_s = 0.0;      ///< of the messages without transport headers
-  FilterCounts filter;                 ///< of the first robot's filter
-  InputCounts inputs;                  ///< of the first robot
+  double bytes_per_robot_s = 0.0;      ///< rate of the messages, without transport headers
+  FilterCounts filter;                 ///< counts of the first robot's filter
+  InputCounts inputs;                  ///< counts of the first robot's inputs
 };
 
 /// Runs the localisers on `recording`.

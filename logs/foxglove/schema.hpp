@@ -33,7 +33,7 @@ const char* name_of(Schema schema);
 
 /// Returns the JSON Schema (draft 2020-12) as text, for the field `schema` of a channel with
 /// `schemaEncoding` "jsonschema".
-/// Source: the members of the Foxglove schemas; ours are written where they are made.
+/// Source: the members of the Foxglove schemas; vantage's own schemas are defined with their code.
 const std::string& json_schema(Schema schema);
 
 }  // namespace vantage::logs::foxglove

@@ -124,7 +124,7 @@ class Stream {
   std::optional<TrialMetrics> metrics_;  ///< set if scenario_ is set
   std::vector<TargetStory> stories_;     ///< one per target of scenario_
   std::map<int, Sighting> sightings_;    ///< last measurement of each target with an id
-  /// s; targets found earlier after the first message may have been found before it
+  /// s after the first message; a target found earlier may have been found before the first message
   double unknown_until_s_ = 0.0;
   std::optional<models::AttackNotice> attack_;
   std::map<std::string, models::VehicleStatus> vehicles_;

@@ -21,7 +21,7 @@ namespace vantage::logs {
 struct TargetStatus {
   std::string name;
   std::optional<double> discovered_s;  ///< s; time of discovery since the start of the trial
-  std::string discovered_by;  ///< robot whose belief first contained the target; empty: none did
+  std::string discovered_by;  ///< robot that first had a belief of the target; empty if none had
   /// The team's estimate; nullopt while no robot knows the target.
   std::optional<PositionEstimate> estimate;
   /// m; distance of the estimate from the true position at the estimate's time.
@@ -93,7 +93,7 @@ class TrialMetrics {
   [[nodiscard]] std::vector<models::TargetBelief> named(const std::string& robot,
                                                         const ReceivedBelief& received);
 
-  /// Returns the priced energy of the steps of `plan` that are executed before the next plan.
+  /// Returns the energy cost, nats, of the steps of `plan` that are executed before the next plan.
   [[nodiscard]] double energy_nats(const models::RobotPlan& plan) const;
 
   const models::World world_;

@@ -10,7 +10,8 @@
 
 namespace vantage::logs {
 
-/// Returns the length in s of the strongly drawn last part of a track; earlier parts are faint.
+/// Returns the duration, s, of the last part of a track, which is drawn strongly; earlier parts are
+/// faint.
 inline double recent_s() { return logs::appearance().trail_s; }
 
 void draw_ground(Svg& svg, const Layout& layout, const scenario::Scenario& scenario,
@@ -20,7 +21,7 @@ void draw_tracks(Svg& svg, const Layout& layout, const scenario::Scenario& scena
                  const Scene& scene);
 void draw_views_and_plans(Svg& svg, const Layout& layout, const scenario::Scenario& scenario,
                           const Scene& scene);
-/// Draws a robot's body with its nose forward, and a core if its colour differs.
+/// Draws a robot's body with its nose forward, and a core if the core has another colour.
 void draw_robot(Svg& svg, const Eigen::Vector2d& at_px, double yaw_rad, double radius_px,
                 std::string_view colour, std::string_view core_colour);
 /// Draws the sensor's range from `world_from_body`: a disc, or the sector of its field of view.

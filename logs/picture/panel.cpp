@@ -105,8 +105,8 @@ class Legend {
     svg_.text(at_px_ + Eigen::Vector2d(0, 14), "Legend", kHead);
     at_px_.y() += 36.0;
   }
-  /// Writes the text of appearance.json for `glyph` and `more`. Returns the centre of the entry's
-  /// symbol.
+  /// Writes the text of appearance.json for `glyph`, followed by `more`. Returns the centre of the
+  /// entry's symbol.
   Eigen::Vector2d entry(const char* glyph, std::string_view more = "") {
     svg_.text(at_px_ + Eigen::Vector2d(44, 4.5),
               fmt::format("{}{}", logs::appearance().glyphs.at(glyph), more), kBody);

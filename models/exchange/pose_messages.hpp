@@ -23,11 +23,11 @@ struct OdometryReport {
   Stamp stamp;
   std::string robot;
   OdometryKind kind = OdometryKind::kIncrement;
-  Duration interval{};  ///< duration of the increment, which ends at stamp.time; of a command: 0
-  /// Forward, left and turn: [m, m, rad] in the body frame at the start of the interval; of a
-  /// command: [m/s, m/s, rad/s].
+  Duration interval{};  ///< duration of the increment, which ends at stamp.time; 0 for a command
+  /// Forward, left and turn in the body frame. An increment [m, m, rad] uses the frame at the start
+  /// of the interval; a command is a velocity [m/s, m/s, rad/s].
   Eigen::Vector3d motion_body = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of motion_body
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< covariance of motion_body
 };
 
 enum class PoseSource { kNone, kMotionCapture, kLocalizer };
@@ -35,19 +35,19 @@ enum class PoseSource { kNone, kMotionCapture, kLocalizer };
 /// Range and bearing of one identified landmark or teammate.
 struct Sighting {
   Time time{};  ///< time of the measurement, corrected for the camera's latency
-  int id = 0;   ///< of the landmark or teammate, as in the scenario's section localizer
+  int id = 0;   ///< id of the landmark or teammate in the scenario's section localizer
   double range_m = 0.0;
   double bearing_rad = 0.0;
 };
 
-/// The pose of one robot (POSE_R), with the newest motion and sightings for its teammates.
+/// Pose of one robot (POSE_R), with the newest motion and sightings for its teammates.
 struct PoseEstimate {
   Stamp stamp;
   std::string robot;
   PoseSource source = PoseSource::kNone;  ///< kNone: the pose is unknown and meaningless
   Pose2 world_from_body;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of x, y and yaw
-  double age_s = 0.0;  ///< s since the newest observation of a landmark or teammate
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< covariance of x, y and yaw
+  double age_s = 0.0;  ///< s; time since the newest observation of a landmark or teammate
   Time increments_from{};
   Duration increment{};  ///< duration of each increment
   /// Forward [m], left [m] and turn [rad], in the body frame at the start of each increment.

@@ -109,15 +109,15 @@ double variance_growth(const SensorModel& sensor, double range_m);
 /// True if the field of view is a full circle.
 bool has_full_view(const SensorModel& sensor);
 SightLine sight_line(const Viewpoint& from, const PositionVector& target_world_m);
-/// Returns the value of law().parameters[i], the default if `sensor` does not set it.
+/// Returns the value of law().parameters[i], or its default if `sensor` does not set it.
 double own_parameter(const SensorModel& sensor, int i);
-/// Returns the index of the own parameter `name` of the kind; nullopt: the kind has no such one.
+/// Returns the index of the own parameter `name` of the kind; nullopt if the kind has none.
 std::optional<int> find_parameter(SensorKind kind, std::string_view name);
-/// Returns the rule in words: "above 0".
+/// Returns the rule in words, such as "above 0".
 std::string_view words_of(ParameterRule rule);
-/// True if `rule` allows `value`; false for a value that is not finite.
+/// True if `rule` allows `value`; false if the value is not finite.
 bool is_allowed(ParameterRule rule, double value);
-/// Returns the first parameter of `sensor` whose value breaks its rule; null: none.
+/// Returns the first parameter of `sensor` whose value breaks its rule; null if there is none.
 const SensorParameter* broken_parameter(const SensorModel& sensor);
 /// Returns the bearing from body x, wrapped, rad.
 double bearing_rad(const Viewpoint& from, const SightLine& to);

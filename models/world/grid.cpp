@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kSlack_m = 1e-9;  // tolerance for rounding in sums of cell sizes
 
-// Cells [first, last] on one axis that [low_m, high_m] overlaps; first > last: none.
+// Cells [first, last] on one axis that [low_m, high_m] overlaps; first > last if there are none.
 struct CellSpan {
   int first = 0;
   int last = -1;

@@ -15,7 +15,8 @@ models::PositionMatrix information_at(const models::World* world,
                                       const models::Viewpoint& from,
                                       const models::PositionVector& target_m);
 
-/// As above, about the state (position, velocity) of a target: square like the state.
+/// As above, but about the state (position, velocity) of a target; the result has the size of the
+/// state.
 models::StateMatrix state_information_at(const models::World* world,
                                          std::span<const models::SensorModel> sensors,
                                          const models::Viewpoint& from,

@@ -73,8 +73,8 @@ void require_valid_information(const SearchProblem& problem) {
 
 double required_separation_from_m(const SearchProblem& problem, const Pose2& start, double height_m,
                                   const models::Trajectory& other) {
-  // Steps are checked along chords. This margin ensures that their deviation does not forbid every
-  // motion away from the teammate.
+  // Steps are checked along chords, which deviate from the path. This margin keeps the deviation
+  // from forbidding every motion away from the teammate.
   constexpr double kChords_m = 0.01;
   const double other_height_m = problem.separation_from_above ? height_m : other.height_m;
   Eigen::Vector3d away_m;
@@ -84,7 +84,8 @@ double required_separation_from_m(const SearchProblem& problem, const Pose2& sta
 }
 
 // Adds the information of the robot's own sensors about the position of `target`, believed to be
-// `belief`, to `M`; information about its state updates the belief at once. True if there is any.
+// `belief`, to `M`; information about its state updates the belief at once. Returns true if there
+// is any information.
 bool add_own_information(const SearchProblem& problem, const SearchTarget& target,
                          const Pose2& pose, models::Gaussian& belief, models::PositionMatrix& M) {
   const models::PositionVector mean_m = belief.mean.head(target.model.position_dim);

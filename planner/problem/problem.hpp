@@ -50,11 +50,11 @@ struct SearchProblem {
 
   /// Information of the teammates' fixed plans about target m on arrival at depth t:
   /// fixed_information[m][t − 1], about the position (position_dim square) or the state (dim
-  /// square). Empty: none.
+  /// square). Empty if there is none.
   std::vector<std::vector<models::StateMatrix>> fixed_information;
 
-  /// Added to J_T of every complete plan; empty: none. The targets that count as measured are those
-  /// of which a sensor of this robot gives information at a step before the last.
+  /// Added to J_T of every complete plan; nothing is added if it is empty. A target counts as
+  /// measured if a sensor of this robot gives information about it at a step before the last.
   TerminalValue terminal;
 
   const models::World* world = nullptr;          ///< null: unbounded and empty
@@ -125,7 +125,7 @@ struct SearchResult {
   /// sequence was feasible; `controls` then has only these steps. After them the robot stops and
   /// hovers.
   int moving_steps = 0;
-  double lower_bound = 0.0;  ///< proven lower bound of the optimum; −∞: none
+  double lower_bound = 0.0;  ///< proven lower bound of the optimum; −∞ if none is proven
   /// True if `cost` and `lower_bound` include the problem's terminal value.
   bool has_terminal_value = false;
   double epsilon = 0.0;  ///< ε of the last completed pass

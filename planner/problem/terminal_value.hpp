@@ -19,7 +19,8 @@ namespace vantage::planner {
 /// t_j = 0.
 ///
 /// V ≥ 0. V does not increase if more targets are measured, because travel times obey the triangle
-/// inequality at every grid point and interpolation keeps it. Allocates only in its constructor.
+/// inequality at every grid point and interpolation preserves it. Allocates only in its
+/// constructor.
 class TerminalValue {
  public:
   static constexpr int kStopsMax = 64;
@@ -79,8 +80,8 @@ class TerminalValue {
   std::vector<Stop> stops_;
   Fields fields_;
   std::vector<double> slopes_s_per_m_;  ///< per field: largest slope of the interpolation
-  std::vector<std::int8_t> stop_of_;    ///< per target; −1: none
-  Rest whole_;                          ///< rest without measurements
+  std::vector<std::int8_t> stop_of_;    ///< per target: its stop; −1 if it has none
+  Rest whole_;                          ///< rest of the tour without measurements
 };
 
 }  // namespace vantage::planner

@@ -22,8 +22,7 @@ std::uint64_t draw_seed(std::uint64_t seed, std::size_t robot, std::int64_t roun
   return (std::uint64_t{words[1]} << 32U) | words[0];
 }
 
-// Returns the height, between two heights that a vehicle passes through, nearest to another
-// vehicle.
+// Returns the height between `one_m` and `two_m` that is nearest to `other_m`.
 double nearest_height_m(double other_m, double one_m, double two_m) {
   return std::clamp(other_m, std::min(one_m, two_m), std::max(one_m, two_m));
 }
@@ -34,7 +33,7 @@ constexpr double kStale_s = 0.5;
 // Bodies other than robots are assumed to move at constant velocity for this time, then to stop.
 constexpr double kPredicted_s = 3.0;
 constexpr double kStationary_mps = 0.1;
-constexpr double kFastest_mps = 4.0;  // at a higher speed, two bodies were confused
+constexpr double kFastest_mps = 4.0;  // a higher speed means that two bodies were confused
 
 // Returns the height of a vehicle above the markers of a body, m; 0 if the markers are at the same
 // height or higher. The space below the markers counts as occupied.
@@ -111,7 +110,7 @@ class Builder {
   void begin(std::size_t robot, const models::Trajectory& committed);
   void add_map();
   void add_targets(const models::RobotBelief& belief);
-  /// Returns the components of a target's mixture; empty if the belief is a single Gaussian.
+  /// Returns one target per component of a mixture; empty if the belief is a single Gaussian.
   template <class Then>
   [[nodiscard]] std::vector<SearchTarget> components_of(int target_id, const Then& then) const;
   void add_landmarks(const models::RobotBelief& belief);

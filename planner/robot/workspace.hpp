@@ -35,7 +35,7 @@ class Workspace {
 
   [[nodiscard]] const scenario::Scenario& scenario() const { return scenario_; }
   [[nodiscard]] const models::DistanceField& field() const { return field_; }
-  /// Returns the index of the robot with that name; nullopt: none.
+  /// Returns the index of the robot with that name; nullopt if there is none.
   [[nodiscard]] std::optional<std::size_t> index_of(const std::string& robot) const;
   /// Returns the scenario's search, for all planners that do not need their own
   /// (Algorithm::is_stateful). Created at the first call, like reduced().

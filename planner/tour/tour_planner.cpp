@@ -272,8 +272,8 @@ TerminalValue TourPlanner::terminal_value() const {
   if (open.empty()) {
     return {};
   }
-  // Points inside obstacles get the times of the nearest open point, all stops alike, so that the
-  // triangle inequality holds there too.
+  // Points inside obstacles get the times of the nearest open point, for all stops, so that the
+  // triangle inequality also holds there.
   for (const std::size_t at : blocked) {
     const Eigen::Vector2d p_m = position_m(at);
     const std::size_t nearest =

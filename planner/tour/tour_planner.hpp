@@ -41,7 +41,7 @@ struct TourStop {
 /// plan() allocates nothing after construction. Its work is bounded by a number of evaluated
 /// visits, so the tour is a function of its arguments. Source: ours, as a travelling repairman
 /// problem with gains that depend on time. Yuan et al., RA-L 2025 (arXiv 2510.10421) also choose
-/// the target to search next above a planner of motions.
+/// the next target in a layer above a motion planner.
 class TourPlanner {
  public:
   static constexpr int kStopsMax = 128;
@@ -92,10 +92,10 @@ class TourPlanner {
     double free_s = 0.0;  ///< s after the problem's start
   };
   std::vector<Ranked> ranked_;
-  std::vector<models::Gaussian> beliefs_;  ///< of each stop, at the horizon's end
-  std::vector<int> targets_;               ///< of each stop
+  std::vector<models::Gaussian> beliefs_;  ///< belief about each stop's target at the horizon's end
+  std::vector<int> targets_;               ///< index of each stop's target
   std::vector<Eigen::Vector2d> positions_m_;
-  std::vector<Start> starts_;  ///< of each robot; the first is this robot
+  std::vector<Start> starts_;  ///< start of each robot; the first is this robot
   std::vector<TourStop> tour_;
 };
 

@@ -5,7 +5,7 @@
 namespace vantage::scenario {
 namespace {
 
-/// Returns the kind of firmware that the robot's vehicle has; empty: none.
+/// Returns the kind of firmware that the robot's vehicle has; empty if there is none.
 std::string firmware_kind(const RobotSpec& robot) {
   if (robot.crazyflie) {
     return "crazyflie";

@@ -6,7 +6,7 @@
 #include "scenario/reader/mapping.hpp"
 #include "scenario/scenario.hpp"
 
-// Readers of the sections with a source file of their own: scenario_SECTION_yaml.cpp.
+// Readers of the sections that have their own source file: scenario_SECTION_yaml.cpp.
 
 namespace vantage::scenario {
 

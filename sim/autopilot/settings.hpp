@@ -20,7 +20,7 @@ struct AutopilotSettings {
   double pose_loss_s = 0.0;                ///< s; time without poses until the position is lost
   bool lands_on_pose_loss = true;
   bool has_barometer = true;  ///< the height estimate remains valid without poses
-  // On the ground.
+  // Times on the ground.
   std::optional<double> idle_disarm_s;  ///< s; time from arming without take-off until disarming
   std::optional<double> land_disarm_s;  ///< s; time from the detected landing to disarming
   // Motion.

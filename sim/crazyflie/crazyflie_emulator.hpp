@@ -59,11 +59,11 @@ class CrazyflieEmulator {
   [[nodiscard]] bool has_crashed_firmware() const { return is_dead_; }
   [[nodiscard]] bool are_motors_running() const { return are_motors_running_; }
   [[nodiscard]] double parameter(const std::string& name) const { return tables_.parameter(name); }
-  /// Returns the number of packets that are not understood.
+  /// Returns the number of packets that were not understood.
   [[nodiscard]] std::int64_t ignored() const { return ignored_; }
   [[nodiscard]] std::int64_t poses() const { return poses_; }
   [[nodiscard]] std::int64_t setpoints() const { return setpoints_; }
-  /// Sets the charge that the reported voltage shows; absent: that of the body.
+  /// Sets the battery voltage that is reported; if absent, that of the body's battery is reported.
   void set_battery_v(std::optional<double> voltage_v) { battery_v_ = voltage_v; }
   [[nodiscard]] std::optional<Eigen::Vector3d> setpoint_m() const;
 

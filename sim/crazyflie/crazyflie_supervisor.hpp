@@ -59,8 +59,8 @@ class CrazyflieSupervisor {
   std::optional<Time> thrust_at_;  ///< last time with running motors
   std::optional<Time> armed_at_;
   std::optional<Time> landed_at_;
-  std::optional<Time> over_at_;    ///< upside down since
-  std::optional<Time> tilted_at_;  ///< tilted by more than 60° since
+  std::optional<Time> over_at_;    ///< time since which the vehicle is upside down
+  std::optional<Time> tilted_at_;  ///< time since which it is tilted by more than 60°
   std::optional<Time> upright_at_;
   std::optional<Time> stopped_at_;  ///< emergency stop
   std::optional<Time> watchdog_;

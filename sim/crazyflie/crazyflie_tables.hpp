@@ -19,7 +19,7 @@ struct CrazyflieVariable {
   wire::crtp::ValueType type = wire::crtp::ValueType::kU8;
   bool is_read_only = false;
   double value = 0.0;               ///< of a parameter
-  std::function<double()> measure;  ///< of a log variable
+  std::function<double()> measure;  ///< measures the value of a log variable
 };
 
 /// Parameters and log blocks of an emulated Crazyflie, with the replies of firmware 2026.08.
@@ -33,7 +33,7 @@ class CrazyflieTables {
   std::optional<wire::crtp::Packet> receive(const wire::crtp::Packet& packet, Time now);
   /// Appends the log data that are due.
   void append_due(Time now, Time boot, std::vector<wire::crtp::Packet>& out);
-  /// Deletes all log blocks, as the firmware does when its radio was silent.
+  /// Deletes all log blocks, as the firmware does after radio silence.
   void forget_blocks() { blocks_.clear(); }
 
   /// Returns the value of a parameter.

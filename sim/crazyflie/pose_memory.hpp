@@ -17,7 +17,7 @@ class PoseMemory {
   /// Processes an external pose; NaN in the position makes the estimate NaN permanently.
   void take(const Eigen::Vector3d& position_world_m, const std::optional<Quaternion>& rotation,
             const Pose3& truth, Time now);
-  /// Forgets everything, as the parameter kalman.resetEstimation.
+  /// Forgets everything, as the firmware does for the parameter kalman.resetEstimation.
   void reset() { *this = {}; }
 
   /// Before the first pose, the estimate stays at the origin.
@@ -29,7 +29,8 @@ class PoseMemory {
  private:
   std::optional<Time> newest_;
   Eigen::Vector3d error_m_ = Eigen::Vector3d::Zero();
-  Quaternion turned_ = Quaternion::Identity();  ///< estimated from true attitude
+  Quaternion turned_ =
+      Quaternion::Identity();  ///< rotation from the true to the estimated attitude
 };
 
 }  // namespace vantage::sim

@@ -27,7 +27,7 @@ class CrazyflieLink : public FirmwareLink {
  public:
   /// Ports on this host, 127.0.0.1.
   struct Ports {
-    int firmware = 0;  ///< to which the firmware says hello
+    int firmware = 0;  ///< port to which the firmware sends its first packet
     int client = 0;
   };
   /// Returns the ports of `instance`: 19950 + instance and 19850 + instance.
@@ -56,7 +56,7 @@ class CrazyflieLink : public FirmwareLink {
   /// Numbers of packets, and of those that were not relayed.
   struct Counts {
     std::int64_t hellos = 0;       ///< answered hellos of the firmware, one per start or more
-    std::int64_t to_firmware = 0;  ///< of the client
+    std::int64_t to_firmware = 0;  ///< packets of the client for the firmware
     std::int64_t to_client = 0;
     std::int64_t forged = 0;      ///< packets of a client on the simulator's port
     std::int64_t bad_length = 0;  ///< datagrams with no bytes or more than 31

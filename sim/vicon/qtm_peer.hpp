@@ -11,7 +11,7 @@
 namespace vantage::sim::vicon {
 
 /// Server side of one client's connection to the emulated QTM: greeting, version, names and frames.
-/// An occluded body has numbers that are not numbers. Its time begins at the first frame. An event
+/// An occluded body is sent with NaN values. The server's time begins at the first frame. An event
 /// announces that a body appeared or disappeared.
 class QtmPeer : public Peer {
  public:

@@ -57,8 +57,8 @@ int main(int argc, char** argv) {
       return 2;
     }
     const int code = run();
-    // Output that could not be written is a failure. A reader that has seen enough, such as head,
-    // needs no message.
+    // Output that could not be written is a failure. No message is printed if the reader, such as
+    // head, has closed the pipe.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
       pollfd out{STDOUT_FILENO, POLLOUT, 0};
       if (poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0) {

@@ -62,7 +62,7 @@ class DetectionSource {
   bool detects_ids_;
   int position_dim_;
   std::vector<scenario::TargetSpec> targets_;
-  std::deque<std::shared_ptr<const models::MocapFrame>> frames_;  ///< of the last kAgeMax
+  std::deque<std::shared_ptr<const models::MocapFrame>> frames_;  ///< frames of the last kAgeMax
   std::deque<SeenObjects> waiting_;
   DetectionCounts counts_;
 };

@@ -81,7 +81,7 @@ std::optional<SeenObject> read_object(CdrReader& in) {
   SeenObject out;
   Time stamp{};
   std::string frame;
-  read_header(in, stamp, frame);  // that of the array counts
+  read_header(in, stamp, frame);  // the header of the array is used instead
   const std::size_t results = in.count(kResultBytes);
   double best_score = 0.0;
   for (std::size_t i = 0; i < results && in.ok(); ++i) {

@@ -13,7 +13,7 @@ namespace vantage::tools::ros2 {
 
 struct PoseCounts {
   std::int64_t unreadable = 0;   ///< messages that are damaged or contain impossible numbers
-  std::int64_t wrong_frame = 0;  ///< poses in another frame than the world's
+  std::int64_t wrong_frame = 0;  ///< poses in a frame other than the world frame
   std::int64_t stale = 0;        ///< poses with a stamp older than kAgeMax
   std::int64_t early = 0;        ///< poses with a stamp in the future: the clocks differ
 };

@@ -58,7 +58,7 @@ std::string absolute(const std::string& path) {
   return path.empty() ? path : std::filesystem::absolute(path).string();
 }
 
-/// Returns the program that `vantage up` starts for the robot; empty: none.
+/// Returns the program that `vantage up` starts for the robot; empty if there is none.
 const std::string& firmware_binary(const scenario::RobotSpec& robot) {
   static const std::string none;
   return robot.firmware ? robot.firmware->binary : none;
@@ -104,7 +104,7 @@ ProcessSpec ardupilot_process(const scenario::RobotSpec& robot, int instance, in
   return out;
 }
 
-constexpr int kPx4Port = 14'540;  // UDP port to which instance 0 sends; instance n: + n
+constexpr int kPx4Port = 14'540;  // UDP port to which instance 0 sends; instance n adds n
 
 // Parameters of the simulated airframe (sim/firmware/multirotor); wire::parameter_file() contains
 // the other parameters.
@@ -152,8 +152,9 @@ ProcessSpec px4_process(const scenario::RobotSpec& robot, int instance, int syst
   return out;
 }
 
-// The firmware says hello to this port until the simulator answers (wire/sitl/crazyflie_sensors).
-constexpr int kCrazyflieHelloPort = 19'950;  // of instance 0; instance n: + n
+// The firmware sends hello packets to this port until the simulator answers
+// (wire/sitl/crazyflie_sensors).
+constexpr int kCrazyflieHelloPort = 19'950;  // port of instance 0; instance n adds n
 
 ProcessSpec crazyflie_process(const scenario::RobotSpec& robot, int instance,
                               const ProcessSettings& settings) {
@@ -175,7 +176,8 @@ ProcessSpec firmware_process(const scenario::RobotSpec& robot, int instance,
              : ardupilot_process(robot, instance, system_id, settings);
 }
 
-/// Adds what prevents the driver from reaching the autopilot of a MAVLink robot with firmware.
+/// Adds the faults that prevent the driver of a MAVLink robot with firmware from reaching the
+/// autopilot.
 void add_port_faults(const scenario::RobotSpec& robot, int instance,
                      std::vector<std::string>& out) {
   const auto port = driver_port(robot);

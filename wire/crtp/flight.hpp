@@ -31,7 +31,7 @@ struct PackedPose {
   std::uint8_t id = 0;  ///< last byte of the vehicle's address
   ExternalPose pose;
 };
-inline constexpr std::size_t kPackedPosesMax = 2;  ///< in one packet
+inline constexpr std::size_t kPackedPosesMax = 2;  ///< maximum number of poses in one packet
 
 std::optional<Packet> encode(const ExternalPosition& position);
 std::optional<Packet> encode(const ExternalPose& pose);
@@ -67,7 +67,7 @@ std::optional<Packet> encode(const SetpointsEnd& end);
 enum class HighLevelCommand : std::uint8_t { kStop = 3, kTakeOff = 7, kLand = 8, kGoTo = 12 };
 /// Stops a running trajectory; the motors stop.
 struct HighLevelStop {};
-/// Climb to, or descent to, an absolute height.
+/// Climb or descent to an absolute height.
 struct HighLevelHeight {
   bool is_landing = false;
   double height_m = 0.0;
@@ -87,7 +87,8 @@ std::optional<Packet> encode(const HighLevelGoTo& command);
 
 /// Error codes in replies of the high-level commander.
 inline constexpr std::uint8_t kHighLevelOk = 0;
-inline constexpr std::uint8_t kHighLevelRefused = 1;  ///< by the planner, as a second landing
+inline constexpr std::uint8_t kHighLevelRefused =
+    1;  ///< refused by the planner, for example a second landing
 inline constexpr std::uint8_t kHighLevelUnknown = 8;
 inline constexpr std::uint8_t kHighLevelBusy = 16;  ///< the vehicle is not allowed to fly
 struct HighLevelReply {
@@ -101,8 +102,8 @@ std::optional<HighLevelReply> decode_high_level_reply(const Packet& packet);
 using FlightMessage = std::variant<ExternalPosition, ExternalPose, std::vector<PackedPose>,
                                    StopSetpoint, FullStateSetpoint, PositionSetpoint, SetpointsEnd,
                                    HighLevelStop, HighLevelHeight, HighLevelGoTo>;
-/// Returns the message in `packet`; nullopt for another port or kind, or a wrong length. Numbers
-/// may be not finite.
+/// Returns the message in `packet`; nullopt for another port or kind, or a wrong length. Numbers in
+/// the message may be non-finite.
 std::optional<FlightMessage> decode_flight(const Packet& packet);
 
 }  // namespace vantage::wire::crtp

@@ -20,7 +20,7 @@ inline constexpr std::uint16_t kAutoArmed = 1U << 2U;  ///< the vehicle arms by 
 inline constexpr std::uint16_t kCanFly = 1U << 3U;
 inline constexpr std::uint16_t kFlying = 1U << 4U;
 inline constexpr std::uint16_t kTumbled = 1U << 5U;
-inline constexpr std::uint16_t kLocked = 1U << 6U;  ///< until the vehicle is restarted
+inline constexpr std::uint16_t kLocked = 1U << 6U;  ///< locked until the vehicle is restarted
 inline constexpr std::uint16_t kCrashed = 1U << 7U;
 inline constexpr std::uint16_t kHighLevelActive = 1U << 8U;
 inline constexpr std::uint16_t kTrajectoryDone = 1U << 9U;
@@ -33,10 +33,10 @@ enum class SupervisorCommand : std::uint8_t {
   kArm = 1,
   kRecover = 2,        ///< after a crash
   kEmergencyStop = 3,  ///< motors off, locked until a restart
-  kStopWatchdog = 4,   ///< from the first on, emergency stop 1 s after the last
+  kStopWatchdog = 4,  ///< after the first command, an emergency stop follows 1 s after the last one
 };
 Packet arm_request(bool is_to_arm);
-/// Request without a parameter: each command but kArm.
+/// Returns the request for a command without a parameter, that is, for each command except kArm.
 Packet supervisor_request(SupervisorCommand command);
 Packet info_request();
 
@@ -50,7 +50,7 @@ struct SupervisorRequest {
   bool is_to_arm = false;
 };
 std::optional<SupervisorRequest> decode_supervisor_request(const Packet& packet);
-/// Answer to arm_request() and to kRecover.
+/// Returns the answer to arm_request() or to kRecover.
 Packet supervisor_reply(SupervisorCommand command, bool is_ok, bool state);
 Packet info_reply(std::uint16_t bits);
 /// Returns the bits of info_reply(); nullopt for another packet.
@@ -58,7 +58,7 @@ std::optional<std::uint16_t> decode_info_reply(const Packet& packet);
 
 /// Version requests of the platform (port 13 channel 1), by number.
 enum class PlatformRequest : std::uint8_t { kProtocol = 0, kFirmware = 1, kDevice = 2 };
-/// Protocol with a supervisor on port 9.
+/// First protocol version with a supervisor on port 9.
 inline constexpr std::uint32_t kProtocolMin = 12;
 Packet platform_request(PlatformRequest request);
 Packet protocol_reply(std::uint32_t version);
@@ -68,9 +68,9 @@ std::optional<std::uint32_t> decode_protocol_reply(const Packet& packet);
 /// Returns the text of a reply to kFirmware or kDevice; nullopt for another packet.
 std::optional<std::string> decode_platform_text(const Packet& packet, PlatformRequest request);
 
-/// Packet that the vehicle sends back unchanged. Longer payloads than kPayloadMax are cut.
+/// Returns a packet that the vehicle sends back unchanged. The payload is cut to kPayloadMax.
 Packet echo_request(Bytes payload);
-/// Request for the text that identifies a Crazyflie, and its answer.
+/// Return the request for the text that identifies a Crazyflie, and its answer.
 Packet source_request();
 Packet source_reply();
 

@@ -33,7 +33,7 @@ struct TocInfo {
   friend bool operator==(const TocInfo&, const TocInfo&) = default;
 };
 
-/// Requests for the table on `port`, kParameter or kLog.
+/// Return requests for the table on `port`, which is kParameter or kLog.
 Packet toc_info_request(Port port);
 Packet toc_item_request(Port port, std::uint16_t id);
 Packet toc_info_reply(Port port, const TocInfo& info);

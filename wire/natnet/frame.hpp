@@ -15,7 +15,7 @@ struct RigidBody {
   Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
   Eigen::Vector4f rotation_xyzw{0.0F, 0.0F, 0.0F, 1.0F};
   float mean_error_m = 0.0F;
-  bool is_tracked = false;  ///< otherwise the pose is old or not finite
+  bool is_tracked = false;  ///< false: the pose is old or not finite
 };
 
 /// Bits of Frame::flags.

@@ -84,7 +84,7 @@ struct ServerInfo {
   std::array<std::uint8_t, 4> group{239, 255, 42, 99};  ///< multicast address of frames
 };
 
-/// Own stamp of a client, and the server's clock when the server answered.
+/// Stamp of the client, and the server's clock when the server answered.
 struct EchoResponse {
   std::uint64_t stamp = 0;
   std::uint64_t server_ticks = 0;

@@ -58,7 +58,7 @@ enum class Component : std::uint32_t {
   k6DEulerResidual = 12,
 };
 
-/// Pose of one body. A body that is not visible has a position that is not a number.
+/// Pose of one body. A body that is not visible has a NaN position.
 struct Body {
   Eigen::Vector3f position_mm = Eigen::Vector3f::Zero();
   Eigen::Matrix3f world_from_body = Eigen::Matrix3f::Identity();  ///< only without Euler angles

@@ -21,7 +21,7 @@ constexpr double kPerG = 65'536.0 / 32.0;
 constexpr double kPerDegps = 65'536.0 / 4'000.0;
 constexpr double kPerGauss = 666.7;
 
-/// Writer of little-endian numbers behind the header and the kind of the sensor.
+/// Writer of little-endian numbers after the header and the kind of the sensor.
 template <std::size_t size>
 class Packet {
  public:

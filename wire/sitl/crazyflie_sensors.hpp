@@ -9,17 +9,17 @@
 #include <Eigen/Core>
 
 // Link between Crazyflie firmware compiled for a computer and its simulator: datagrams of at most
-// 31 bytes, one CRTP packet each. The firmware says hello until the simulator answers with the same
-// byte. Then sensor values go to the firmware, and motor commands to the simulator, on a port of
-// their own; the packets of a client use the same link.
+// 31 bytes, one CRTP packet each. The firmware sends hello packets until the simulator answers with
+// the same byte. Then sensor values go to the firmware, and motor commands to the simulator, on a
+// separate CRTP port; the packets of a client use the same link.
 // Source: the port of the firmware to Linux (crazyflie-firmware, branch sitl-release), sensors_sitl
 // and power_distribution_sitl. That branch uses port 9; firmware since 2025 has its supervisor
 // there, so the port is moved to 14.
 
 namespace vantage::wire::sitl {
 
-inline constexpr int kCrazyflieFirmwarePort = 19'950;  ///< of the simulator; plus instance
-inline constexpr int kCrazyflieClientPort = 19'850;    ///< of the simulator; plus instance
+inline constexpr int kCrazyflieFirmwarePort = 19'950;  ///< of the simulator; add the instance
+inline constexpr int kCrazyflieClientPort = 19'850;    ///< of the simulator; add the instance
 inline constexpr std::uint8_t kCrazyflieHello = 0xF3;  ///< only byte of the hello and of its answer
 inline constexpr std::size_t kCrazyfliePacketMax = 31;
 
@@ -45,7 +45,7 @@ struct MotorDuties {
 };
 /// Parses a motor command; returns nullopt for any other packet.
 std::optional<MotorDuties> parse_motor_duties(std::span<const std::uint8_t> packet);
-/// True for the message that the gyro's bias is known: the firmware flies from now on.
+/// True for the message that the gyroscope's bias is known; from then on the firmware can fly.
 bool is_gyro_calibrated(std::span<const std::uint8_t> packet);
 
 }  // namespace vantage::wire::sitl

@@ -31,7 +31,7 @@ class Reader {
   float f32() { return std::bit_cast<float>(u32()); }
   double f64() { return std::bit_cast<double>(u64()); }
 
-  /// Returns the next `count` bytes. If fewer remain, returns none and makes ok() false.
+  /// Returns the next `count` bytes. If fewer remain, returns no bytes and makes ok() false.
   Bytes take(std::size_t count) {
     if (count > rest_.size()) {
       is_ok_ = false;

@@ -87,8 +87,8 @@ void SensorNode::on_frame(const std::shared_ptr<const models::MocapFrame>& recei
 
 void SensorNode::keep(const std::shared_ptr<const models::MocapFrame>& frame) {
   recent_.push_back(frame);
-  // Later instants are later than this frame minus one step: the newest frame that is old enough
-  // for all of them is kept, with all newer ones.
+  // All later instants are after this frame minus one step. Keeps the newest frame that is old
+  // enough for all of them, and all newer frames.
   while (recent_.size() > 1 && recent_[1]->stamp.time + kVelocityBaseMax < frame->stamp.time) {
     recent_.pop_front();
   }

@@ -52,7 +52,7 @@ class SensorNode : public bus::Node {
   /// Appends the frame to recent_ and removes the frames that no later instant needs.
   void keep(const std::shared_ptr<const models::MocapFrame>& frame);
   /// Returns the newest kept frame at least kVelocityBase before `time`, but not older than
-  /// kVelocityBaseMax; null: none.
+  /// kVelocityBaseMax; null if there is none.
   [[nodiscard]] const models::MocapFrame* earlier_frame(Time time) const;
 
   bus::Bus& bus_;

@@ -13,7 +13,7 @@
 
 namespace vantage::estimator {
 
-/// One robot's track of a target. Until its discovery only `known` is valid.
+/// One robot's track of a target. Until the target is discovered, only `known` is valid.
 struct Track {
   bool known = false;
   models::Information information;

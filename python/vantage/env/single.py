@@ -64,9 +64,9 @@ class Parts:
     def _set_tasks(self, kind, count, threads, options):
         self._tasks = _vantage._Tasks(kind, count, threads, options)
         self.kind = kind
-        """tracking or mapping."""
+        """Name of the task: tracking or mapping."""
         self.robots = self._tasks.robots
-        """How many."""
+        """Number of robots."""
         self.observation_parts = {}
         """{name: (slice, shape)} of one robot's observation."""
         begin = 0

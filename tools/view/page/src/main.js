@@ -42,7 +42,7 @@ const kAlways = [/^\/transforms$/, /^\/world$/, /^\/robots$/, /^\/scenario$/, /^
 const kTrails = "/trails";
 const kTrail_s = 5; // s; length of the trails at first
 const kSilent_s = 3; // s; a live trial without messages for this time has ended, or is not received
-const kStateSlack_s = 3; // s; states that are older than the session by more than this time are of an earlier session
+const kStateSlack_s = 3; // s; older states (relative to the session) belong to an earlier session
 const kSetBack_s = 60; // s; if a live record is older than the newest by this time, a clock was set back
 const kTrailPeriod_s = 0.2;
 const kShortStep_s = 0.1;
@@ -173,7 +173,8 @@ function clear_all() {
 
 on_refresh(() => write_hidden_charts(), 5);
 
-/** Shows a session of the list: a log jumps to its begin; live, the stored records of that session are shown. */
+/** Shows a session of the list: a log jumps to the start of the session; a live view shows the
+stored records of that session are shown. */
 function show_session(index) {
   sessions.choose(index);
   state.shown_session = sessions.is_last() ? undefined : index;
@@ -254,7 +255,8 @@ async function load_history(session) {
   if (!state.range && history.length > 0) {
     const last = seconds_of(history.at(-1)[1]);
     set_now(last);
-    // The clock of this browser may differ from the server's; a small difference is not an end.
+    // The clock of this browser may differ from the server's; a small difference does not mean that
+    // the trial has ended.
     state.heard_at ??= performance.now() - 1000 * Math.max(0, Date.now() / 1000 - last);
     place_bodies();
   }
@@ -573,7 +575,7 @@ trail_select.onchange = () => {
 trail_label.append(trail_select);
 by_id("layers").append(trail_label);
 
-/** Dims the layers of which nothing was received. */
+/** Dims the layers for which nothing was received. */
 on_refresh(() => {
   for (const { button, topic, name } of kLayers) {
     const has_any = name === "trails" ? trails.paths.size > 0 : [...connection.channels.keys()].some((each) => topic.test(each));

@@ -11,7 +11,8 @@ const kReturn_ms = 10_000; // a page that was silent for longer, as on a sleepin
 const kOutcome = { awaited: "calm", confirmed: "good", refused: "bad", unconfirmed: "warn" };
 
 /** Returns the key that the address contains after "#operate=", and removes it from the address, so that no shared link has it.
-    A reloaded page takes it from this tab's storage. Returns null if the page is no operator page. */
+    A reloaded page takes it from this tab's storage. Returns null if the page is not an operator
+    page. */
 export function take_key() {
   const found = location.hash.match(/^#operate=([0-9a-f]{32})$/);
   if (found) {
@@ -80,7 +81,7 @@ export class Operator {
 
   release() {
     if (!this.token) return;
-    this.request("release").catch(() => {}); // without it, the claim ends by itself
+    this.request("release").catch(() => {}); // if this fails, the claim ends after its timeout
     this.token = "";
     this.share_token();
   }

@@ -16,7 +16,8 @@ export function make(tag, className, text) {
 /** Compares names in natural order: Q2 before Q10. */
 export const in_order = new Intl.Collator("en", { numeric: true }).compare;
 
-/** Rows by key in a box. Rows are made once and updated with a beat if their text has changed. With more than `of.crowd` rows,
+/** Table of rows in a box, by key. Rows are created once, and updated at a beat if their text has
+changed. With more than `of.crowd` rows,
     rows without a problem are hidden, and a heading shows the number of rows by state. */
 class Table {
   /** @param of {row(key): the elements of a row and its title; is_normal(key): true if the row shows no problem;
@@ -295,7 +296,8 @@ export class Targets {
     };
   }
 
-  /** Sets the discovery of a target from the event in a log: after a jump, the server has not read the log from its begin. */
+  /** Sets the discovery of a target from the event in a log: after a jump, the server has not read
+  the log from its start. */
   on_found(name, found_s, found_by) {
     if (!this.found.has(name)) this.found.set(name, { found_s, found_by });
   }

@@ -35,7 +35,7 @@ export function plain_rows(kind, record) {
   return kMembers[kind].filter(([key]) => record[key] !== undefined && record[key] !== null).map(([key, name, text]) => [name, text(record[key])]);
 }
 
-/** Returns [name, text] of all members of a record that are no objects, unchanged. */
+/** Returns [name, text] of all members of a record that are not objects, unchanged. */
 export function raw_rows(record) {
   return Object.entries(record)
     .filter(([key, value]) => key !== "timestamp" && (value === null || typeof value !== "object" || Array.isArray(value)))

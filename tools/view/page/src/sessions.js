@@ -24,7 +24,8 @@ export class Sessions {
     return true;
   }
 
-  /** Returns [from, to] of a session, s since the epoch. The first session also has what came before its scenario. */
+  /** Returns [from, to] of a session, s since the epoch. The first session also includes the time
+  before its scenario record. */
   range(index) {
     return [index > 0 ? this.list[index].from : -Infinity, this.list[index + 1]?.from ?? Infinity];
   }
