@@ -131,12 +131,13 @@ std::unique_ptr<Authenticator> authenticator_for(const scenario::Scenario& scena
 /// security or without the folder of keys. @throws StartupError as load_keyring().
 std::unique_ptr<Authenticator> replay_authenticator_for(const scenario::Scenario& scenario);
 /// Creates the authenticator of a log reader: it makes the checks that the flight's processes made,
-/// except those of time. nullptr and @throws as replay_authenticator_for().
+/// except those of time. Returns nullptr and throws in the same cases as
+/// replay_authenticator_for().
 std::unique_ptr<Authenticator> log_authenticator_for(const scenario::Scenario& scenario);
 
-/// Returns the security faults that prevent `scenario` from being flown, one sentence each; empty:
-/// none. Checks the key files: keys of all roles must be present. If commands must echo nonces, at
-/// most kEchoesMax robots are possible.
+/// Returns the security faults that prevent `scenario` from being flown, one sentence each; empty
+/// if there are none. Checks the key files: keys of all roles must be present. If commands must
+/// echo nonces, at most kEchoesMax robots are possible.
 std::vector<std::string> security_faults(const scenario::Scenario& scenario);
 
 /// Checks that this host can sign commands, unless security is off. @throws StartupError if it

@@ -247,7 +247,7 @@ SignatureBudgets::VerifiedSender* SignatureBudgets::find(const Sender& sender) {
 }
 
 SignatureBudgets::Host* SignatureBudgets::host_of(const Sender& sender, Time now) {
-  const std::uint64_t address = sender.source >> 16U;  // without the port
+  const std::uint64_t address = sender.source >> 16U;  // address without the port
   const auto found = std::find_if(hosts_.begin(), hosts_.end(),
                                   [&](const Host& each) { return each.address == address; });
   Host* const host =

@@ -117,8 +117,9 @@ class SignatureBudgets {
     Budget stops;
   };
   static constexpr std::size_t kVerifiedMax =
-      16;                                       ///< senders; a new one replaces the longest silent
-  static constexpr std::size_t kHostsMax = 64;  ///< hosts; replaced in the same way
+      16;  ///< maximum number of senders; a new sender replaces the one that was silent longest
+  static constexpr std::size_t kHostsMax =
+      64;  ///< maximum number of hosts; a new host replaces the one that was silent longest
   /// A sender or host with a message within this time is never replaced.
   static constexpr Duration kKeptFor = std::chrono::seconds(3);
 

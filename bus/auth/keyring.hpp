@@ -57,7 +57,7 @@ class Keyring {
   /// @throws UsageError when two keys have the same id, or a role has two signing keys.
   void add(Key key);
   [[nodiscard]] const Key* find(std::uint32_t id) const;
-  /// Returns the key with which this process signs as `role`; nullptr: none.
+  /// Returns the key with which this process signs as `role`; nullptr if there is none.
   [[nodiscard]] const Key* signing(Role role) const;
   [[nodiscard]] const std::vector<Key>& keys() const { return keys_; }
 

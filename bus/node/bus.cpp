@@ -178,7 +178,7 @@ void Bus::on_message(const std::string& pattern, std::string_view name, const Pa
   const std::int64_t start_ns = monotonic_ns();
   Delivery delivery{std::string(name), bytes};
   delivery.source = bytes.source;
-  delivery.decoded = authenticator_ ? nullptr : bytes.decoded;  // if signed: not shared
+  delivery.decoded = authenticator_ ? nullptr : bytes.decoded;  // signed messages are not shared
   if (!open(delivery)) {
     handling_ns_ += monotonic_ns() - start_ns;
     return;

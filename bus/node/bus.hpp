@@ -179,8 +179,9 @@ class Bus {
   StreamCounts unsubscribed_counts_;  ///< counts of streams that were unsubscribed
   std::int64_t undecoded_ = 0;
   std::map<std::string, std::int64_t>
-      decode_errors_;  ///< by channel: messages of a wrong type or truncated
-  std::map<std::string, std::int64_t> refused_;  ///< by channel: impossible values
+      decode_errors_;  ///< number of messages of a wrong type or truncated, by channel
+  std::map<std::string, std::int64_t>
+      refused_;  ///< number of messages with impossible values, by channel
 };
 
 }  // namespace vantage::bus

@@ -28,13 +28,13 @@ std::optional<ProcessUsage> usage_from_stat(std::string_view stat, std::int64_t 
 std::optional<ProcessUsage> usage_of(int pid);
 
 /// Returns how long one thread was ready to run without a processor, µs, from the text of
-/// /proc/PID/task/TID/schedstat. nullopt: the text is malformed, or the kernel does not count this
-/// time.
+/// /proc/PID/task/TID/schedstat. Returns nullopt if the text is malformed or the kernel does not
+/// count this time.
 std::optional<std::int64_t> waited_us_from_schedstat(std::string_view schedstat);
 
 /// Returns the waiting time of all present threads of the process `pid`, µs; a thread that has just
-/// ended is omitted. nullopt: the process has ended, or the kernel does not count this time. Cost:
-/// reads one file per thread, about 7 µs each.
+/// ended is omitted. Returns nullopt if the process has ended or the kernel does not count this
+/// time. Cost: reads one file per thread, about 7 µs each.
 std::optional<std::int64_t> waited_us_of(int pid);
 
 /// Reader of the time that the calling thread waited for a processor, for frequent reads without a

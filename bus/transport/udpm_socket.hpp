@@ -101,9 +101,9 @@ class MulticastSocket {
   std::uint32_t kernel_drops_seen_ = 0;  ///< last value of the kernel's counter, which wraps
   std::int64_t kernel_drops_ = 0;
   bool is_filtered_ = false;
-  bool was_filtered_ = false;          ///< the kernel's counter may contain filtered datagrams
-  bool is_full_ = false;               ///< at the start of the present series of receive()
-  bool is_overflow_possible_ = false;  ///< after the last reported overflow
+  bool was_filtered_ = false;  ///< the kernel's counter may contain filtered datagrams
+  bool is_full_ = false;  ///< the buffer was full at the start of the present series of receive()
+  bool is_overflow_possible_ = false;  ///< an overflow is possible after the last reported one
   bool is_joined_ = false;
   std::string fault_;
   std::int64_t network_losses_ = 0;

@@ -38,7 +38,7 @@ std::optional<Packet> encode(const ExternalPose& pose);
 /// @return nullopt also for no pose or more than kPackedPosesMax
 std::optional<Packet> encode(std::span<const PackedPose> poses);
 
-/// Motors off.
+/// Set-point that switches the motors off.
 struct StopSetpoint {};
 /// Full state for the Mellinger controller. The PID controller uses only position and yaw.
 struct FullStateSetpoint {

@@ -18,8 +18,10 @@
 
 namespace vantage::wire::sitl {
 
-inline constexpr int kCrazyflieFirmwarePort = 19'950;  ///< of the simulator; add the instance
-inline constexpr int kCrazyflieClientPort = 19'850;    ///< of the simulator; add the instance
+inline constexpr int kCrazyflieFirmwarePort =
+    19'950;  ///< port of the simulator for the firmware; add the instance
+inline constexpr int kCrazyflieClientPort =
+    19'850;  ///< port of the simulator for a client; add the instance
 inline constexpr std::uint8_t kCrazyflieHello = 0xF3;  ///< only byte of the hello and of its answer
 inline constexpr std::size_t kCrazyfliePacketMax = 31;
 
