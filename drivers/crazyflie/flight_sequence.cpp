@@ -13,8 +13,8 @@ namespace info = wire::crtp::info;
 constexpr Duration kArmPeriod = std::chrono::milliseconds(200);
 constexpr Duration kDisarmPeriod = std::chrono::milliseconds(500);
 constexpr Duration kLandPeriod = std::chrono::milliseconds(40);
-// Longest wait for the answer to the command to land. Afterwards "set-points end" is sent after
-// each command: the vehicle levels 0.5 s after the last set-point.
+// Longest wait for the answer to the command to land. After this time, "set-points end" is sent
+// after each command, because the vehicle levels 0.5 s after the last set-point.
 constexpr Duration kAnswerMax = std::chrono::milliseconds(250);
 constexpr double kLandMps = 0.35;
 constexpr double kLandMinS = 1.0;
@@ -51,7 +51,7 @@ bool CrazyflieSequence::is_armed(const CrazyflieTelemetry& telemetry) const {
   if (!telemetry.has(info::kAutoArmed)) {
     return may_fly && telemetry.has(info::kArmed);
   }
-  // A vehicle that arms itself is always armed; only its motors matter.
+  // A vehicle that arms itself is always armed, so only the state of its motors matters.
   return may_fly && (telemetry.has(info::kFlying) || (is_released_ && !is_over_));
 }
 

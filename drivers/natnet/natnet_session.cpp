@@ -68,7 +68,8 @@ void NatNetSession::on_time(Moment now) {
   } else if (wants_definitions_ && is_due(definitions_request_)) {
     append_empty(outgoing, PacketId::kDefinitionsRequest);
   } else if (is_due(echo_request_)) {
-    // The stamp is the sending time, so that answers slower than the period can also be measured.
+    // The stamp is the sending time, so that round trips longer than the period can also be
+    // measured.
     wire::natnet::append_echo_request(outgoing, static_cast<std::uint64_t>(now.steady.count()));
   } else if (is_due(keep_alive_)) {
     append_empty(outgoing, PacketId::kKeepAlive);

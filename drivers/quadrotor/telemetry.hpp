@@ -23,8 +23,8 @@ struct AutopilotText {
   std::string text;
 };
 
-/// Latest reports of one autopilot. Values are as old as their messages; callers must check the
-/// times.
+/// Latest reports of one autopilot. The age of a value is the age of its message; callers must
+/// check the times.
 class Telemetry {
  public:
   /// @param battery  if given, the charge is also estimated from the voltage
@@ -103,7 +103,8 @@ class Telemetry {
   std::uint8_t landed_state_ = 0;
   std::optional<scenario::BatterySpec> battery_;
   std::optional<double> battery_share_;
-  std::map<int, Battery> batteries_;  ///< by source; at most 256 battery ids and SYS_STATUS
+  std::map<int, Battery>
+      batteries_;  ///< batteries by source; at most 256 battery ids and SYS_STATUS
   std::optional<Time> battery_time_;
   std::uint16_t estimator_flags_ = 0;
   bool are_motors_unhealthy_ = false;  ///< according to the last SYS_STATUS

@@ -39,9 +39,9 @@ enum class [[nodiscard]] CommandVerdict{
 /// Properties that differ between vehicle types.
 struct VehicleTraits {
   std::span<const Condition> conditions;  ///< table of the vehicle type
-  /// A flying vehicle is on its course if its 3D position agrees, and it follows its plan without
-  /// a pose for pose_age_land_s. A ground vehicle has no height control, and follows its plan
-  /// without a pose for pose_age_hold_s.
+  /// True: the vehicle is on its course if its 3D position agrees, and it continues its plan for
+  /// pose_age_land_s without a pose. False: the vehicle has no height control, and it continues its
+  /// plan for pose_age_hold_s without a pose.
   bool flies = true;
 };
 

@@ -38,7 +38,7 @@ struct SafetyInputs : Surroundings {
   /// s; time in the last second that this thread waited for a processor; 0 if not measured
   double processor_wait_s = 0.0;
 
-  // Pose.
+  // Inputs about the pose.
   double pose_age_s = 0.0;          ///< s since the arrival of the last plausible pose
   double pose_latency_s = 0.0;      ///< s; arrival minus capture time, if the clocks are comparable
   int poses_rejected = 0;           ///< number of consecutive implausible poses
@@ -55,7 +55,7 @@ struct SafetyInputs : Surroundings {
   double start_turn_rad = 0.0;      ///< rad; yaw difference from that start, before the first
                                     ///< flight
 
-  // Plan.
+  // Inputs about the plan.
   bool has_plan = true;                 ///< the course follows a checked plan
   bool plan_ended = false;              ///< the plan has reached its final hover
   double plan_age_s = 0.0;              ///< s since the last accepted plan
@@ -66,7 +66,7 @@ struct SafetyInputs : Surroundings {
   bool map_differs = false;             ///< planner and driver use different scenarios
   double other_version_age_s = kNever;  ///< s since the last message of an unknown type
 
-  // Taking off.
+  // Inputs about the take-off.
   bool is_lift_blocked = false;  ///< another vehicle is lifting, or must lift before this one
   double no_rise_s = 0.0;        ///< s; time since the take-off command; 0 once the body has risen
   double proof_pending_s = 0.0;  ///< s; time in the hover of the first lift
@@ -82,7 +82,7 @@ struct SafetyInputs : Surroundings {
   bool is_found_flying = false;   ///< armed and in the air without a command of this driver
   bool is_found_landing = false;  ///< as is_found_flying, with the autopilot in its landing mode
 
-  // Vehicle.
+  // Inputs about the vehicle.
   bool autopilot_armed = false;
   /// the autopilot is in the mode that accepts set-points, or that mode was not requested
   bool autopilot_obeys = true;
@@ -102,10 +102,10 @@ struct SafetyInputs : Surroundings {
   double battery_unchanged_s = 0.0;  ///< s; flight time without a change of the battery value
   double flight_s = 0.0;             ///< s since the vehicle became airborne
 
-  // This process.
+  // Inputs about this process.
   bool is_ending = false;  ///< the driver was requested to end
 
-  // Operator.
+  // Inputs about the operator.
   double operator_age_s = 0.0;  ///< s since the last heartbeat of the station in charge
   bool emergency_stop = false;  ///< emergency stop received since the last tick, from any station
   /// action requested by the station in charge; hold and land are accepted from any station

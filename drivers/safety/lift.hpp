@@ -66,7 +66,7 @@ class LiftQueue {
   };
   [[nodiscard]] static bool is_before(const Entry& a, const Entry& b);
 
-  std::vector<Entry> robots_;  ///< in the order of the scenario
+  std::vector<Entry> robots_;  ///< entries in the order of the scenario
   std::size_t own_ = 0;
   std::int64_t orders_ = 0;
   std::size_t front_;  ///< index of the first vehicle in the queue; robots_.size() if empty

@@ -31,7 +31,7 @@ struct SafetyLimits {
   /// m; poses farther outside the volume are rejected, unless they continue a track in the air
   double volume_margin_m = 1.0;
 
-  // Plan.
+  // Limits of plans.
   double round_s = 0.0;  ///< s; time after which the next plan replaces a plan; 0: unknown
   /// s; age of the last accepted plan once that plan has ended; longer than one round
   double plan_age_hold_s = 2.0;
@@ -75,7 +75,7 @@ struct SafetyLimits {
   double hover_clearance_m = 0.1;
   double landing_clearance_m = 0.7;  ///< m; horizontal clearance from bodies below
 
-  // Vehicle.
+  // Limits and timing of the vehicle.
   models::VehicleLimits vehicle;
   double lateral_max_mps2 = 10.0;
   double take_off_height_m = 1.0;

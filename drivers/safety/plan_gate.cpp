@@ -54,7 +54,7 @@ PlanVerdict PlanGate::check(const models::RobotPlan& plan, const PlanSituation& 
   if (!situation.may_take) {
     return PlanVerdict::kNotFollowing;
   }
-  // A later plan would replace the pending plan, which leads to the start of the later plan.
+  // This plan begins at the end of the pending plan, so it must not replace the pending plan.
   if (situation.course.has_next() && newest_start_ > now && out.start_time > newest_start_) {
     return PlanVerdict::kTooFarAhead;
   }

@@ -43,9 +43,9 @@ double tube_m(const OtherBody& body, const SafetyLimits& limits) {
 }
 
 // Returns a lower bound of the distance between a vehicle that moves from `from_m` to `to_m` and a
-// moving body that reaches down to the ground, m. The body moves meanwhile from `body_from_m` to
-// `body_to_m`, and may be `strayed_m` off that path; the space below its markers is occupied.
-// Horizontal and vertical distance are minimized separately.
+// moving body that reaches down to the ground, m. In the same time, the body moves from
+// `body_from_m` to `body_to_m`, and may be `strayed_m` off that path; the space below its markers
+// is occupied. Horizontal and vertical distance are minimized separately.
 double distance_to_standing_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                               const Eigen::Vector3d& body_from_m, const Eigen::Vector3d& body_to_m,
                               double strayed_m) {
@@ -128,9 +128,9 @@ Eigen::Vector3d carried_on_m(const OtherBody& body, double t_s) {
                         : Eigen::Vector3d(body.position_world_m + t_s * body.velocity_world_mps);
 }
 
-// True if the body would come closer to the straight path, flown at kShiftMps, than `apart_m` and
-// closer than it is now. The distance to robots is horizontal, since they may land as well; so is
-// the distance to bodies that are not below.
+// True if the body's distance to the straight path, flown at kShiftMps, would be below `apart_m`
+// and below its present distance. The distance is horizontal for robots, since they may land as
+// well, and for bodies that are not below the vehicle.
 bool meets(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, const OtherBody& body,
            double apart_m) {
   const bool is_below = body.position_world_m.z() < std::min(from_m.z(), to_m.z()) - kLevelM;
@@ -279,7 +279,7 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
 bool is_climb_blocked(const Eigen::Vector3d& position_m, double goal_m,
                       std::span<const OtherBody> others, const SafetyLimits& limits) {
   constexpr double kPredictionS = 2.0;
-  constexpr double kRoomM = 0.25;  // m; allowance for a turn of the other body meanwhile
+  constexpr double kRoomM = 0.25;  // m; allowance for a turn of the other body during this time
   return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
     const double z_m = body.position_world_m.z();
     const bool is_in_climb_range =

@@ -59,9 +59,10 @@ double predicted_distance_m(const Eigen::Vector3d& position_m, std::span<const O
 Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const OtherBody> others,
                              const SafetyLimits& limits);
 
-/// True if the straight path comes closer than separation_hold_m, and closer than it is now, to a
-/// body with priority or to a stationary robot. Distances to robots, and to bodies that are not
-/// below the vehicle, are horizontal. Bodies other than robots are assumed to keep their velocity.
+/// True if the vehicle's distance to a body with priority or to a stationary robot falls below
+/// separation_hold_m, and below its present value, along the straight path. Distances to robots,
+/// and to bodies that are not below the vehicle, are horizontal. Bodies other than robots are
+/// assumed to keep their velocity.
 bool is_path_blocked(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                      std::span<const OtherBody> others, const SafetyLimits& limits);
 

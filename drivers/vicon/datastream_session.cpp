@@ -139,7 +139,7 @@ void DataStreamSession::on_packet(Moment arrival, wire::vicon::Bytes body) {
   }
 }
 
-// The id of a ping is its sending time, so that echoes slower than the ping period can also be
+// The id of a ping is its sending time, so that round trips longer than the ping period can also be
 // measured.
 void DataStreamSession::on_ping(Moment arrival, const wire::vicon::Ping& ping) {
   const Duration sent{static_cast<std::int64_t>(ping.id)};
