@@ -29,7 +29,7 @@ struct AutopilotProfile {
   bool needs_origin = false;            ///< an origin is required for arming
   double lost_before_failsafe_s = 0.0;  ///< s; from the loss of position to the failsafe
 
-  // Arming.
+  // Parameters of arming.
   double accelerometer_delay_s = 0.0;  ///< s; from boot until the accelerometers agree
   double arm_delay_s = 0.0;            ///< s; minimum time from boot until arming (gyroscopes)
   const char* arming_text = "";
@@ -48,7 +48,7 @@ struct AutopilotProfile {
   /// the wind caused that acceleration.
   bool keeps_braking_on_change = false;
 
-  // Motion.
+  // Parameters of motion.
   double velocity_shaping_s = 0.0;  ///< s; first-order lag of velocity set-points
   double climb_gain_per_s = 4.0;    ///< 1/s; PX4 parameter MPC_Z_VEL_P_ACC
   double velocity_integral_per_s2 = 0.15;

@@ -23,7 +23,7 @@ struct AutopilotSettings {
   // Times on the ground.
   std::optional<double> idle_disarm_s;  ///< s; time from arming without take-off until disarming
   std::optional<double> land_disarm_s;  ///< s; time from the detected landing to disarming
-  // Motion.
+  // Parameters of motion.
   double speed_max_mps = 3.0;
   double land_speed_mps = 0.5;
   double position_gain_per_s = 1.0;

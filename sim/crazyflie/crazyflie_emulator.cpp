@@ -19,7 +19,7 @@ using crtp::ValueType;
 constexpr std::uint32_t kProtocol = 12;
 constexpr double kMellinger = 2.0;
 
-/// True for a set-point packet that ends the firmware: an assertion fails.
+/// True for a set-point packet that crashes the firmware by a failed assertion.
 bool is_deadly(const Packet& packet) {
   if (packet.port != Port::kSetpoint) {
     return false;

@@ -28,7 +28,7 @@ struct CrazyflieEmulatorSpec {
 
 /// Emulated Crazyflie: receives CRTP packets, replies as firmware 2026.08 does, and flies a
 /// simulated body. It has the dangerous properties of the firmware: set-points that stop lock the
-/// motors, malformed packets end the firmware, poses are not checked, and a lost pose is not
+/// motors, malformed packets crash the firmware, poses are not checked, and a lost pose is not
 /// reported. Time is an argument; the same calls give the same bytes.
 class CrazyflieEmulator {
  public:
@@ -55,7 +55,7 @@ class CrazyflieEmulator {
   }
   /// Returns the supervisor's bits (wire::crtp::info).
   [[nodiscard]] std::uint16_t info() const;
-  /// True after a packet has ended the firmware.
+  /// True after a packet has crashed the firmware.
   [[nodiscard]] bool has_crashed_firmware() const { return is_dead_; }
   [[nodiscard]] bool are_motors_running() const { return are_motors_running_; }
   [[nodiscard]] double parameter(const std::string& name) const { return tables_.parameter(name); }

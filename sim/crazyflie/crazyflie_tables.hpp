@@ -18,7 +18,7 @@ struct CrazyflieVariable {
   const char* name = "";
   wire::crtp::ValueType type = wire::crtp::ValueType::kU8;
   bool is_read_only = false;
-  double value = 0.0;               ///< of a parameter
+  double value = 0.0;               ///< value of a parameter
   std::function<double()> measure;  ///< measures the value of a log variable
 };
 

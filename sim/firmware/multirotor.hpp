@@ -36,11 +36,11 @@ struct MultirotorParameters {
   double foot_stiffness_npm = 2500.0;
   double foot_damping_nspm = 40.0;
   double friction = 0.7;
-  // Air.
+  // Parameters of the air.
   Eigen::Vector3d wind_world_mps = Eigen::Vector3d::Zero();
   double gust_sigma_mps = 0.1;  ///< m/s; 1σ on each horizontal axis; vertical: a third of this
   double gust_memory_s = 2.0;
-  // Battery.
+  // Parameters of the battery.
   double battery_endurance_s = 900.0;  ///< s; hover time from full to empty
   double battery_full_v = 12.6;
   double battery_empty_v = 10.5;
