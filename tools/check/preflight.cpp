@@ -134,7 +134,7 @@ void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
-// Returns `words` after the line of a key in the scenario file: "line 12: …".
+// Returns `words` after the line number of a key in the scenario file: "line 12: …".
 std::string at_line(const Scenario& scenario, const std::string& key, const std::string& words) {
   const int line =
       scenario.source_text.empty() ? 0 : scenario::line_of_key(scenario.source_text, key);

@@ -15,13 +15,13 @@ namespace vantage::tools {
 
 /// One value of a trial that is compared between trials.
 struct ComparedValue {
-  std::string name;             ///< with its unit
+  std::string name;             ///< name with its unit
   std::optional<double> value;  ///< nullopt: the trial has none
 };
 
 /// Returns the compared values of a trial, in the order of printing.
 std::vector<ComparedValue> quantities_of(const logs::TrialSummary& summary);
-/// Returns those of a log, which include OSPA and swaps.
+/// Returns the compared values of a log, which include OSPA and swaps.
 std::vector<ComparedValue> quantities_of(const logs::LogAnalysis& analysis);
 
 /// One trial of a group.
@@ -48,7 +48,7 @@ experiments::Sample paired_differences(const TrialGroup& group, const TrialGroup
 /// then the paired differences to the first group. Precondition: a group, and at least one trial in
 /// each.
 std::vector<std::string> comparison_table(const std::vector<TrialGroup>& groups);
-/// Returns the same as JSON, with the values of each trial.
+/// Returns the table's content as JSON, with the values of each trial.
 nlohmann::ordered_json comparison_json(const std::vector<TrialGroup>& groups);
 /// Returns an SVG picture: for each main quantity, the trials of each group as points, and the mean
 /// with its interval.

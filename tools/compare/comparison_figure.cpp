@@ -21,8 +21,8 @@ constexpr double kLeft_px = 170.0;
 constexpr double kRight_px = 30.0;
 constexpr double kTop_px = 44.0;
 constexpr double kRow_px = 26.0;
-constexpr double kHead_px = 26.0;  ///< name of a quantity above its rows
-constexpr double kFoot_px = 34.0;  ///< axis below the rows
+constexpr double kHead_px = 26.0;  ///< height of a quantity's name above its rows
+constexpr double kFoot_px = 34.0;  ///< height of the axis below the rows
 constexpr int kTicks = 5;
 
 /// Extent of the values of one quantity, over all groups.

@@ -13,10 +13,10 @@ namespace vantage::tools {
 /// Trials of one scenario in virtual time: each planner with each seed.
 struct TrialBatch {
   std::string scenario_path;
-  scenario::Overrides overrides;  ///< of all trials
+  scenario::Overrides overrides;  ///< overrides of all trials
   std::vector<std::string> planners;
   std::vector<std::uint64_t> seeds;
-  /// Folder for the logs PLANNER_SEED.lcmlog; empty: none.
+  /// Folder for the logs PLANNER_SEED.lcmlog; empty: no logs are written.
   std::string log_folder;
   int jobs = 1;  ///< number of threads
 };

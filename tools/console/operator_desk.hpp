@@ -86,7 +86,7 @@ class OperatorDesk {
   std::vector<OrderQueue::Order> pending_;
   std::string state_ = "{}";  ///< state without the members that depend on the page
   std::string failure_;
-  std::thread thread_;  ///< last: runs while the other members exist
+  std::thread thread_;  ///< last member, because it uses the others
 };
 
 /// Returns a secret of 128 random bits in hexadecimal digits.

@@ -155,7 +155,7 @@ Result<std::string> draw_plot(const std::string& script, const std::string& scri
     return Error{"no plot: gnuplot is not installed (apt install gnuplot-nox)"};
   }
   const std::optional<ChildExit> ended = std::move(child).value().wait(std::chrono::seconds(60));
-  // gnuplot ends with exit code 0 also if the disk is full, so the picture is checked.
+  // gnuplot ends with exit code 0 even if the disk is full, so the picture is checked.
   if (!ended || !ended->is_success() || !is_whole(picture_path)) {
     std::remove(picture_path.c_str());
     return Error{picture_path + ": cannot be written: gnuplot failed on " + script_path};

@@ -96,9 +96,9 @@ void print_hops(const logs::LogAnalysis& analysis) {
   }
 }
 
-/// Logs whose scenarios have the same values of all keys that differ between the logs.
+/// Logs in groups. Within a group, all scenarios have equal values of the keys in `keys`.
 struct LogGroups {
-  std::vector<std::string> keys;                 ///< keys that differ, except the seed
+  std::vector<std::string> keys;  ///< keys whose values differ between the logs, except the seed
   std::vector<std::vector<std::string>> values;  ///< by group and key
   std::vector<TrialGroup> groups;
 };

@@ -43,7 +43,8 @@ struct Table {
 Table parse_table(std::string_view text, const std::string& name,
                   std::span<const ColumnSpec> columns);
 
-/// Reads a table from a file. @throws StartupError also if the file is unreadable or above 256 MiB.
+/// Reads a table from a file. @throws StartupError also if the file cannot be read or above 256
+/// MiB.
 Table read_table(const std::string& path, std::span<const ColumnSpec> columns);
 
 }  // namespace vantage::tools

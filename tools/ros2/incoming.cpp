@@ -50,7 +50,7 @@ bool is_position(const Eigen::Vector3d& position_m) {
   return position_m.allFinite() && position_m.cwiseAbs().maxCoeff() <= kPositionMax_m;
 }
 
-/// Normalises the rotation; returns false if the pose is not a pose.
+/// Normalises the rotation; returns false if the position or the rotation is invalid.
 bool normalise(Pose3& pose) {
   constexpr double kNormError = 0.01;  // senders round to single precision, or not at all
   const double norm = pose.rotation.norm();

@@ -10,7 +10,7 @@
 
 namespace vantage::tools {
 
-/// True if all of these conditions hold:
+/// True if all of these conditions are met:
 /// - no process was given up, killed or ended badly, and this program had no error;
 /// - nothing collided, and all vehicles have flown and landed;
 /// - the simulator was not restarted (restarts of other processes are permitted);
