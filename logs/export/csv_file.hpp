@@ -6,7 +6,7 @@
 
 namespace vantage::logs {
 
-/// A table that is being written. It ends with a complete line, also if the disk is full.
+/// A table that is being written. It ends with a complete line, even if the disk is full.
 class CsvFile {
  public:
   /// @throws StartupError "PATH: cannot be written: REASON" if the file cannot be created.

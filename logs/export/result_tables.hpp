@@ -17,9 +17,9 @@ namespace vantage::logs {
 ///   vehicles.csv   t_s, robot, state, battery_share, reasons
 ///   poses.csv      t_s, body, x_m, y_m, z_m, yaw_deg: motion capture, without occluded bodies
 ///   contacts.csv   t_s, kind, body_a, body_b, distance_m
-/// t_s is the time since the begin of the log, s. Messages of other types are not written.
-/// After a stop (`stop` is called for each event), or if the disk is full, every table ends with a
-/// complete line.
+/// t_s is the time since the start of the log, s. Messages of other types are not written. After a
+/// stop (`stop` is called for each event), or if the disk is full, every table ends with a complete
+/// line.
 /// @throws StartupError "PATH: cannot be …: REASON" if the folder or a table cannot be created.
 ExportCounts export_results(
     const IndexedLog& log, const scenario::Scenario& scenario, const std::string& folder,

@@ -105,7 +105,7 @@ struct MarkerHead {
 /// Returns the ellipsoid with semi-axes of 2σ: its pose, and its diameters.
 std::pair<Pose3, Eigen::Vector3d> ellipsoid_of(const models::Gaussian& known) {
   constexpr double kDiameterPerSigma = 4.0;
-  constexpr double kFlatSigma_m = 0.01;  // of a planar belief
+  constexpr double kFlatSigma_m = 0.01;  // assumed 1σ along z of a planar belief
   const Eigen::Index dim = position_dim_of(known);
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Identity() * (kFlatSigma_m * kFlatSigma_m);
   covariance_m2.topLeftCorner(dim, dim) = known.covariance.topLeftCorner(dim, dim);

@@ -31,7 +31,7 @@ struct Colour {
 /// Type of a `lines` primitive.
 enum class LineType { kStrip = 0, kLoop = 1, kList = 2 };
 
-/// Returns {sec, nsec} with 0 ≤ nsec < 10⁹, also for times before 1970.
+/// Returns {sec, nsec} with 0 ≤ nsec < 10⁹, even for times before 1970.
 Json to_json(Time time);
 Json to_json(Duration duration);
 Json to_json(const Eigen::Vector3d& v);

@@ -86,7 +86,7 @@ class Stream {
   /// Processes an operator command; heartbeats are ignored.
   void on(const models::OperatorCommand& command, Time received_at);
   /// Adds the publisher of a message of any type, before a Bus chooses between two publishers.
-  /// Makes an event when a channel has two.
+  /// Makes an event when a channel has two publishers.
   void on_publisher(std::string_view channel, std::int64_t run_id, Time received_at);
 
  private:

@@ -35,8 +35,8 @@ struct TrialSummary {
   std::string algorithm;
   std::int64_t plans = 0;
   std::int64_t plans_missing = 0;  ///< number of missing plans: rounds · robots − plans
-  /// Priced energy of the planned motion of all robots (models/scenario). Each plan counts until
-  /// the next plan begins.
+  /// Energy cost of the planned motion of all robots (models/scenario). Each plan counts until the
+  /// next plan begins.
   double energy_nats = 0.0;
   double undiscovered_share = 0.0;  ///< mean over time of the share of targets that no robot knows
   /// RMSE over the time in which the target was known, m.
