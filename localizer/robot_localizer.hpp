@@ -61,7 +61,7 @@ class RobotLocalizer {
   [[nodiscard]] bool is_placed() const { return newest_.is_placed(robot_); }
   [[nodiscard]] Pose2 pose() const { return newest_.pose(robot_); }
   [[nodiscard]] Eigen::Matrix3d covariance() const { return newest_.covariance(robot_); }
-  /// Joint filter at time(), with the own view of all teammates.
+  /// Returns the joint filter at time(): this robot's estimate of the whole team.
   [[nodiscard]] const TeamFilter& team() const { return newest_; }
   [[nodiscard]] const InputCounts& counts() const { return counts_; }
   /// Writes the pose at time() and the newest data for teammates. Does not set the stamp's run id

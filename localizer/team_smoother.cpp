@@ -28,7 +28,7 @@ void TeamSmoother::forget_before(Time time) {
 
 void TeamSmoother::smooth(const TeamFilter& filter, const Use& use) const {
   constexpr int kDim = TeamFilter::kRobotDim;
-  constexpr double kVarianceMin = 1e-12;  // for robots without a pose
+  constexpr double kVarianceMin = 1e-12;  // lower limit, for robots without a pose
   Eigen::VectorXd state = filter.state();
   Eigen::MatrixXd covariance = filter.joint_covariance();
   const Eigen::Index n = state.size();

@@ -80,7 +80,7 @@ class EstimatorNode : public bus::Node {
   Time last_own_measurement_{};           ///< instant of the robot's newest own observation
   Time last_own_measurement_received_{};  ///< time of its reception
   std::int64_t steps_ = 0;
-  std::deque<NamedMessage<models::RobotMeasurement>> measurements_;  ///< not yet used
+  std::deque<NamedMessage<models::RobotMeasurement>> measurements_;  ///< observations not yet used
   std::deque<NamedMessage<OwnPose>> poses_;  ///< robot's mocap poses, newest last
   std::map<std::string, NamedMessage<models::RobotBelief>> newest_;  ///< newest belief, by teammate
   std::optional<MapPublisher> map_;                                  ///< only in a mapping scenario

@@ -20,8 +20,9 @@ namespace vantage::estimator {
 
 /// Input of one step. Pointers must be valid during the call only.
 struct StepInput {
-  Time time{};                                 ///< t; later than the previous step's
-  std::optional<models::Viewpoint> viewpoint;  ///< own, at t; absent: as in the previous step
+  Time time{};  ///< t; later than the previous step's
+  std::optional<models::Viewpoint>
+      viewpoint;  ///< own viewpoint at t; absent: that of the previous step
   /// Own and teammates' observations, of any instants ≤ t. Observations of a robot that is not in
   /// FilterSpec::team are used as this robot's own.
   std::span<const models::RobotMeasurement* const> measurements;

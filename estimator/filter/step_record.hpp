@@ -15,7 +15,8 @@ namespace vantage::estimator {
 struct StepRecord {
   Step step;
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< m; the robot's position at Step::to
-  std::vector<Observation> observations;  ///< by time and source; first observation_count used
+  std::vector<Observation>
+      observations;  ///< sorted by time and source; only the first observation_count are used
   int observation_count = 0;
 
   StepRecord() = default;

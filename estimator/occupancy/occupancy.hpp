@@ -60,7 +60,7 @@ class OccupancyFusion {
 
   models::BeamSensor sensor_;
   models::InverseBeamModel inverse_;
-  std::vector<Mark> marks_;   // per cell, of the last scan
+  std::vector<Mark> marks_;   // mark of each cell by the last scan
   std::vector<int> touched_;  // cells with a mark other than kNone
 };
 

@@ -173,7 +173,7 @@ class Search {
     return out;
   }
 
-  /// Returns the distinct local maxima that are reached from the beacon's positions of all starts.
+  /// Returns the distinct local maxima that are reached from the beacon's positions in all starts.
   std::vector<Alone> tops(const RangeState& state, std::size_t beacon) const {
     std::vector<Alone> out;
     const auto add = [&](const Eigen::Vector2d& from_m) {

@@ -58,24 +58,30 @@ struct Reconciled {
 
 /// Numbers of dropped or unusable inputs since construction.
 struct FilterCounters {
-  std::int64_t steps_out_of_order = 0;    ///< not later than the previous step: ignored
+  std::int64_t steps_out_of_order =
+      0;  ///< steps ignored because their time was not later than that of the previous step
   std::int64_t stale_beliefs = 0;         ///< beliefs older than belief_age_max_s
   std::int64_t future_beliefs = 0;        ///< beliefs of an instant after t
-  std::int64_t out_of_range_beliefs = 0;  ///< teammate beyond communication_range_m
-  std::int64_t out_of_range_looks = 0;    ///< teammate beyond communication_range_m
-  std::int64_t repeated_looks = 0;        ///< same robot and instant as an observation already used
-  std::int64_t malformed_beliefs = 0;     ///< a target's block has the wrong dimension
-  std::int64_t grid_mismatches = 0;       ///< a teammate's grid geometry differs
-  std::int64_t late_measurements = 0;  ///< older than the previous step, inserted at their instant
+  std::int64_t out_of_range_beliefs = 0;  ///< beliefs of teammates beyond communication_range_m
+  std::int64_t out_of_range_looks = 0;  ///< observations of teammates beyond communication_range_m
+  std::int64_t repeated_looks =
+      0;  ///< observations of the same robot and instant as one already used
+  std::int64_t malformed_beliefs =
+      0;                             ///< beliefs in which a target's block has the wrong dimension
+  std::int64_t grid_mismatches = 0;  ///< beliefs with another grid geometry
+  std::int64_t late_measurements =
+      0;  ///< observations older than the previous step, inserted at their instant
   std::int64_t too_late_measurements = 0;  ///< observations older than the history: dropped
   std::int64_t future_measurements = 0;    ///< observations of an instant after t: dropped
   std::int64_t jammed_looks = 0;
-  std::int64_t malformed_detections = 0;  ///< wrong dimension, or second of one target
-  std::int64_t surplus_detections = 0;    ///< without ids: beyond the capacity per observation
+  std::int64_t malformed_detections =
+      0;  ///< detections of wrong dimension, or second detections of one target
+  std::int64_t surplus_detections =
+      0;  ///< detections without ids beyond the capacity per observation
   std::int64_t gated = 0;
   std::int64_t unknown_ids = 0;        ///< ids that are neither a target nor a track label
-  std::int64_t undiscoverable = 0;     ///< first detection gives no position
-  std::int64_t singular = 0;           ///< a matrix that could not be inverted
+  std::int64_t undiscoverable = 0;     ///< first detections that give no position
+  std::int64_t singular = 0;           ///< matrices that could not be inverted
   std::int64_t missed_detections = 0;  ///< belief updates by missed detections
   Reconciled reconciled;               ///< reconciliation of tracks without ids
 

@@ -45,8 +45,8 @@ class TrackStore {
 
   /// Returns the number of detections for which an observation reserves storage.
   [[nodiscard]] virtual int detections_reserved() const = 0;
-  /// True if a robot's second observation of one instant is a repetition also if it is this
-  /// robot's own.
+  /// True if a second observation by one robot at one instant counts as a repetition even if this
+  /// robot made it.
   [[nodiscard]] virtual bool has_one_observation_per_instant() const = 0;
   /// Appends a detection to `observation` if the store can use it; otherwise counts it.
   virtual void file(const models::Detection& detection, bool has_right_dimension,

@@ -15,7 +15,7 @@ namespace vantage::localizer {
 namespace {
 
 constexpr int kSamplesMin = 100;
-constexpr double kMadToSigma = 1.4826;  // of a Gaussian
+constexpr double kMadToSigma = 1.4826;  // σ of a Gaussian divided by its median absolute deviation
 // Assumed 1σ of sightings while the geometry is fitted.
 constexpr double kRangeSigmaM = 0.018;
 constexpr double kRangeSigmaPerM = 0.0013;

@@ -39,7 +39,7 @@ struct JudgeFigures {
   double nees_pose = 0.0;              ///< mean over the robots with trusted heading; ideal 3
   double inside_position = 0.0;        ///< share of positions inside their 95 % ellipse
   double inside_pose = 0.0;            ///< share of poses inside their 95 % ellipsoid
-  std::vector<double> placed_after_s;  ///< per robot, s; −1: never
+  std::vector<double> placed_after_s;  ///< s; time until each robot had a pose; −1: never
   int without_pose = 0;                ///< instants at which a judged robot had no pose
   double bytes_per_robot_s = 0.0;      ///< rate of the messages, without transport headers
   FilterCounts filter;                 ///< counts of the first robot's filter

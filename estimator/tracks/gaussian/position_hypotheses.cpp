@@ -182,7 +182,7 @@ void PositionHypotheses::reduce() {
     sum += hypotheses_[index(i)].weight;
   }
   if (!(sum > 0.0)) {
-    for (int i = 0; i < size_; ++i) {  // all equally improbable
+    for (int i = 0; i < size_; ++i) {  // all hypotheses are equally improbable
       hypotheses_[index(i)].weight = 1.0 / size_;
     }
     return;
@@ -210,7 +210,8 @@ void PositionHypotheses::merge_similar() {
       Hypothesis& a = hypotheses_[index(i)];
       const Hypothesis& b = hypotheses_[index(j)];
       const Eigen::Vector2d apart_m = (b.belief.mean - a.belief.mean).head<2>();
-      // Within the distance in both covariances, so that a wide one does not absorb a narrow one.
+      // Near means within the distance by both covariances, so that a wide hypothesis does not
+      // absorb a narrow one.
       const auto is_near = [&](const Gaussian& belief) {
         const Eigen::LLT<Eigen::Matrix2d> root(
             Eigen::Matrix2d(belief.covariance.topLeftCorner<2, 2>()));

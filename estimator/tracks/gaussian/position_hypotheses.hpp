@@ -28,8 +28,8 @@ class PositionHypotheses {
  public:
   static constexpr int kMax = 64;
 
-  /// Starts with the first measurement. False, and empty, if it is possible nowhere in `world`, or
-  /// if the target model has three position coordinates.
+  /// Starts with the first measurement. Returns false and leaves the object empty if no position in
+  /// `world` is possible, or if the target model has three position coordinates.
   bool start(const scenario::EstimatorSpec& spec, const models::World& world,
              const models::SensorModel& sensor, const models::Viewpoint& from,
              const models::Measurement& measurement);

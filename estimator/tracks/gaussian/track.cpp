@@ -210,7 +210,7 @@ bool is_same(const models::Gaussian& a, const models::Gaussian& b) {
 std::optional<Information> propagate(const models::TargetModel& model, double step_s,
                                      const Information& information, Time last_seen, Time from,
                                      Time to) {
-  // For a constant state the inversion would change nothing but add rounding errors.
+  // For a constant state the inversion would only add rounding errors.
   if (to == from || model.kind.law().is_constant) {
     return information;
   }

@@ -66,8 +66,8 @@ class Association {
   int detections_ = 0;
   std::vector<double> odds_;
   std::vector<double> probabilities_;
-  std::vector<char> is_grouped_;   // by track; already belongs to a group
-  std::vector<char> is_in_group_;  // by detection; belongs to the current group
+  std::vector<char> is_grouped_;   // by track: nonzero if it already belongs to a group
+  std::vector<char> is_in_group_;  // by detection: nonzero if it belongs to the current group
   std::vector<int> group_tracks_;  // the group's competing tracks
   std::vector<int> group_detections_;
   bool has_tracks_as_rows_ = true;

@@ -35,7 +35,7 @@ struct MultiTargetSpec {
   double step_s = 0.5;
   int targets = 5;          ///< number of targets in the world, found or not
   int tracks_max = 10;      ///< greater than `targets`, because some tracks are false
-  int detections_max = 32;  ///< per observation; further detections are not used
+  int detections_max = 32;  ///< maximum per observation; further detections are not used
   int components_max = 6;   ///< maximum per track; 1 for kJpda and kNearest
   Tracker tracker = Tracker::kLabelled;
   /// Gate, in σ: a detection farther than this from a track's prediction is not associated with it.

@@ -100,8 +100,8 @@ void reflect_from(State& state, const Eigen::Vector2d& away, double at_s) {
   state.tail<2>() = turned_mps;
 }
 
-/// Returns the squared distance of the two minus distance_m², m²; the two overlap if the result is
-/// negative.
+/// Returns the squared distance of the two positions minus distance_m², m²; the two overlap if the
+/// result is negative.
 double beyond(const State& one, const State& other, double distance_m) {
   return (one - other).head<2>().squaredNorm() - distance_m * distance_m;
 }
