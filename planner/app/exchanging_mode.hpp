@@ -26,11 +26,12 @@ class ExchangingMode : public PlanMode {
   /// Continues the local search for a limited time and publishes its result.
   void improve(Time now);
 
-  std::unique_ptr<TeamExchange> exchange_;  ///< exchange started last
+  std::unique_ptr<TeamExchange> exchange_;  ///< last exchange that was started
   Time next_work_ = Time::max();
   Time exchange_end_{};
-  std::vector<models::InputRef> inputs_;                          ///< inputs of the candidates
-  std::map<std::string, models::TeamProposal> newest_proposals_;  ///< of each teammate
+  std::vector<models::InputRef> inputs_;  ///< inputs of the candidates
+  std::map<std::string, models::TeamProposal>
+      newest_proposals_;  ///< newest proposal of each teammate
 };
 
 }  // namespace vantage::planner

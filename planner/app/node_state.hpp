@@ -22,7 +22,7 @@ struct NodeState {
   const scenario::PlannerSpec& spec;
   RobotPlanner planner;
   PlanInputs inputs{};  ///< `slot` is the present or next slot
-  // Counters of PlannerNode::counters():
+  // Counters that PlannerNode::counters() reports.
   std::int64_t plans_late = 0;
   std::int64_t misaddressed = 0;
   std::int64_t proposals_refused = 0;

@@ -11,12 +11,13 @@ namespace vantage::planner {
 /// Result and effort of a team decision.
 struct TeamDecision {
   Choice choice;
-  double value = 0.0;             ///< J, nats
-  std::int64_t oracle_calls = 0;  ///< without those for single candidates (TeamOracle::calls())
-  std::int64_t adopted = 0;       ///< adopted changes of the team's solution
-  std::int64_t messages = 0;      ///< broadcasts of all robots, including empty proposals
-  bool finished = true;           ///< false: the deadline expired first
-  std::vector<Choice> optima;     ///< only after a local search: result of each round
+  double value = 0.0;  ///< J, nats
+  std::int64_t oracle_calls =
+      0;  ///< number of oracle calls, excluding those for single candidates (TeamOracle::calls())
+  std::int64_t adopted = 0;    ///< adopted changes of the team's solution
+  std::int64_t messages = 0;   ///< broadcasts of all robots, including empty proposals
+  bool finished = true;        ///< false: the deadline expired first
+  std::vector<Choice> optima;  ///< only after a local search: result of each round
 };
 
 /// Condition under which a local operation counts as an improvement: g' ≥ (1 + α/N⁴) g with g = J +

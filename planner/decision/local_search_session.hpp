@@ -78,13 +78,13 @@ class LocalSearchSession {
   /// True if the content of the proposal is consistent.
   [[nodiscard]] bool is_consistent(const models::TeamProposal& received) const;
 
-  /// Returns the next proposal, which becomes the best known one. nullopt: none exists, or none was
-  /// found yet (then is_searching() is true). `deadline` counts this call's oracle calls as nodes
-  /// and is checked after each. Sets robot, round, time, value, choices and history.
+  /// Returns the next proposal, which becomes the best known one. Returns nullopt if none exists,
+  /// or if none was found yet (then is_searching() is true). `deadline` counts this call's oracle
+  /// calls as nodes and is checked after each. Sets robot, round, time, value, choices and history.
   std::optional<models::TeamProposal> improve(const Deadline& deadline);
 
   [[nodiscard]] bool is_searching() const { return phase_ != Phase::kDone; }
-  /// Returns the best known solution, or the committed choices; nullopt: the empty solution.
+  /// Returns the best known solution, or the committed choices; nullopt for the empty solution.
   [[nodiscard]] const std::optional<models::TeamProposal>& held() const { return held_; }
   /// Returns the oracle calls so far, excluding those for single candidates.
   [[nodiscard]] std::int64_t calls() const { return calls_; }

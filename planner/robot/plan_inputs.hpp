@@ -19,11 +19,11 @@ struct PlanInputs {
   /// An earlier frame; with `mocap` it gives the velocity of bodies other than robots. It is set
   /// only if such a body is in the way. Without an earlier frame, bodies are ignored.
   std::optional<models::MocapFrame> mocap_before;
-  std::optional<models::RobotPlan> own_plan;                   ///< last published plan, own
-  std::map<std::string, models::RobotPlan> team_plans;         ///< newest plan of each teammate
+  std::optional<models::RobotPlan> own_plan;            ///< last published plan of this robot
+  std::map<std::string, models::RobotPlan> team_plans;  ///< newest plan of each teammate
   std::map<std::string, models::VehicleStatus> team_statuses;  ///< newest status of each robot
   std::map<std::string, models::PlanProposal> proposals;       ///< newest proposal of each robot
-  std::optional<models::TeamProposal> solution;                ///< best known of the local search
+  std::optional<models::TeamProposal> solution;  ///< best known solution of the local search
   std::optional<models::AttackNotice> attack;
   std::optional<models::RobotPlan> answer;  ///< answer of the external planning process
 };

@@ -32,7 +32,6 @@ namespace vantage::planner {
 /// know the plan that its robot flies, but every teammate does. The planner waits until that plan
 /// has ended in its hover, and plans from the hover.
 ///
-///
 /// With shared slots the robot continues its committed motion without a search in two cases: a
 /// neighbour of lower index has the same slot, or this is its first round in a new slot.
 ///

@@ -273,7 +273,7 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
   };
   if (std::isfinite(delta_m)) {
     index_.near(pose, go_on_after);
-  } else {  // all nodes cross each other
+  } else {  // with infinite δ all nodes cross each other
     NodeId other = level.open.first;
     while (other != kNoNode && go_on_after(other)) {
       other = tree_[other].next;

@@ -172,7 +172,7 @@ std::vector<Eigen::Vector2d> lawn_mower_waypoints(const models::Rectangle& bound
 const SearchResult& LawnMower::plan(const SearchProblem& problem, const SweepShare& share,
                                     const Deadline& /*deadline*/) {
   constexpr double kRowsPerRange = 1.6;
-  constexpr double kBesideWall_m = 0.25;  // in addition to the clearance
+  constexpr double kBesideWall_m = 0.25;  // distance to walls in addition to the clearance
   require(problem.world != nullptr, "lawn_mower: the problem must have a world");
   if (waypoints_.empty()) {
     const double range_m = problem.sensors.empty() ? 1.0 : problem.sensors.front().range_max_m;

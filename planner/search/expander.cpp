@@ -303,7 +303,7 @@ double Expander::cost_of_hovering(const Tree& tree, NodeId id) {
   const double sin_yaw = std::sin(node.world_from_body.yaw_rad);
   double cost = node.cost - terminal_value(tree, id);
   Blocks blocks = tree.posterior(id);
-  double terminal = node.cost - cost;  // of a node at the last depth
+  double terminal = node.cost - cost;  // terminal value of a node at the last depth
   for (int t = node.depth + 1; t <= problem_->horizon_steps; ++t) {
     if (has_terminal_ && t == problem_->horizon_steps) {
       terminal = problem_->terminal.at(problem_->terminal.rest(blocks.targets),

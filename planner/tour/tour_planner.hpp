@@ -46,7 +46,7 @@ class TourPlanner {
  public:
   static constexpr int kStopsMax = 128;
   static constexpr int kTeammatesMax = 7;
-  /// Evaluated visits per plan, a few milliseconds.
+  /// Maximum number of evaluated visits per plan, which take a few milliseconds.
   static constexpr std::int64_t kVisitsMax = 400'000;
 
   explicit TourPlanner(int targets_max);
