@@ -161,7 +161,7 @@ inline constexpr std::array<std::string_view, 10> kSearchNames = {
     "astar", "wastar", "aegis", "random_walk", "lawn_mower"};
 
 struct PlannerSpec {
-  Publisher publisher = Publisher::kVantage;  ///< of PLAN
+  Publisher publisher = Publisher::kVantage;  ///< publisher of PLAN
   PlanObjective objective = PlanObjective::kTracking;
   std::string algorithm = "arvi";  ///< one of search_names(), or kExternalSearch
   int horizon_steps = 12;          ///< T: number of steps of a plan

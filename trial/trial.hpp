@@ -21,7 +21,7 @@
 namespace vantage::trial {
 
 struct TrialOptions {
-  std::string log_path;  ///< LCM event log of all messages, a new file; empty: none
+  std::string log_path;  ///< path of a new LCM event log of all messages; empty: no log
   /// Called about a hundred times with the completed share of the trial, 0 to 1.
   std::function<void(double)> progress;
   /// Called about twice per second of virtual time. If it returns true, the trial ends; log and

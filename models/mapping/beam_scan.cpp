@@ -8,7 +8,7 @@
 namespace vantage::models {
 namespace {
 
-// Interval of the ray inside the rectangle; begin > end: empty.
+// Interval of the ray inside the rectangle; empty if begin > end.
 struct Stretch {
   double begin_m = -std::numeric_limits<double>::infinity();
   double end_m = std::numeric_limits<double>::infinity();

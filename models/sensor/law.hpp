@@ -86,8 +86,8 @@ struct SensorLaw {
   MeasurementVector (*variances)(const SensorModel&, const Viewpoint&, const SightLine&,
                                  int position_dim) = nullptr;
   /// Returns an upper bound of λ_max of the information over the disc; +∞ where it is unbounded.
-  /// With a speed, the information is that about the state (position, velocity), else that about
-  /// the position.
+  /// With a speed, the bound is for information about the state (position, velocity), otherwise
+  /// about the position.
   double (*information_bound)(const SensorModel&, const ReachedDistances&) = nullptr;
   /// See position_from(); null: z does not determine the position.
   std::optional<PositionVector> (*position_from)(const SensorModel&, const Viewpoint&,

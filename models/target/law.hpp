@@ -36,11 +36,13 @@ struct TargetLaw {
   /// Returns the velocity variances, m²/s², of a target that has just been discovered; null: the
   /// scenario states these variances.
   Eigen::Vector2d (*velocity_variance)(const TargetModel&) = nullptr;
-  /// Returns the rule that the parameters break, starting with the parameter's name; nullopt: none.
+  /// Returns the rule that the parameters break, starting with the parameter's name; nullopt if it
+  /// breaks none.
   std::optional<std::string_view> (*broken_rule)(const TargetModel&) = nullptr;
 };
 
-/// Returns the first rule that `model` breaks, for example "q: must be ≥ 0"; nullopt: none.
+/// Returns the first rule that `model` breaks, for example "q: must be ≥ 0"; nullopt if it breaks
+/// none.
 std::optional<std::string_view> broken_rule(const TargetModel& model);
 
 }  // namespace vantage::models

@@ -22,7 +22,8 @@ inline constexpr Duration kListenTime = std::chrono::milliseconds(1'200);
 /// Names of the channels on which messages were received.
 struct ActiveChannels {
   std::set<std::string> accepted;
-  std::set<std::string> unverified;  ///< messages refused: no valid signature
+  std::set<std::string>
+      unverified;  ///< channels with messages refused because they have no valid signature
 };
 
 /// Returns the names of all channels on which messages are received within `duration`, or until

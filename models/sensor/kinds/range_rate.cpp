@@ -4,7 +4,7 @@
 #include "models/sensor/kinds/kinds.hpp"
 
 // Measures the distance to the target and the rate at which it changes because of the target's
-// motion, (m, m/s), as a radar that removes its own motion.
+// motion, (m, m/s), like a radar that compensates for its own motion.
 
 namespace vantage::models::sensor_kinds {
 namespace {
