@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""detector_node.py SCENARIO ROBOT: custom sensor on the network that replaces vantage-sensor. ROBOT's estimator
-uses its detections. Replace find() by your detector."""
+"""detector_node.py SCENARIO ROBOT: custom sensor on the network that replaces vantage-sensor.
+ROBOT's estimator uses its detections. Replace find() with your detector."""
 import sys
 import numpy
 from vantage import live

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""external_planner.py SCENARIO ROBOT…: computes the plans of a team with planner.algorithm: external. Each robot turns
-to its least certain target and drives towards it for a second. Replace answer() by your own (learned) policy."""
+"""external_planner.py SCENARIO ROBOT…: computes the plans of a team with planner.algorithm:
+external. Each robot turns to its least certain target and drives towards it for a second. Replace
+answer() with your own (learned) policy."""
 import sys
 import numpy
 from vantage import live

@@ -26,7 +26,7 @@ std::string difference_of(const std::string& theirs, const SweepIdentity& identi
                           const SweepPlan& plan);
 
 /// Reserves `directory` for this run, and creates it if needed. One process writes the manifest;
-/// all other processes of the run, also later ones, compare their manifest with this file.
+/// all other processes of the run, even later ones, compare their manifest with this file.
 /// @throws StartupError that names the difference, or when the directory contains other files
 void claim_directory(const std::string& directory, const SweepIdentity& identity,
                      const SweepPlan& plan);

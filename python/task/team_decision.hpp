@@ -48,7 +48,7 @@ class Decision {
 
   [[nodiscard]] const std::string& algorithm() const { return algorithm_; }
   [[nodiscard]] const planner::TeamProblem& team() const { return team_; }
-  /// Returns the index of each robot's chosen candidate; nullopt: none.
+  /// Returns the index of each robot's chosen candidate; nullopt if it has none.
   [[nodiscard]] std::vector<std::optional<std::size_t>> chosen() const;
   /// Returns the value J of the choice without an attack, nats.
   [[nodiscard]] double value() const { return value_; }
