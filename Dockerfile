@@ -1,4 +1,4 @@
-# What vantage is built, tested and flown in: Debian 12 with the packages that tools/setup names.
+# Image to build, test and fly vantage: Debian 12 with the packages that tools/setup installs.
 #   docker build --tag vantage .
 #   docker run --rm -it --volume "$PWD:/work" --workdir /work vantage tools/test
 # The bus needs multicast on loopback: run with --cap-add NET_ADMIN and, once inside,

@@ -24,5 +24,5 @@ set(ENV{PKG_CONFIG_SYSROOT_DIR} "${root}")
 set(libraries "${root}/usr/lib/aarch64-linux-gnu")
 set(ENV{PKG_CONFIG_LIBDIR} "${libraries}/pkgconfig:${root}/usr/share/pkgconfig")
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64-static -L "${root}")
-# The build would need the host's Python to describe that of arm64.
+# Disabled, because the build would describe arm64's Python by the host's Python.
 set(VANTAGE_PYTHON OFF CACHE BOOL "Build the Python module")
