@@ -110,7 +110,7 @@ std::string MulticastSocket::join() {
   // connect() sends nothing, but checks the route immediately. This check needs a separate socket,
   // because a connected socket does not change its route when the interface changes.
   const Descriptor probe(open_udp());
-  const std::string cannot_send = "LCM udpm: nothing can be sent to " + address_.group + ": ";
+  const std::string cannot_send = "LCM udpm: cannot send to " + address_.group + ": ";
   if (probe.fd() < 0) {
     return cannot_send + reason();
   }
@@ -182,7 +182,7 @@ bool MulticastSocket::send(std::span<const std::uint8_t> head,
     sent = sendmsg(sender_.fd(), &message, MSG_NOSIGNAL);
   } while (sent < 0 && errno == EINTR);
   if (sent < 0 && is_joined_ && is_network_error(errno)) {
-    fault_ = "LCM udpm: nothing can be sent to " + address_.group + ": " + reason();
+    fault_ = "LCM udpm: cannot send to " + address_.group + ": " + reason();
     is_joined_ = false;
     ++network_losses_;
   }

@@ -133,7 +133,7 @@ Pose2 start_of(const TruePath& truth, Time time) {
       return *pose;
     }
   }
-  throw UsageError("a known start needs a true pose after the begin of the span");
+  throw UsageError("a known start needs a true pose after the start of the span");
 }
 
 /// Calls `use` with the sightings of each frame stamped ≤ `until`, with corrected times, from

@@ -90,7 +90,8 @@ struct McapWriter::Compressor {
     out.resize(ZSTD_compressBound(bytes.size()));
     const std::size_t size =
         ZSTD_compressCCtx(context, out.data(), out.size(), bytes.data(), bytes.size(), kLevel);
-    require(ZSTD_isError(size) == 0, "zstd compresses into a buffer of its own bound");
+    require(ZSTD_isError(size) == 0,
+            "zstd must compress into a buffer of the size that it requires");
     return std::string_view(out).substr(0, size);
   }
 

@@ -62,7 +62,7 @@ std::optional<std::string> LogWatch::update(const Observation& observation, Time
           "LOG NOT WRITTEN for {:.0f} s, with {} free: the flight continues unrecorded",
           to_seconds(now - *grown_at_), left);
     case State::kNearlyFull:
-      return fmt::format("log: only {} are left on its disk, for {:.0f} s of flight", left,
+      return fmt::format("log: only {} of disk space are left, enough for {:.0f} s of flight", left,
                          static_cast<double>(observation.free_bytes.value_or(0)) / bytes_per_s_);
     case State::kWritten:
       return fmt::format("log: written as usual, with {} free", left);

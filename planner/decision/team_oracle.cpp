@@ -69,10 +69,10 @@ void TeamOracle::check() const {
     for (const PredictedMeasurement& measurement : candidate->measurements) {
       require(measurement.target < target_count() && measurement.step >= 1 &&
                   measurement.step <= problem_->horizon_steps,
-              "team: each look must name a target, and a step of the horizon");
+              "team: each measurement must have a target of the problem and a step of the horizon");
       require(last == nullptr || last->target < measurement.target ||
                   (last->target == measurement.target && last->step < measurement.step),
-              "team: looks must be ordered by target, then by step");
+              "team: measurements must be ordered by target, then by step");
       last = &measurement;
     }
   }

@@ -21,7 +21,7 @@ class WorkMutex {
   /// Locks the mutex. @throws UsageError in the thread that already holds the mutex
   void lock() {
     require(holder_ != std::this_thread::get_id(),
-            "what this thread is at work on may not be used by a signal's handler");
+            "a signal handler must not use the object on which its thread is working");
     mutex_.lock();
     holder_ = std::this_thread::get_id();
   }

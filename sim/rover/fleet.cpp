@@ -55,7 +55,7 @@ RoverFleet::RoverFleet(const models::World& world, const scenario::TargetTruthSp
     : world_(world), truth_(truth), parameters_(parameters), map_(world) {
   require(truth.speed_min_mps > 0.0 && truth.speed_min_mps <= truth.speed_max_mps &&
               truth.speed_max_mps <= parameters.speed_max_mps,
-          "target_truth: 0 < speed_min_mps <= speed_max_mps <= 1.4 must hold for rovers");
+          "target_truth: rovers need 0 < speed_min_mps <= speed_max_mps <= 1.4");
   rovers_.resize(starts.size());
   reaches_.resize(starts.size());
   for (std::size_t i = 0; i < starts.size(); ++i) {

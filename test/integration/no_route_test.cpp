@@ -66,7 +66,7 @@ TEST(WithoutARoute, JoinsWhenRouteAppearsAndAgainAfterLoss) {
     EXPECT_TRUE(waiting.reports_at_last("the network is back")) << waiting.reports.back();
     ip("route del 224.0.0.0/4 dev lo");
     EXPECT_FALSE(waiting.receives_own_message());
-    EXPECT_TRUE(waiting.reports_at_last("nothing can be sent")) << waiting.reports.back();
+    EXPECT_TRUE(waiting.reports_at_last("cannot send")) << waiting.reports.back();
     EXPECT_EQ(waiting.transport->stats().network_losses, loss + 1);
   }
   // A network card is removed and replaced by one with the same name, which has no multicast

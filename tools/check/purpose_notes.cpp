@@ -85,15 +85,16 @@ void note_sensors(const Scenario& scenario, Notes& notes) {
     }
     if (law.measures_range && sensor.range_sigma_m >= sensor.range_max_m) {
       note("range_sigma_m", sensor.range_sigma_m,
-           fmt::format("not less than range_max_m {:g}, so a range has no information",
+           fmt::format("not less than range_max_m {:g}, so a range gives no information",
                        sensor.range_max_m));
     }
     if (law.measures_bearing && sensor.bearing_sigma_rad >= radians(90.0)) {
-      note("bearing_sigma_deg", degrees(sensor.bearing_sigma_rad), "a bearing has no information");
+      note("bearing_sigma_deg", degrees(sensor.bearing_sigma_rad),
+           "a bearing gives no information");
     }
     if (law.is_linear && sensor.position_sigma_m >= world_size_m(scenario)) {
       note("position_sigma_m", sensor.position_sigma_m,
-           "a position has no information in this world");
+           "a position gives no information in this world");
     }
     if (robot.detection.detection_probability < 0.05) {
       note("detection_probability", robot.detection.detection_probability,

@@ -36,7 +36,7 @@ void add_console_command(CLI::App& root, Runner& chosen) {
       "run as standby next to a station that is in charge: can hold, land and e-stop, "
       "and takes over when the other station stops sending");
   command->footer(
-      "Keys: SPACE emergency stop of all vehicles, also if one robot is selected.\n"
+      "Keys: SPACE emergency stop of all vehicles, even if one robot is selected.\n"
       "      For the selected robots: a arm, t take off, f follow, h hold, l land,\n"
       "      e emergency stop.\n"
       "      Selection: 0 all, 1-9 one of the first nine robots, TAB the next, r NAME ENTER any.\n"

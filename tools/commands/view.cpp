@@ -232,7 +232,7 @@ void add_record_options(CLI::App& command, CLI::Option* log, RecordOptions& reco
           ->needs(log);
   command
       .add_option("--from-s", record.from_s,
-                  "begin of the video, s after the start of the log (default: 0)")
+                  "start of the video, s after the start of the log (default: 0)")
       ->check(non_negative_number())
       ->needs(path);
   command

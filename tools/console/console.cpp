@@ -332,7 +332,7 @@ std::vector<std::string> OrderSender::vehicle_table(Time now, const std::string&
         models::round_text(status.plan_round), to_seconds(now - received.at), reasons));
   }
   if (vehicles_.empty()) {
-    out.emplace_back("  no vehicle received yet");
+    out.emplace_back("  no vehicle status received yet");
   }
   if (authenticator_ != nullptr) {
     if (const auto stale = authenticator_->stale_ahead(now)) {

@@ -46,7 +46,8 @@ Result<OrderQueue::Order> order_of(std::string_view body) {
     return request.error();
   }
   if (request.value().kind != OperatorRequest::Kind::kCommand) {
-    return Error{"'" + action + "' is no order: use arm, take-off, follow, hold, land or estop"};
+    return Error{"'" + action +
+                 "' is not an order: use arm, take-off, follow, hold, land or estop"};
   }
   return OrderQueue::Order{request.value().action, robot};
 }

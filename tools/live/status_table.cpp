@@ -24,7 +24,7 @@ std::string word(const std::string& padded, std::optional<Emphasis> emphasis, bo
 // known only if the true position is published.
 std::string target_row(const logs::TargetStatus& target, bool in_colour) {
   std::optional<double> sigma_m;
-  std::string by = target.discovered_s ? "no robot now" : "not found yet";
+  std::string by = target.discovered_s ? "none at present" : "not found yet";
   std::optional<Emphasis> emphasis = target.discovered_s ? Emphasis::kWarning : Emphasis::kQuiet;
   if (target.estimate) {
     sigma_m = target.estimate->sigma_m();

@@ -117,7 +117,7 @@ class Adder {
 // long: adds one command after the other.
 void add_log_edit_commands(CLI::App& log, Runner& run) {
   Adder repair_command(log, run, "repair", "Write the intact events of a damaged log to a new log.",
-                       "Every intact event is kept, also between wrong lengths and overwritten or\n"
+                       "Every intact event is kept, even between wrong lengths and overwritten or\n"
                        "missing bytes. An incomplete last event is dropped. Events are\n"
                        "renumbered.\n"
                        "Example:\n"

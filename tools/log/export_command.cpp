@@ -138,7 +138,7 @@ void add_log_export_command(CLI::App& log, Runner& chosen) {
   command->add_flag("--force", arguments->force, "overwrite existing files");
   command->footer(
       "CSV: estimates.csv (t_s, robot, target, x_m, y_m, sigma_m, error_m), plans.csv,\n"
-      "vehicles.csv, poses.csv and contacts.csv; t_s counts from the begin of the log. With "
+      "vehicles.csv, poses.csv and contacts.csv; t_s counts from the start of the log. With "
       "--raw,\n"
       "or without a SCENARIO message, each channel becomes a table CHANNEL.csv with every field;\n"
       "a message with a list (bodies, targets, …) becomes one row per element. MCAP: JSON\n"

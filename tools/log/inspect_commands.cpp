@@ -77,8 +77,8 @@ void add_log_inspect_commands(CLI::App& log, Runner& run) {
       "Example:\n"
       "  vantage log info flight.lcmlog",
       info);
-  add(log, run, "check", "Check whether a log is whole and list its damage.",
-      "Exit code 0: whole; 1: damaged; 2: the file cannot be read. Messages that were lost before\n"
+  add(log, run, "check", "Check a log for damage and list it.",
+      "Exit code 0: intact; 1: damaged; 2: file cannot be read. Messages that were lost before\n"
       "they were logged are listed, but do not count as damage.\n"
       "Example:\n"
       "  vantage log check flight.lcmlog",

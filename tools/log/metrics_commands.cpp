@@ -231,7 +231,7 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
       "--latency", arguments->is_of_latency,
       "print only the latency of each driver between motion-capture frame and set-point");
   metrics_command->add_flag("--pool", arguments->pools,
-                            "average all logs together, also if their scenarios differ");
+                            "average all logs together, even if their scenarios differ");
   metrics_command
       ->add_option("--svg", arguments->output,
                    "with several logs: file for a figure of the comparison (SVG)")

@@ -143,9 +143,9 @@ std::string ParameterRule::requirement_text() const {
 }
 
 std::string ParameterRule::violation_text(std::optional<double> actual) const {
-  return actual ? fmt::format("{} is {}, wanted is {}: {}", name, parameter_text(*actual),
+  return actual ? fmt::format("{} is {}, must be {}: {}", name, parameter_text(*actual),
                               requirement_text(), effect)
-                : fmt::format("{} is missing, wanted is {}: {}", name, requirement_text(), effect);
+                : fmt::format("{} is missing, must be {}: {}", name, requirement_text(), effect);
 }
 
 std::vector<ParameterRule> parse_parameter_rules(std::string_view text) {

@@ -26,8 +26,8 @@ struct ParameterRule {
   [[nodiscard]] bool accepts(double actual) const;
   /// Returns the rule as text: "5", "at most 0.5", "0, 8 or 16".
   [[nodiscard]] std::string requirement_text() const;
-  /// Returns a text such as "GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on …"; without a
-  /// value "… is not there".
+  /// Returns a text such as "GUID_TIMEOUT is 3, must be at most 0.5: it flies on …"; without a
+  /// value "… is missing, …".
   [[nodiscard]] std::string violation_text(std::optional<double> actual) const;
 };
 

@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kTicks = 1 << 20;
 constexpr int kLabels = kTicks * kLabelledRobots * kLabelledDetections;
-static_assert(kLabels == models::kTrackLabelMin, "labels are the upper half of what is positive");
+static_assert(kLabels == models::kTrackLabelMin,
+              "labels must be the upper half of the positive integers");
 
 constexpr double kSameWithin_sigma = 3.0;
 constexpr double kTellsMore_nats = 0.5;

@@ -80,7 +80,7 @@ TEST(ParameterCheck, RepeatsUnansweredRequestsThenGivesUp) {
   EXPECT_EQ(bench.asked["FS_GCS_ENABLE"], ParameterCheck::kRequestsMax);
   EXPECT_FALSE(bench.check.is_kept());
   EXPECT_EQ(bench.check.reasons(),
-            std::vector<std::string>{"FS_GCS_ENABLE is missing, wanted is 5: it stays"});
+            std::vector<std::string>{"FS_GCS_ENABLE is missing, must be 5: it stays"});
 }
 
 TEST(ParameterCheck, LimitsPendingRequests) {
@@ -99,7 +99,7 @@ TEST(ParameterCheck, ReportsRequiredDifferences) {
   bench.run(2.0);
   EXPECT_FALSE(bench.check.is_kept());
   EXPECT_EQ(bench.check.reasons(),
-            std::vector<std::string>{"GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on"});
+            std::vector<std::string>{"GUID_TIMEOUT is 3, must be at most 0.5: it flies on"});
   bench.known["GUID_TIMEOUT"] = 0.5;
   bench.answer("GUID_TIMEOUT");  // changed by another client and broadcast by the autopilot
   EXPECT_TRUE(bench.check.is_kept());

@@ -38,7 +38,7 @@ INSTANTIATE_TEST_SUITE_P(Dialects, Parameters,
 TEST_P(Parameters, ForbidArmingWhenDifferent) {
   bench.vehicle.set_parameter(loss_name(), 3.0);
   bench.run(30.0);
-  EXPECT_TRUE(bench.has_reason(loss_name() + " is 3, wanted is at most")) << bench.reasons();
+  EXPECT_TRUE(bench.has_reason(loss_name() + " is 3, must be at most")) << bench.reasons();
   EXPECT_TRUE(bench.has_reason("it flies on for this time after the driver dies"));
   EXPECT_FALSE(arms_within(10.0));
   EXPECT_NEAR(bench.driver->parameters().value(loss_name()).value_or(0.0), 3.0, 1e-6);
@@ -49,7 +49,7 @@ TEST_P(Parameters, ForbidArmingWhenDifferent) {
 TEST_P(Parameters, ForbidArmingWithATimeOutBeyondTheBudget) {
   bench.vehicle.set_parameter(loss_name(), 0.5);
   bench.run(30.0);
-  EXPECT_TRUE(bench.has_reason(loss_name() + " is 0.5, wanted is at most 0.3")) << bench.reasons();
+  EXPECT_TRUE(bench.has_reason(loss_name() + " is 0.5, must be at most 0.3")) << bench.reasons();
   EXPECT_FALSE(arms_within(10.0));
 }
 

@@ -86,7 +86,7 @@ TEST(LogWatch, ReportsANearlyFullDisk) {
   EXPECT_EQ(log.look(1000, 18'000'001), std::nullopt);
   const auto words = log.look(2000, 9'000'000);
   ASSERT_TRUE(words.has_value());
-  EXPECT_EQ(*words, "log: only 9.0 MB are left on its disk, for 30 s of flight");
+  EXPECT_EQ(*words, "log: only 9.0 MB of disk space are left, enough for 30 s of flight");
   EXPECT_EQ(log.watch.health(log.now).state, models::ProcessState::kDegraded);
   EXPECT_TRUE(log.watch.is_written());
 }

@@ -45,7 +45,7 @@ TEST(StatusTable, DistinguishesKnownFromEverFound) {
     metrics.on_belief(belief(step, {1}));
   }
   const std::vector<std::string> lines = status_table(lab(), metrics, 2.0);
-  EXPECT_NE(row_of(lines, "R1").find("no robot now"), std::string::npos) << row_of(lines, "R1");
+  EXPECT_NE(row_of(lines, "R1").find("none at present"), std::string::npos) << row_of(lines, "R1");
   EXPECT_NE(row_of(lines, "R2").find("Q1"), std::string::npos) << row_of(lines, "R2");
   EXPECT_NE(row_of(lines, "R3").find("not found yet"), std::string::npos) << row_of(lines, "R3");
 }

@@ -115,12 +115,12 @@ TEST(ParameterRules, DescribeTheExpectedValue) {
 
 TEST(ParameterRules, ReportValueRuleAndConsequence) {
   EXPECT_EQ(rule("GUID_TIMEOUT 0.3 # at most 0.5: it flies on").violation_text(3.0),
-            "GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on");
-  EXPECT_EQ(rule("A 0 # one of 0 3 5: b").violation_text(1.0), "A is 1, wanted is 0, 3 or 5: b");
+            "GUID_TIMEOUT is 3, must be at most 0.5: it flies on");
+  EXPECT_EQ(rule("A 0 # one of 0 3 5: b").violation_text(1.0), "A is 1, must be 0, 3 or 5: b");
   EXPECT_EQ(rule("A 2 # between 1 and 3: b").violation_text(std::nullopt),
-            "A is missing, wanted is between 1 and 3: b");
+            "A is missing, must be between 1 and 3: b");
   EXPECT_EQ(rule("A 0.05 # exactly: b").violation_text(static_cast<double>(0.2F)),
-            "A is 0.2, wanted is 0.05: b");
+            "A is 0.2, must be 0.05: b");
 }
 
 TEST(ParameterRules, RefuseMalformedLinesByNumber) {

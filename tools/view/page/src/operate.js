@@ -142,7 +142,7 @@ export class Operator {
 
   make_rows(names) {
     this.rows.clear();
-    this.table.replaceChildren(...(names.length === 0 ? [make("p", "quiet", "No vehicle received yet.")] : ["", ...names].map((robot) => {
+    this.table.replaceChildren(...(names.length === 0 ? [make("p", "quiet", "No vehicle status received yet.")] : ["", ...names].map((robot) => {
       const row = make("div", "row");
       row.dataset.robot = robot;
       const head = make("div", "line");
