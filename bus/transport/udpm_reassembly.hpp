@@ -48,9 +48,9 @@ struct AssembledMessage {
 ///
 /// Memory is only used for bytes that have arrived, not for sizes that a header announces, so false
 /// sizes cost little memory. When the memory is full, the message with the fewest bytes is evicted;
-/// among messages of equal size, the oldest. The eighth of the messages with the newest fragments
-/// is not evicted. So in a flood of first fragments, or of nearly complete messages, the messages
-/// of the flood are evicted rather than honest messages.
+/// among messages of equal size, the oldest. One eighth of the messages, those with the newest
+/// fragments, is not evicted. So in a flood of first fragments, or of nearly complete messages, the
+/// messages of the flood are evicted rather than honest messages.
 ///
 /// Fragments of different senders are never combined. A sender that forges an address can damage a
 /// message only if it also copies the sequence number, size and fragment count of the message. Uses

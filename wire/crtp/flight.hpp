@@ -35,7 +35,8 @@ inline constexpr std::size_t kPackedPosesMax = 2;  ///< maximum number of poses 
 
 std::optional<Packet> encode(const ExternalPosition& position);
 std::optional<Packet> encode(const ExternalPose& pose);
-/// @return nullopt also for no pose or more than kPackedPosesMax
+/// @return nullopt if a value is out of range, or if there are no poses or more than
+/// kPackedPosesMax
 std::optional<Packet> encode(std::span<const PackedPose> poses);
 
 /// Set-point that switches the motors off.

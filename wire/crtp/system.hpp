@@ -40,7 +40,7 @@ Packet arm_request(bool is_to_arm);
 Packet supervisor_request(SupervisorCommand command);
 Packet info_request();
 
-/// Requests of the localisation port that older firmware needs: its emergency stop.
+/// Returns the emergency-stop request on the localisation port, which older firmware needs.
 Packet legacy_emergency_stop();
 
 /// Request as the vehicle reads it.

@@ -22,7 +22,8 @@ inline constexpr int kCrazyflieFirmwarePort =
     19'950;  ///< port of the simulator for the firmware; add the instance
 inline constexpr int kCrazyflieClientPort =
     19'850;  ///< port of the simulator for a client; add the instance
-inline constexpr std::uint8_t kCrazyflieHello = 0xF3;  ///< only byte of the hello and of its answer
+inline constexpr std::uint8_t kCrazyflieHello =
+    0xF3;  ///< only byte of the hello packet and of its answer
 inline constexpr std::size_t kCrazyfliePacketMax = 31;
 
 /// True for a packet between firmware and simulator, which no client sends or receives.
