@@ -14,8 +14,9 @@ std::string reasons_of(const models::VehicleStatus& status) {
   return status.reasons.empty() ? "" : fmt::format(": {}", fmt::join(status.reasons, ", "));
 }
 
-/// Returns what `now` counts more than `before`, such as "2 deadlines missed, 3 stale_beliefs";
-/// empty if no count has grown; nullopt if only counters of normal operation have grown.
+/// Returns the increases of counters from `before` to `now` as text, such as
+/// "2 deadlines missed, 3 stale_beliefs"; empty if no count has grown; nullopt if only counters of
+/// normal operation have grown.
 std::optional<std::string> losses(const models::ProcessHealth& before,
                                   const models::ProcessHealth& now) {
   constexpr std::size_t kNamedMax = 3;
