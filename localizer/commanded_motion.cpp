@@ -21,7 +21,8 @@ bool CommandedMotion::command(Time time, double speed_mps, double turn_radps) {
 }
 
 void CommandedMotion::drive_for(double duration_s, Eigen::Vector3d& motion) {
-  // The response approaches the command exponentially; `share` of the step is the mean approach.
+  // The difference from the command decays exponentially; its mean over `duration_s` is `share` of
+  // its initial value.
   double mean_mps = wanted_mps_;
   double mean_radps = wanted_radps_;
   if (drive_.lag_s > 0.0) {

@@ -44,8 +44,8 @@ class CentralFilter {
 
   [[nodiscard]] const models::TargetModel& model() const { return spec_.model; }
   [[nodiscard]] const std::vector<models::Gaussian>& beliefs() const { return beliefs_; }
-  /// Returns, by target, nonzero if the last observations contained a measurement of it that was
-  /// used.
+  /// Returns one value per target: nonzero if a measurement of the target in the last observations
+  /// was used.
   [[nodiscard]] const std::vector<char>& is_seen() const { return is_seen_; }
 
  private:

@@ -10,7 +10,7 @@
 
 namespace vantage::estimator {
 
-/// A target that is represented by samples; they are not empty.
+/// A target that is represented by samples; `samples` is not empty.
 struct SampledTarget {
   int target_id = 0;
   Samples samples = {};
