@@ -74,7 +74,7 @@ PrefixBound::Answer PrefixBound::raise(std::int64_t until_nodes, const Deadline&
     lattice_.begin(references_.data());
     reference_count_ = 1;
     Node root = expander_->root();
-    root.next = 0;  // index of its reference
+    root.next = 0;  // index of the root's reference
     push(tree_.add(root), -kInfinity);
   }
   while (!is_exhausted_ && !open_.empty() && work_nodes < until_nodes &&
