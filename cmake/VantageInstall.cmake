@@ -187,8 +187,8 @@ if(VANTAGE_EVERYTHING)
     DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME vantage
     COMPONENT runtime)
 
-  # Copied with the sources' folder structure and with the linked files, so that links stay valid
-  # (test docs.links).
+  # The pages are copied with their folder structure and the files that they link to, so that links
+  # stay valid (test docs.links).
   install(DIRECTORY docs examples DESTINATION ${pages} COMPONENT doc
     PATTERN systemd EXCLUDE PATTERN __pycache__ EXCLUDE)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/site/ DESTINATION ${pages}/html COMPONENT doc OPTIONAL)

@@ -72,7 +72,7 @@ if(VANTAGE_HARDENED)
   target_compile_options(vantage_build_flags INTERFACE
     -ffile-prefix-map=${PROJECT_BINARY_DIR}=build -ffile-prefix-map=${PROJECT_SOURCE_DIR}=vantage
     -fstack-protector-strong -fstack-clash-protection
-    # Protection of jumps and calls, where the processor has it.
+    # Protection of jumps and calls, where the processor supports it.
     $<$<BOOL:${is_x86_64}>:-fcf-protection> $<$<BOOL:${is_arm64}>:-mbranch-protection=standard>
     $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE> $<$<NOT:$<CONFIG:Debug>>:-D_FORTIFY_SOURCE=2>)
   target_link_options(vantage_build_flags INTERFACE -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
