@@ -107,20 +107,17 @@ std::string cell(const Fault& fault, const FaultRun& run) {
 }
 
 constexpr const char* kHead =
-    R"(# The 47 faults, from device bytes to device bytes
+    R"(# Faults on the wire
 
-The first table is written by `build/release/bin/wire_fault_report` (`--only NAME` flies some rows and prints their
-reasons and counters); `WireFaults.CauseTheExpectedReactionInTime` asserts each row. Three vehicles fly in virtual time, along
-lanes 1.3 m apart at 1 m/s. Between the fault and what it does are the bytes of a DataStream server, the mocap driver and its
-filter, encoded messages on a bus, three quadrotor nodes, and MAVLink to emulated autopilots: Q1 and Q3 of the dialect in
-the heading, Q2 of the other. A fault concerns Q1 unless it says otherwise, strikes 6.4 s after `follow` and is watched
-for 24 s.
+Three vehicles fly in virtual time at 1 m/s along lanes 1.3 m apart. Between the fault and its effect
+are the bytes of a DataStream server, the mocap driver, encoded messages on a bus, three quadrotor
+nodes and MAVLink to emulated autopilots: Q1 and Q3 of the dialect in the heading, Q2 of the other. A
+fault concerns Q1 unless stated otherwise. It begins 6.4 s after `follow` and is watched for 24 s.
 
-"Reached" is the time from the fault to each state, in brackets the limit that is asserted; "seen" the time until the
-reason, or the count of what was refused, was there; "apart" the least distance between two vehicles. Two vehicles touch
-at 0.5 m. The ends are those of [faults.md](faults.md), where flight safety is flown alone. The last column says why a row differs from
-that page. Each row of the table of conditions is reached by bytes in `ConditionReach`; what ends, kills or cuts off whole processes is
-flown by `integration.landings` and `test/rig/landings`, with the supervisor and a console.
+"Reached" is the time from the fault to each state, with the asserted limit. "Seen" is the time until
+the reason, or the counter of refused inputs, appears. "Apart" is the least distance between two
+vehicles, which touch at 0.5 m. Final states are those of docs/reference/faults.md, where the guard
+flies alone. The last column explains a difference from that page.
 
 | # | fault | how | seen by | PX4: reached (limit) [s] | seen [s] | end | apart [m] | ArduPilot: reached (limit) [s] | seen [s] | end | apart [m] | differs |
 |---|---|---|---|---|---|---|---|---|---|---|---|---|

@@ -28,8 +28,8 @@ FaultRun fly_wire_fault(const Fault& fault, models::AutopilotDialect dialect, st
 /// reasons and the counters of Q1 that increased.
 std::string wire_fault_rows(const std::string& part_of_name);
 
-/// Returns the page docs/results/faults47.md up to the list of tests. It contains every fault of
-/// wire_faults(), flown with seed 1 and both dialects.
+/// Returns a table of every fault of wire_faults(), flown with seed 1 and both dialects.
+/// docs/results/faults47.md summarises it.
 std::string wire_fault_report();
 
 }  // namespace vantage::test

@@ -3,9 +3,9 @@
 
 #include "test/drivers/quadrotor/wire_fault_report.hpp"
 
-// Usage: wire_fault_report [--only NAME]. Prints the first table of docs/results/faults47.md. With
-// NAME, prints only the rows of faults with a name that contains NAME, with the reasons and
-// counters of Q1.
+// Usage: wire_fault_report [--only NAME]. Prints every fault that docs/results/faults47.md
+// summarises. With NAME, prints only the rows of faults with a name that contains NAME, with the
+// reasons and counters of Q1.
 int main(int argc, char** argv) {
   const bool is_part = argc == 3 && std::string(argv[1]) == "--only";
   if (argc > 1 && !is_part) {

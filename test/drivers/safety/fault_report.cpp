@@ -8,16 +8,22 @@ namespace vantage::test {
 namespace {
 
 constexpr const char* kHead =
-    R"(# What flight safety did about each fault
+    R"(# Faults and conditions of flight safety
 
-Written by `build/dev/bin/fault_report > docs/results/faults.md`; a test compares this page with what the
-program writes. Three vehicles in closed loop in virtual time (100 Hz mocap and safety, plans each second), flying
-1 m/s along lanes 1.3 m apart; the fault strikes 6.4 s after all have lifted and 16 s are watched. "Reached" is the
-time from the fault to each state, with the limit that is asserted; "seen" is the time to the reason, or to the count
-of what was refused and flown through. What the stand-in autopilot does is simpler than a real one.
+Written by `build/dev/bin/fault_report > docs/reference/faults.md`; a test compares this page with the
+program's output.
 
-The ends: *follow* and *hold* fly; *idle* is landed and disarmed; *killed* is motors off, latched; *land* could
-not be told to the vehicle (its own watchdog lands it). No run touched anything or left the fence.
+## Faults
+
+Three vehicles fly in virtual time at 1 m/s along lanes 1.3 m apart, with mocap and safety at 100 Hz
+and one plan per second. The fault begins 6.4 s after all vehicles have lifted and is watched for 16 s.
+"Reached" is the time from the fault to each state, with the asserted limit. "Seen" is the time until
+the reason, or the counter of refused inputs, appears. The emulated autopilot is simpler than a real
+one.
+
+Final states: *follow* and *hold* fly; *idle* is landed and disarmed; *killed* has its motors off until
+it is armed again; *land* cannot be commanded any more, and the autopilot lands by itself. No vehicle
+touched anything or left the fence.
 
 | # | fault | how | reached (limit) [s] | seen [s] | reason or count | end |
 |---|---|---|---|---|---|---|
@@ -83,8 +89,8 @@ std::string fault_report() {
     out += row(fault);
   }
   out +=
-      "\n## The table\n\nMost severe first; the most severe that acts wins. The numbers are in "
-      "`drivers/safety/limits.hpp`.\n\n"
+      "\n## Conditions\n\nMost severe first. The most severe active condition determines the "
+      "state. `drivers/safety/limits.hpp`\ncontains the numbers.\n\n"
       "| condition | in the air | on the ground | limit | after [s] | ends |\n"
       "|---|---|---|---|---|---|\n";
   for (const drivers::Condition& each : drivers::conditions()) {

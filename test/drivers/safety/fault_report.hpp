@@ -21,9 +21,9 @@ std::string seconds(double value_s);
 /// Joins the words; each is followed by "; ".
 std::string list(const std::vector<std::string>& words);
 
-/// Returns the page docs/results/faults.md. It lists every fault of the catalogue, flown with seed
-/// 1, with its reaction and final state. It also contains the table of conditions with limits and
-/// rules for clearing.
+/// Returns the page docs/reference/faults.md. It lists every fault of the catalogue, flown with
+/// seed 1, with its reaction and final state. It also contains the table of conditions with limits
+/// and rules for clearing.
 std::string fault_report();
 
 }  // namespace vantage::test

@@ -8,10 +8,10 @@
 namespace vantage::test {
 namespace {
 
-// To update the page, run build/dev/bin/fault_report > docs/results/faults.md and check the
+// To update the page, run build/dev/bin/fault_report > docs/reference/faults.md and check the
 // difference.
 TEST(FaultReport, EqualsTheCommittedPage) {
-  std::ifstream file(VANTAGE_SOURCE_DIR "/docs/results/faults.md");
+  std::ifstream file(VANTAGE_SOURCE_DIR "/docs/reference/faults.md");
   ASSERT_TRUE(file.is_open());
   std::stringstream committed;
   committed << file.rdbuf();

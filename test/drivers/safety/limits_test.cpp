@@ -14,7 +14,7 @@
 #include "wire/autopilot/parameter_rules.hpp"
 
 // Compares every value of SafetyLimits with its definition. Values for all labs are defined in
-// docs/explanation/safety.md and docs/results/faults.md, the others in the scenario.
+// docs/explanation/safety.md and docs/reference/faults.md, the others in the scenario.
 
 namespace vantage::drivers {
 namespace {
