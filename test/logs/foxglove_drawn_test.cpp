@@ -233,7 +233,7 @@ TEST(Parts, ContainTheirInputs) {
   EXPECT_EQ(to_json(Duration{-2'000'000}), (Json{{"sec", -2}, {"nsec", 0}}));
 }
 
-// The schema names of docs/guide/viewer.md, which existing layouts depend on.
+// The schema names of docs/reference/foxglove-topics.md, which existing layouts depend on.
 TEST(NameOf, ReturnsEachSchemasName) {
   std::vector<std::string> names;
   for (const Schema each : kSchemas) {
