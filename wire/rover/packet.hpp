@@ -6,7 +6,7 @@
 #include <span>
 
 // Rover protocol: one kind of datagram per direction, fixed layouts, little-endian.
-// docs/guide/rovers.md describes the bytes and the rules.
+// docs/reference/rover-protocol.md describes the bytes and the rules.
 
 namespace vantage::wire::rover {
 
