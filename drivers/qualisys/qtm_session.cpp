@@ -82,21 +82,11 @@ void QtmSession::on_time(Moment now) {
 }
 
 bool QtmSession::receive(Moment arrival, wire::vicon::Bytes bytes) {
-  while (!bytes.empty()) {
-    bytes = bytes.subspan(stream_.push(bytes));
-    for (;;) {
-      const wire::qualisys::Packet packet = wire::qualisys::next_packet(stream_.view());
-      if (packet.state == Framing::kNeedMore) {
-        break;
-      }
-      if (packet.state == Framing::kBroken || !on_packet(arrival, packet)) {
-        ++counts.broken_streams;
-        return false;
-      }
-      stream_.consume(packet.bytes);
-    }
-  }
-  return true;
+  const bool is_usable =
+      stream_.receive(bytes, wire::qualisys::next_packet,
+                      [&](const auto& packet) { return on_packet(arrival, packet); });
+  counts.broken_streams += is_usable ? 0 : 1;
+  return is_usable;
 }
 
 bool QtmSession::on_packet(Moment arrival, const wire::qualisys::Packet& packet) {

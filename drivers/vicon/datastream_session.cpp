@@ -64,22 +64,13 @@ bool DataStreamSession::is_y_up() const {
 }
 
 bool DataStreamSession::receive(Moment arrival, wire::vicon::Bytes bytes) {
-  while (!bytes.empty()) {
-    bytes = bytes.subspan(stream_buffer_.push(bytes));
-    for (;;) {
-      const wire::vicon::Framed packet = wire::vicon::next_packet(stream_buffer_.view());
-      if (packet.state == wire::vicon::Framing::kBroken) {
-        ++counts.broken_streams;
-        return false;
-      }
-      if (packet.state == wire::vicon::Framing::kNeedMore) {
-        break;
-      }
-      on_packet(arrival, packet.body);
-      stream_buffer_.consume(packet.bytes);
-    }
-  }
-  return true;
+  const bool is_usable =
+      stream_buffer_.receive(bytes, wire::vicon::next_packet, [&](const auto& packet) {
+        on_packet(arrival, packet.body);
+        return true;
+      });
+  counts.broken_streams += is_usable ? 0 : 1;
+  return is_usable;
 }
 
 template <class Value>

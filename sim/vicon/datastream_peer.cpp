@@ -45,31 +45,13 @@ DataStreamPeer::DataStreamPeer(const ServerSettings& settings)
 }
 
 bool DataStreamPeer::receive(wire::vicon::Bytes bytes) {
-  while (!bytes.empty()) {
-    const std::size_t taken = stream_.push(bytes);
-    if (taken == 0) {
-      return false;  // the packet is larger than any packet of a client
+  return stream_.receive(bytes, wire::vicon::next_packet, [this](const auto& packet) {
+    wire::vicon::BlockCursor cursor(packet.body);
+    while (const auto block = cursor.next()) {
+      on_block(*block);
     }
-    bytes = bytes.subspan(taken);
-    for (;;) {
-      const wire::vicon::Framed packet = wire::vicon::next_packet(stream_.view());
-      if (packet.state == wire::vicon::Framing::kBroken) {
-        return false;
-      }
-      if (packet.state == wire::vicon::Framing::kNeedMore) {
-        break;
-      }
-      wire::vicon::BlockCursor cursor(packet.body);
-      while (const auto block = cursor.next()) {
-        on_block(*block);
-      }
-      if (cursor.is_broken()) {
-        return false;
-      }
-      stream_.consume(packet.bytes);
-    }
-  }
-  return true;
+    return !cursor.is_broken();
+  });
 }
 
 void DataStreamPeer::on_block(const wire::vicon::Block& block) {

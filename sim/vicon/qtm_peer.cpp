@@ -52,27 +52,12 @@ QtmPeer::QtmPeer(const ServerSettings& settings) : settings_(settings), stream_(
 }
 
 bool QtmPeer::receive(wire::vicon::Bytes bytes) {
-  while (!bytes.empty()) {
-    const std::size_t taken = stream_.push(bytes);
-    if (taken == 0) {
-      return false;  // the packet is larger than any packet of a client
+  return stream_.receive(bytes, wire::qualisys::next_packet, [this](const auto& packet) {
+    if (packet.type == PacketType::kCommand && outgoing.size() <= settings_.backlog_bytes_max) {
+      on_command(wire::qualisys::text_of(packet.body));
     }
-    bytes = bytes.subspan(taken);
-    for (;;) {
-      const wire::qualisys::Packet packet = wire::qualisys::next_packet(stream_.view());
-      if (packet.state == wire::vicon::Framing::kNeedMore) {
-        break;
-      }
-      if (packet.state == wire::vicon::Framing::kBroken) {
-        return false;
-      }
-      if (packet.type == PacketType::kCommand && outgoing.size() <= settings_.backlog_bytes_max) {
-        on_command(wire::qualisys::text_of(packet.body));
-      }
-      stream_.consume(packet.bytes);
-    }
-  }
-  return true;
+    return true;
+  });
 }
 
 void QtmPeer::on_command(std::string_view command) {

@@ -55,6 +55,22 @@ int bound_datagram_socket(const sockaddr_in& address) {
   return fd;
 }
 
+/// Calls handle(bytes, sender) for each waiting datagram; longer ones are cut at 2048 bytes.
+template <class Handle>
+void for_each_datagram(int fd, const Handle& handle) {
+  std::array<std::uint8_t, 2048> buffer{};
+  for (;;) {
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    const ssize_t bytes =
+        recvfrom(fd, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
+    if (bytes < 0) {
+      return;
+    }
+    handle(wire::vicon::Bytes(buffer).first(static_cast<std::size_t>(bytes)), from);
+  }
+}
+
 Duration steady_now() { return Duration{monotonic_ns() / 1'000}; }
 
 int bound_port(int fd) {
@@ -170,24 +186,16 @@ SocketServer::Client* SocketServer::client_at(const sockaddr_in& address) {
 }
 
 void SocketServer::on_requests() {
-  std::array<std::uint8_t, 2048> buffer{};
-  for (;;) {
-    sockaddr_in from{};
-    socklen_t size = sizeof from;
-    const ssize_t bytes = recvfrom(datagrams_, buffer.data(), buffer.size(), 0,
-                                   reinterpret_cast<sockaddr*>(&from), &size);
-    if (bytes < 0) {
-      return;
-    }
+  for_each_datagram(datagrams_, [this](wire::vicon::Bytes datagram, const sockaddr_in& from) {
     Client* const client = client_at(from);
     if (client == nullptr) {
-      continue;
+      return;
     }
     client->peer->now = client->last_received = steady_now();
-    if (client->peer->receive(wire::vicon::Bytes(buffer).first(static_cast<std::size_t>(bytes)))) {
+    if (client->peer->receive(datagram)) {
       send_datagram(*client, datagrams_);
     }
-  }
+  });
 }
 
 void SocketServer::send_datagram(Client& client, int fd) {
@@ -235,19 +243,10 @@ void SocketServer::accept_clients() {
 }
 
 void SocketServer::on_connection_requests() {
-  std::array<std::uint8_t, 512> buffer{};
-  for (;;) {
-    sockaddr_in from{};
-    socklen_t size = sizeof from;
-    const ssize_t bytes = recvfrom(datagrams_, buffer.data(), buffer.size(), 0,
-                                   reinterpret_cast<sockaddr*>(&from), &size);
-    if (bytes < 0) {
-      return;
-    }
-    const auto callback = wire::vicon::decode_vrpn_callback(
-        wire::vicon::Bytes(buffer).first(static_cast<std::size_t>(bytes)));
+  for_each_datagram(datagrams_, [this](wire::vicon::Bytes datagram, sockaddr_in from) {
+    const auto callback = wire::vicon::decode_vrpn_callback(datagram);
     if (!callback) {
-      continue;
+      return;
     }
     // Connects to the requested port at the datagram's source address, so that a client cannot make
     // the server contact a third host.
@@ -258,7 +257,7 @@ void SocketServer::on_connection_requests() {
     } else {
       close(fd);
     }
-  }
+  });
 }
 
 void SocketServer::read(Client& client) {

@@ -9,6 +9,20 @@
 
 namespace vantage::wire::vicon {
 
+/// State of the first packet or message in a byte stream.
+enum class Framing {
+  kWhole,     ///< complete
+  kNeedMore,  ///< incomplete
+  kBroken,    ///< not this protocol, or too long: the stream is unusable
+};
+
+/// First packet or message of a stream.
+struct Framed {
+  Framing state = Framing::kNeedMore;
+  Bytes body;             ///< content of a complete packet or message
+  std::size_t bytes = 0;  ///< number of bytes to consume, including header and padding
+};
+
 /// Buffer of fixed size for the bytes of a stream that have arrived but are not yet decoded.
 class StreamBuffer {
  public:
@@ -37,26 +51,35 @@ class StreamBuffer {
   }
   void clear() { begin_ = end_ = 0; }
 
+  /// Appends `bytes` and passes each complete packet to `handle`.
+  ///
+  /// @param next    returns the first packet of a view: a value with `state` and `bytes`
+  /// @param handle  returns false to refuse the packet
+  /// @returns false if a packet was refused, is broken or exceeds the capacity.
+  template <class Next, class Handle>
+  [[nodiscard]] bool receive(Bytes bytes, const Next& next, const Handle& handle) {
+    while (!bytes.empty()) {
+      const std::size_t taken = push(bytes);
+      if (taken == 0) {
+        return false;
+      }
+      bytes = bytes.subspan(taken);
+      for (auto packet = next(view()); packet.state != Framing::kNeedMore; packet = next(view())) {
+        if (packet.state == Framing::kBroken || !handle(packet)) {
+          return false;
+        }
+        consume(packet.bytes);
+      }
+    }
+    return true;
+  }
+
  private:
   static std::ptrdiff_t offset(std::size_t index) { return static_cast<std::ptrdiff_t>(index); }
 
   std::vector<std::uint8_t> buffer_;
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
-};
-
-/// State of the first packet or message in a byte stream.
-enum class Framing {
-  kWhole,     ///< complete
-  kNeedMore,  ///< incomplete
-  kBroken,    ///< not this protocol, or too long: the stream is unusable
-};
-
-/// First packet or message of a stream.
-struct Framed {
-  Framing state = Framing::kNeedMore;
-  Bytes body;             ///< content of a complete packet or message
-  std::size_t bytes = 0;  ///< number of bytes to consume, including header and padding
 };
 
 }  // namespace vantage::wire::vicon
