@@ -19,7 +19,6 @@ constexpr double kAccelerationLeadS =
     0.08;                            // s; longer than kLeadS, because the vehicle must tilt first
 constexpr double kHandOverM = 0.25;  // m; height below which the vehicle completes a landing
 constexpr double kLowM = 0.05;
-constexpr double kSeenS = 0.1;         // s; maximum age of a pose that may correct a set-point
 constexpr double kSentMaxS = 0.2;      // s; maximum age of the last sent pose for arming
 constexpr double kEnduranceS = 600.0;  // s; assumed flight time without a battery sensor
 constexpr Duration kPoseSlack{2'000};
@@ -33,7 +32,11 @@ const scenario::CrazyflieSpec& spec_of(const scenario::Scenario& scenario,
   return *spec->crazyflie;
 }
 
-SafetyLimits with_leads(SafetyLimits limits) {
+/// Returns the limits with the leads of a Crazyflie.
+/// @throws UsageError as spec_of().
+SafetyLimits limits_of(const scenario::Scenario& scenario, const std::string& robot,
+                       SafetyLimits limits) {
+  static_cast<void>(spec_of(scenario, robot));
   limits.setpoint_lead_s = kLeadS;
   limits.acceleration_lead_s = kAccelerationLeadS;
   return limits;
@@ -44,12 +47,9 @@ SafetyLimits with_leads(SafetyLimits limits) {
 CrazyflieDriver::CrazyflieDriver(const scenario::Scenario& scenario, const std::string& robot,
                                  const SafetyLimits& limits,
                                  const std::shared_ptr<TableCache>& cache)
-    : robot_(robot),
+    : GuardedFlight(scenario, robot, limits_of(scenario, robot, limits)),
       spec_(spec_of(scenario, robot)),
-      link_(cache),
-      guard_(scenario, robot, with_leads(limits)),
-      tracker_(robot, 2.0 * limits.vehicle.speed_max_mps),
-      vehicle_(limits.vehicle) {}
+      link_(cache) {}
 
 bool CrazyflieDriver::receive(std::span<const std::uint8_t> bytes, Time now) {
   const bool is_vehicles = link_.receive(bytes, now);
@@ -104,29 +104,13 @@ void CrazyflieDriver::report_battery(Time now) {
 }
 
 void CrazyflieDriver::on_mocap(const models::MocapFrame& frame, Time now) {
-  if (!guard_.on_mocap(frame, now)) {
-    return;  // the guard counts rejected frames
-  }
-  // The vehicle follows any pose at once, so poses that flight safety rejects are not sent.
-  const PoseVerdict judged = guard_.pose_verdict();
-  if (judged != PoseVerdict::kAccepted && judged != PoseVerdict::kAbsent &&
-      judged != PoseVerdict::kStuck) {
-    ++poses_refused_;
-    return;
-  }
-  const bool is_resting = !is_airborne(orders_.state);
-  const BodyVerdict verdict = tracker_.update(frame, guard_.captured(), now, is_resting);
-  if (verdict == BodyVerdict::kUnseen) {
-    ++poses_unseen_;
-    return;
-  }
-  if (verdict != BodyVerdict::kTaken) {
-    ++poses_refused_;
+  // The vehicle follows any pose at once, so only accepted poses are sent.
+  if (!accept_pose(frame, now)) {
     return;
   }
   const Pose3& pose = tracker_.state()->world_from_body;
   const CrazyflieTelemetry& telemetry = link_.telemetry();
-  if (is_resting && telemetry.info_at() && !telemetry.has(info::kFlying)) {
+  if (!is_airborne(orders_.state) && telemetry.info_at() && !telemetry.has(info::kFlying)) {
     ground_m_ = pose.translation_m.z();
     link_.set_start(pose);
   } else {
@@ -137,16 +121,8 @@ void CrazyflieDriver::on_mocap(const models::MocapFrame& frame, Time now) {
     sent_pose_ = now;
     link_.send(crtp::encode(crtp::ExternalPose{pose.translation_m, pose.rotation}));
   }
-  if (now - last_setpoint_ >= kSetpointSpacing) {
+  if (may_send_setpoint(now)) {
     fly(now);
-  }
-}
-
-void CrazyflieDriver::on_plan(const models::RobotPlan& plan, Time now) {
-  if (plan.robot == robot_) {
-    static_cast<void>(guard_.on_plan(plan, now));  // the guard counts rejected plans
-  } else {
-    guard_.on_teammate_plan(plan, now);
   }
 }
 
@@ -155,12 +131,6 @@ void CrazyflieDriver::on_command(const models::OperatorCommand& command, Time no
   if (command.action == models::OperatorAction::kEmergencyStop) {
     next_setpoint_ = now;  // decide at the next tick instead of the next set-point
   }
-}
-
-void CrazyflieDriver::end(bool is_hurried) {
-  guard_.on_end_request();
-  is_hurried_ = is_hurried_ || is_hurried;
-  next_setpoint_ = Time{};
 }
 
 EndFacts CrazyflieDriver::end_facts(Time now) const {
@@ -183,11 +153,6 @@ void CrazyflieDriver::tick(Time now) {
   link_.tick(now);
 }
 
-bool CrazyflieDriver::is_nearly_down() const {
-  return tracker_.state() &&
-         tracker_.state()->world_from_body.translation_m.z() - ground_m_.value_or(0.0) < kHandOverM;
-}
-
 CrazyflieGoal CrazyflieDriver::goal(const GuardOutput& out) const {
   switch (out.state) {
     case FlightState::kIdle:
@@ -201,7 +166,7 @@ CrazyflieGoal CrazyflieDriver::goal(const GuardOutput& out) const {
                  : CrazyflieGoal::kFly;
     case FlightState::kLand: {
       const bool is_vehicles = out.setpoint.kind != FlightSetpoint::Kind::kTrack ||
-                               !out.wants_armed || (out.is_sinking && is_nearly_down()) ||
+                               !out.wants_armed || (out.is_sinking && is_below(kHandOverM)) ||
                                sequence_.goal() != CrazyflieGoal::kFly || is_hurried_;
       return is_vehicles ? CrazyflieGoal::kLand : CrazyflieGoal::kFly;
     }
@@ -212,27 +177,22 @@ CrazyflieGoal CrazyflieDriver::goal(const GuardOutput& out) const {
 }
 
 void CrazyflieDriver::fly(Time now) {
-  const double elapsed_s = std::min(0.1, to_seconds(now - last_setpoint_));
-  last_setpoint_ = now;
-  next_setpoint_ = now + kSetpointPeriod + kPoseGrace;
-  orders_ = guard_.tick(now);
-  has_changed_ = has_changed_ || orders_.changed;
+  const double elapsed_s = std::min(0.1, update_orders(now));
   flown_s_ += link_.telemetry().has(info::kFlying) ? elapsed_s : 0.0;
   sequence_.set_goal(goal(orders_));
 
   const std::optional<BodyState>& body = tracker_.state();
-  const auto age = tracker_.age(now);
-  const bool is_seen = age && to_seconds(*age) < kSeenS;
+  const std::optional<BodyState> seen = seen_body(now);
   CrazyflieSequence::Situation situation;
   situation.now = now;
   situation.may_arm = body && !link_.fault(now) && link_.telemetry().is_estimate_good(now) &&
                       sent_pose_ && to_seconds(now - *sent_pose_) < kSentMaxS;
   situation.ground_m = ground_m_.value_or(0.0);
   situation.height_m = body ? body->world_from_body.translation_m.z() : situation.ground_m;
-  situation.is_seen = is_seen;
-  situation.is_low = is_seen && ground_m_ && situation.height_m - *ground_m_ < kLowM;
+  situation.is_seen = seen.has_value();
+  situation.is_low = seen && ground_m_ && situation.height_m - *ground_m_ < kLowM;
   if (sequence_.step(link_, situation) && orders_.setpoint.kind == FlightSetpoint::Kind::kTrack) {
-    send_setpoint(steer(orders_.setpoint, is_seen ? body : std::nullopt, vehicle_));
+    send_setpoint(steer(orders_.setpoint, seen, vehicle_));
   }
 }
 
@@ -268,11 +228,7 @@ models::VehicleStatus CrazyflieDriver::status(Time now) const {
 
 std::vector<models::NamedCount> CrazyflieDriver::counters() const {
   std::vector<models::NamedCount> out = link_.counters();
-  for (models::NamedCount& counter : guard_.counters()) {
-    out.push_back(std::move(counter));
-  }
-  models::append_nonzero(out, {{"crazyflie.poses_unseen", poses_unseen_},
-                               {"crazyflie.poses_refused", poses_refused_}});
+  append_counters(out, "crazyflie");
   return out;
 }
 

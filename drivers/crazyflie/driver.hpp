@@ -5,15 +5,13 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/time.hpp"
 #include "drivers/crazyflie/flight_sequence.hpp"
 #include "drivers/crazyflie/link.hpp"
-#include "drivers/safety/guard.hpp"
-#include "drivers/vehicle/body_tracker.hpp"
 #include "drivers/vehicle/driver_end.hpp"
+#include "drivers/vehicle/guarded_flight.hpp"
 #include "drivers/vehicle/steering.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
@@ -25,11 +23,8 @@ namespace vantage::drivers {
 /// computes the set-points, which the driver sends as full states.
 ///
 /// The same sequence of calls gives the same bytes.
-class CrazyflieDriver {
+class CrazyflieDriver : public GuardedFlight {
  public:
-  static constexpr Duration kSetpointSpacing{15'000};  ///< minimum time between set-points
-  static constexpr Duration kSetpointPeriod{20'000};   ///< 50 Hz
-  static constexpr Duration kPoseGrace{3'000};    ///< maximum wait for a pose after kSetpointPeriod
   static constexpr Duration kPosePeriod{40'000};  ///< 25 Hz; minimum time between sent poses
 
   /// @throws UsageError for a robot that is not in the scenario or has no `crazyflie`.
@@ -40,18 +35,10 @@ class CrazyflieDriver {
   bool receive(std::span<const std::uint8_t> bytes, Time now);
   /// Checks a mocap frame, and sends the vehicle its pose.
   void on_mocap(const models::MocapFrame& frame, Time now);
-  /// Processes a plan of this vehicle or of a teammate.
-  void on_plan(const models::RobotPlan& plan, Time now);
-  void on_teammate_status(const models::VehicleStatus& status, Time now) {
-    guard_.on_teammate_status(status, now);
-  }
   void on_command(const models::OperatorCommand& command, Time now);
-  void on_map(bool is_same) { guard_.on_map(is_same); }
-  void on_other_version(Time now) { guard_.on_other_version(now); }
-  void on_processor_wait(double wait_s) { guard_.on_processor_wait(wait_s); }
   /// Ends the driver: lands the vehicle and prevents arming. If `is_hurried`, the vehicle's own
   /// landing is used from now on.
-  void end(bool is_hurried);
+  void end(bool is_hurried) { request_end(is_hurried); }
   [[nodiscard]] EndFacts end_facts(Time now) const;
   /// Performs all pending work. Call it about every 5 ms; set-points are sent at 50 Hz.
   void tick(Time now);
@@ -59,8 +46,6 @@ class CrazyflieDriver {
   [[nodiscard]] std::vector<wire::crtp::Encoded> take_output() { return link_.take_output(); }
   /// Returns the status for VEHICLE_R. Its reasons also state why the vehicle cannot be used.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
-  /// Returns true once after the state or the reasons have changed.
-  [[nodiscard]] bool take_changed() { return std::exchange(has_changed_, false); }
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
   [[nodiscard]] const CrazyflieTelemetry& telemetry() const { return link_.telemetry(); }
   [[nodiscard]] const SafetyInputs& inputs() const { return guard_.inputs(); }
@@ -71,27 +56,14 @@ class CrazyflieDriver {
   void fly(Time now);
   void send_setpoint(const Setpoint& setpoint);
   [[nodiscard]] CrazyflieGoal goal(const GuardOutput& out) const;
-  [[nodiscard]] bool is_nearly_down() const;
 
-  std::string robot_;
   scenario::CrazyflieSpec spec_;
   CrazyflieLink link_;
-  FlightGuard guard_;
-  BodyTracker tracker_;
   CrazyflieSequence sequence_;
-  models::VehicleLimits vehicle_;
-  GuardOutput orders_;
-  std::optional<double> ground_m_;  ///< m; last height of the body with the motors off, from mocap
-  Time last_setpoint_{};
-  Time next_setpoint_{};
   Time next_pose_{};
   std::optional<Time> sent_pose_;
   std::optional<Time> info_reported_, state_reported_, battery_reported_;
   double flown_s_ = 0.0;  ///< s; time with running motors, for a vehicle without a battery sensor
-  bool has_changed_ = false;
-  bool is_hurried_ = false;
-  std::int64_t poses_refused_ = 0;
-  std::int64_t poses_unseen_ = 0;
 };
 
 }  // namespace vantage::drivers

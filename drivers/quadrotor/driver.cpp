@@ -20,7 +20,6 @@ using models::FlightState;
 constexpr double kHandOverM = 0.35;
 constexpr double kLowM = 0.1;
 constexpr double kSettledS = 0.25;  // s; time with poses before a blind landing is steered again
-constexpr double kSeenS = 0.1;      // s; maximum age of a pose that may correct a set-point
 constexpr Duration kRefusalShown = std::chrono::seconds(10);
 constexpr Duration kTextAge = std::chrono::seconds(3);
 // longest time from the sending of an autopilot's report to its reception
@@ -52,14 +51,12 @@ std::optional<Time> later(std::optional<Time> a, std::optional<Time> b) {
 QuadrotorDriver::QuadrotorDriver(const scenario::Scenario& scenario, const std::string& robot,
                                  const SafetyLimits& limits,
                                  const std::optional<wire::mavlink::SigningKey>& key)
-    : robot_(robot),
+    : GuardedFlight(scenario, robot,
+                    with_leads(limits, traits_of(robot_of(scenario, robot).autopilot->dialect))),
       dialect_(robot_of(scenario, robot).autopilot->dialect),
       parameter_policy_(robot_of(scenario, robot).autopilot->parameters),
       link_(*robot_of(scenario, robot).autopilot, key),
-      guard_(scenario, robot, with_leads(limits, traits_of(dialect_))),
-      tracker_(robot, 2.0 * limits.vehicle.speed_max_mps),
-      sequence_(dialect_),
-      vehicle_(limits.vehicle) {}
+      sequence_(dialect_) {}
 
 bool QuadrotorDriver::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
   const bool is_vehicles = link_.receive(bytes, is_datagram, now);
@@ -107,41 +104,20 @@ void QuadrotorDriver::report_autopilot(Time now) {
 }
 
 void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
-  if (!guard_.on_mocap(frame, now)) {
-    return;  // the guard counts rejected frames
-  }
-  // Poses that flight safety rejects are neither used for steering nor sent to the autopilot.
-  const PoseVerdict judged = guard_.pose_verdict();
-  if (judged != PoseVerdict::kAccepted && judged != PoseVerdict::kAbsent &&
-      judged != PoseVerdict::kStuck) {
-    ++poses_refused_;
+  if (!accept_pose(frame, now)) {
     return;
   }
-  const bool is_resting = !is_airborne(orders_.state);
-  const BodyVerdict verdict = tracker_.update(frame, guard_.captured(), now, is_resting);
-  if (verdict == BodyVerdict::kUnseen) {
-    ++poses_unseen_;
-  } else if (verdict != BodyVerdict::kTaken) {
-    ++poses_refused_;
-  } else {
-    if (is_resting && link_.telemetry().heartbeat_time() && !link_.telemetry().is_armed()) {
-      ground_m_ = tracker_.state()->world_from_body.translation_m.z();
-    }
-    if (now + kPoseSlack >= next_pose_ && link_.telemetry().heartbeat_time()) {
-      next_pose_ = std::max(next_pose_ + kPosePeriod, now);
-      link_.send_pose(*tracker_.state(), now);
-    }
-    if (now - last_setpoint_ >= kSetpointSpacing) {
-      fly(now);
-    }
+  const BodyState& body = *tracker_.state();
+  const bool has_heartbeat = link_.telemetry().heartbeat_time().has_value();
+  if (!is_airborne(orders_.state) && has_heartbeat && !link_.telemetry().is_armed()) {
+    ground_m_ = body.world_from_body.translation_m.z();
   }
-}
-
-void QuadrotorDriver::on_plan(const models::RobotPlan& plan, Time now) {
-  if (plan.robot == robot_) {
-    static_cast<void>(guard_.on_plan(plan, now));  // the guard counts rejected plans
-  } else {
-    guard_.on_teammate_plan(plan, now);
+  if (now + kPoseSlack >= next_pose_ && has_heartbeat) {
+    next_pose_ = std::max(next_pose_ + kPosePeriod, now);
+    link_.send_pose(body, now);
+  }
+  if (may_send_setpoint(now)) {
+    fly(now);
   }
 }
 
@@ -163,12 +139,6 @@ void QuadrotorDriver::on_command(const models::OperatorCommand& command, Time no
   if (command.action == models::OperatorAction::kEmergencyStop) {
     next_setpoint_ = now;  // decide at the next tick instead of the next set-point
   }
-}
-
-void QuadrotorDriver::end(bool is_hurried) {
-  guard_.on_end_request();
-  is_hurried_ = is_hurried_ || is_hurried;
-  next_setpoint_ = Time{};  // decide at the next tick instead of the next set-point
 }
 
 EndFacts QuadrotorDriver::end_facts(Time now) const {
@@ -195,16 +165,11 @@ void QuadrotorDriver::tick(Time now) {
   link_.tick(now);
 }
 
-bool QuadrotorDriver::is_nearly_down() const {
-  return tracker_.state() &&  // an unknown ground height is assumed to be 0
-         tracker_.state()->world_from_body.translation_m.z() - ground_m_.value_or(0.0) < kHandOverM;
-}
-
 // True if the driver may steer a landing that began without poses. Poses must be received again,
 // the height must suffice to avoid bodies below, and the autopilot must be in the landing mode that
 // this driver commanded.
 bool QuadrotorDriver::may_steer_landing() const {
-  return lands_blind_ && settled_s_ >= kSettledS && !is_nearly_down() &&
+  return lands_blind_ && settled_s_ >= kSettledS && !is_below(kHandOverM) &&
          !sequence_.is_mode_lost() && link_.telemetry().mode() == traits_of(dialect_).land_mode;
 }
 
@@ -220,7 +185,7 @@ FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
       // again.
       const bool continues_landing = sequence_.goal() == FlightGoal::kLand && !may_steer_landing();
       const bool is_autopilots = out.setpoint.kind == FlightSetpoint::Kind::kBlindLand ||
-                                 !out.wants_armed || (out.is_sinking && is_nearly_down()) ||
+                                 !out.wants_armed || (out.is_sinking && is_below(kHandOverM)) ||
                                  continues_landing || is_hurried_;
       return is_autopilots ? FlightGoal::kLand : FlightGoal::kFly;
     }
@@ -231,13 +196,8 @@ FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
 }
 
 void QuadrotorDriver::fly(Time now) {
-  const double elapsed_s = to_seconds(now - last_setpoint_);
-  last_setpoint_ = now;
-  next_setpoint_ = now + kSetpointPeriod + kPoseGrace;
-  orders_ = guard_.tick(now);
-  has_changed_ = has_changed_ || orders_.changed;
-  const auto pose_age = tracker_.age(now);
-  settled_s_ = pose_age && to_seconds(*pose_age) < kSeenS ? settled_s_ + elapsed_s : 0.0;
+  const double elapsed_s = update_orders(now);
+  settled_s_ = seen_body(now) ? settled_s_ + elapsed_s : 0.0;
   sequence_.set_goal(goal(orders_));
   lands_blind_ = sequence_.goal() == FlightGoal::kLand &&
                  (lands_blind_ || orders_.setpoint.kind == FlightSetpoint::Kind::kBlindLand);
@@ -262,9 +222,7 @@ void QuadrotorDriver::fly(Time now) {
     return;
   }
   if (orders_.setpoint.kind == FlightSetpoint::Kind::kTrack) {
-    const auto age = tracker_.age(now);
-    const bool is_seen = age && to_seconds(*age) < kSeenS;
-    link_.send_setpoint(steer(orders_.setpoint, is_seen ? body : std::nullopt, vehicle_), now);
+    link_.send_setpoint(steer(orders_.setpoint, seen_body(now), vehicle_), now);
   } else if (body) {
     Setpoint here;  // on the ground: the set-point is the present position
     here.position_world_m = body->world_from_body.translation_m;
@@ -346,11 +304,7 @@ models::VehicleStatus QuadrotorDriver::status(Time now) const {
 
 std::vector<models::NamedCount> QuadrotorDriver::counters() const {
   std::vector<models::NamedCount> out = link_.counters();
-  for (models::NamedCount& counter : guard_.counters()) {
-    out.push_back(std::move(counter));
-  }
-  models::append_nonzero(out, {{"quadrotor.poses_unseen", poses_unseen_},
-                               {"quadrotor.poses_refused", poses_refused_}});
+  append_counters(out, "quadrotor");
   return out;
 }
 

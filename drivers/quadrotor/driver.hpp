@@ -9,9 +9,8 @@
 #include "core/time.hpp"
 #include "drivers/quadrotor/autopilot_link.hpp"
 #include "drivers/quadrotor/flight_sequence.hpp"
-#include "drivers/safety/guard.hpp"
-#include "drivers/vehicle/body_tracker.hpp"
 #include "drivers/vehicle/driver_end.hpp"
+#include "drivers/vehicle/guarded_flight.hpp"
 #include "drivers/vehicle/steering.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
@@ -25,14 +24,8 @@ namespace vantage::drivers {
 ///
 /// Arrival times are measured with a monotonic clock and converted to the stack's clock. The same
 /// sequence of calls gives the same bytes.
-class QuadrotorDriver {
+class QuadrotorDriver : public GuardedFlight {
  public:
-  /// Minimum time between set-points. After this time the next set-point is sent when a pose
-  /// arrives, so that it is computed from a new pose. Without poses, set-points are sent
-  /// periodically.
-  static constexpr Duration kSetpointSpacing{15'000};
-  static constexpr Duration kSetpointPeriod{20'000};  ///< 50 Hz
-  static constexpr Duration kPoseGrace{3'000};    ///< maximum wait for a pose after kSetpointPeriod
   static constexpr Duration kPosePeriod{20'000};  ///< minimum time between forwarded poses
 
   /// @throws UsageError for a robot that is not in the scenario or has no autopilot.
@@ -45,21 +38,10 @@ class QuadrotorDriver {
   bool receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now);
   /// Checks a mocap frame, and forwards the pose of this vehicle to the autopilot.
   void on_mocap(const models::MocapFrame& frame, Time now);
-  /// Processes a plan of this vehicle or of a teammate.
-  void on_plan(const models::RobotPlan& plan, Time now);
-  void on_teammate_status(const models::VehicleStatus& status, Time now) {
-    guard_.on_teammate_status(status, now);
-  }
   void on_command(const models::OperatorCommand& command, Time now);
-  /// Reports whether the scenario announced by other processes equals this driver's scenario.
-  void on_map(bool is_same) { guard_.on_map(is_same); }
-  /// Reports a message of an unknown type, perhaps from another version of this program.
-  void on_other_version(Time now) { guard_.on_other_version(now); }
-  /// Reports the time that the driver's thread waited for a processor within the last second, s.
-  void on_processor_wait(double wait_s) { guard_.on_processor_wait(wait_s); }
   /// Ends the driver: lands the vehicle and prevents arming. If `is_hurried`, the autopilot's own
   /// landing mode is used from now on.
-  void end(bool is_hurried);
+  void end(bool is_hurried) { request_end(is_hurried); }
   [[nodiscard]] EndFacts end_facts(Time now) const;
   /// Performs all pending work. Call it about every 5 ms; set-points are sent at 50 Hz.
   void tick(Time now);
@@ -68,8 +50,6 @@ class QuadrotorDriver {
   /// Returns the status for VEHICLE_R: the status of flight safety. Its reasons also state the
   /// refusals and pending actions of the autopilot.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
-  /// Returns true once after the state or the reasons have changed.
-  [[nodiscard]] bool take_changed() { return std::exchange(has_changed_, false); }
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
   [[nodiscard]] const Telemetry& telemetry() const { return link_.telemetry(); }
   [[nodiscard]] const ParameterCheck& parameters() const { return link_.parameters(); }
@@ -78,35 +58,21 @@ class QuadrotorDriver {
   void report_autopilot(Time now);
   void fly(Time now);
   [[nodiscard]] FlightGoal goal(const GuardOutput& out) const;
-  [[nodiscard]] bool is_nearly_down() const;
   [[nodiscard]] bool may_steer_landing() const;
   [[nodiscard]] std::optional<std::string> refusal(Time now) const;
 
-  std::string robot_;
   models::AutopilotDialect dialect_;
   scenario::ParameterPolicy parameter_policy_;
   AutopilotLink link_;
-  FlightGuard guard_;
-  BodyTracker tracker_;
   FlightSequence sequence_;
-  models::VehicleLimits vehicle_;
-  GuardOutput orders_;
-  /// m; last height of the unarmed body on the ground, measured by mocap
-  std::optional<double> ground_m_;
   std::optional<Time> mode_ordered_at_;  ///< stamp of the last command that may change the mode
-  Time last_setpoint_{};
-  Time next_setpoint_{};
   Time next_pose_{};
   std::optional<Time> heartbeat_reported_;
   std::optional<Time> battery_reported_;
   std::optional<Time> telemetry_reported_;
-  bool has_changed_ = false;
   bool lands_blind_ = false;  ///< the autopilot's current landing began without poses
   double settled_s_ = 0.0;    ///< s; time since the last gap in the poses
-  bool is_hurried_ = false;   ///< the driver ends without waiting for a steered landing
   Time motors_wanted_at_{};   ///< last time at which running motors were requested
-  std::int64_t poses_refused_ = 0;
-  std::int64_t poses_unseen_ = 0;
 };
 
 }  // namespace vantage::drivers

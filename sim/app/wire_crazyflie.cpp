@@ -35,11 +35,7 @@ std::string socket_url(const scenario::RobotSpec& robot) {
 
 WireCrazyflie::WireCrazyflie(const scenario::RobotSpec& robot, const scenario::WindSpec& wind,
                              std::uint64_t seed, Time start)
-    : name_(robot.name),
-      radius_m_(robot.limits.radius_m),
-      emulator_(crazyflie_in(robot, wind, seed), start),
-      socket_(socket_url(robot)),
-      stepped_(start) {}
+    : EmulatedWireVehicle(robot, crazyflie_in(robot, wind, seed), socket_url(robot), start) {}
 
 void WireCrazyflie::step(Time now, double dt_s) {
   stepped_ = std::max(stepped_, now + from_seconds(dt_s));

@@ -57,11 +57,8 @@ AirframeParameters airframe_in(const std::optional<scenario::WindSpec>& wind) {
 WireQuadrotor::WireQuadrotor(const scenario::RobotSpec& robot,
                              const std::optional<scenario::WindSpec>& wind, std::uint8_t system_id,
                              std::uint64_t seed, Time start)
-    : name_(robot.name),
-      radius_m_(robot.limits.radius_m),
-      emulator_(spec_of(robot, wind, system_id, seed), step_at_or_before(start)),
-      socket_(autopilot_of(robot).url),
-      stepped_(step_at_or_before(start)) {}
+    : EmulatedWireVehicle(robot, spec_of(robot, wind, system_id, seed), autopilot_of(robot).url,
+                          step_at_or_before(start)) {}
 
 void WireQuadrotor::step(Time now, double dt_s) {
   stepped_ = std::max(stepped_, step_at_or_before(now + from_seconds(dt_s)));

@@ -11,7 +11,6 @@
 #include "scenario/scenario.hpp"
 #include "sim/app/wire_vehicle.hpp"
 #include "sim/autopilot/autopilot_emulator.hpp"
-#include "sim/vehicle_socket.hpp"
 #include "wire/mavlink/parser.hpp"
 
 namespace vantage::sim {
@@ -21,25 +20,17 @@ namespace vantage::sim {
 AirframeParameters airframe_in(const std::optional<scenario::WindSpec>& wind);
 
 /// Quadrotor with an emulated autopilot on a socket. The state of the airframe is the vehicle's
-/// true state. It begins on the ground at the robot's start.
-class WireQuadrotor : public WireVehicle {
+/// true state.
+class WireQuadrotor : public EmulatedWireVehicle<AutopilotEmulator> {
  public:
   /// @throws StartupError for a robot without an `autopilot`, with one that cannot be emulated, or
   ///         if a port cannot be opened.
   WireQuadrotor(const scenario::RobotSpec& robot, const std::optional<scenario::WindSpec>& wind,
                 std::uint8_t system_id, std::uint64_t seed, Time start);
 
-  [[nodiscard]] const std::string& name() const override { return name_; }
-  [[nodiscard]] double radius_m() const override { return radius_m_; }
-  [[nodiscard]] Pose3 world_from_body() const override { return emulator_.world_from_body(); }
-  [[nodiscard]] Eigen::Vector3d velocity_world_mps() const override {
-    return emulator_.velocity_world_mps();
-  }
   void step(Time now, double dt_s) override;
-
   void exchange(Time now) override;
 
-  [[nodiscard]] const AutopilotEmulator& emulator() const { return emulator_; }
   /// Returns error counters and ages of received messages, µs. `.pose_…_us` is the time from the
   /// capture of an external pose to its arrival. `.setpoint_…_us` is the time from the capture of
   /// the newest such pose to the arrival of a set-point.
@@ -48,11 +39,6 @@ class WireQuadrotor : public WireVehicle {
  private:
   void measure(const wire::mavlink::Frame& frame, Time arrival);
 
-  std::string name_;
-  double radius_m_;
-  AutopilotEmulator emulator_;
-  VehicleSocket socket_;
-  Time stepped_;  ///< time to which the emulator was stepped
   wire::mavlink::Parser watcher_;
   Time newest_capture_{};
   LatencyRecord pose_age_;

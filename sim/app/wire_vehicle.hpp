@@ -1,10 +1,13 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
+#include "scenario/scenario.hpp"
 #include "sim/vehicle.hpp"
+#include "sim/vehicle_socket.hpp"
 
 namespace vantage::sim {
 
@@ -18,6 +21,37 @@ class WireVehicle : public Vehicle {
 
   /// Returns the error counters and latencies of the connection: `wire.ROBOT.…`.
   [[nodiscard]] virtual std::vector<models::NamedCount> counters() const = 0;
+};
+
+/// WireVehicle whose emulator connects to its driver through a UDP socket. The Emulator has
+/// world_from_body() and velocity_world_mps(). It begins on the ground at the robot's start.
+template <class Emulator>
+class EmulatedWireVehicle : public WireVehicle {
+ public:
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] double radius_m() const override { return radius_m_; }
+  [[nodiscard]] Pose3 world_from_body() const override { return emulator_.world_from_body(); }
+  [[nodiscard]] Eigen::Vector3d velocity_world_mps() const override {
+    return emulator_.velocity_world_mps();
+  }
+  [[nodiscard]] const Emulator& emulator() const { return emulator_; }
+
+ protected:
+  /// @throws StartupError if the port of `socket_url` cannot be opened.
+  template <class Spec>
+  EmulatedWireVehicle(const scenario::RobotSpec& robot, const Spec& spec,
+                      const std::string& socket_url, Time start)
+      : name_(robot.name),
+        radius_m_(robot.limits.radius_m),
+        emulator_(spec, start),
+        socket_(socket_url),
+        stepped_(start) {}
+
+  std::string name_;
+  double radius_m_;
+  Emulator emulator_;
+  VehicleSocket socket_;
+  Time stepped_;  ///< time to which the emulator was stepped
 };
 
 }  // namespace vantage::sim

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "drivers/crazyflie/driver.hpp"
-#include "drivers/vehicle/app/vehicle_node.hpp"
+#include "drivers/vehicle/app/flight_node.hpp"
 
 namespace vantage::drivers {
 
@@ -14,9 +14,8 @@ namespace vantage::drivers {
 /// @throws StartupError that names the fault in the URI or the device.
 std::unique_ptr<Port> open_crazyflie_port(const std::string& uri);
 
-/// Bus node of vantage-crazyflie for one robot. It reads packets from its port every 5 ms. It
-/// forwards poses and obeys commands immediately.
-class CrazyflieNode : public VehicleNode<CrazyflieDriver> {
+/// Bus node of vantage-crazyflie for one robot.
+class CrazyflieNode : public FlightNode<CrazyflieDriver> {
  public:
   /// @throws UsageError for a robot that is not in the scenario or has no `crazyflie`.
   CrazyflieNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
@@ -24,11 +23,7 @@ class CrazyflieNode : public VehicleNode<CrazyflieDriver> {
                 const std::shared_ptr<TableCache>& cache);
 
  private:
-  void on_mocap(const models::MocapFrame& frame, Time now) override;
-  void on_command(const models::OperatorCommand& command, Time now) override;
   bool receive(std::span<const std::uint8_t> bytes, Time now) override;
-  void act(Time now) override;
-  void send_output(Time now);
 };
 
 }  // namespace vantage::drivers

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "drivers/quadrotor/driver.hpp"
-#include "drivers/vehicle/app/vehicle_node.hpp"
+#include "drivers/vehicle/app/flight_node.hpp"
 
 namespace vantage::drivers {
 
@@ -16,20 +16,15 @@ namespace vantage::drivers {
 /// user, or if its mode permits more than 0600.
 std::optional<wire::mavlink::SigningKey> load_key(const std::string& file);
 
-/// Bus node of vantage-quadrotor for one robot. It reads MAVLink from its port every 5 ms. It
-/// forwards poses and obeys commands immediately.
-class QuadrotorNode : public VehicleNode<QuadrotorDriver> {
+/// Bus node of vantage-quadrotor for one robot.
+class QuadrotorNode : public FlightNode<QuadrotorDriver> {
  public:
   /// @throws UsageError for a robot that is not in the scenario or has no autopilot.
   QuadrotorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                 const std::string& robot, std::unique_ptr<Port> port);
 
  private:
-  void on_mocap(const models::MocapFrame& frame, Time now) override;
-  void on_command(const models::OperatorCommand& command, Time now) override;
   bool receive(std::span<const std::uint8_t> bytes, Time now) override;
-  void act(Time now) override;
-  void send_output(Time now);
 };
 
 }  // namespace vantage::drivers
