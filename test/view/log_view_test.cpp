@@ -175,55 +175,60 @@ TEST_F(SampleLog, SeekShowsStateOfFullReplay) {
   }
 }
 
-/// Seeks like a viewer that plays the log.
-void go_to(Time to, Broker& broker, Client& client, LogView& view) {
-  broker.on_request(
-      client, parse_binary(playback_request(1, 1.0F, true,
-                                            static_cast<std::uint64_t>(to_utime(to)) * 1000, "x")));
-  view.tick(0);
-}
+/// A viewer that plays a log from 20 s after its begin.
+struct PlayingViewer {
+  explicit PlayingViewer(const logs::SeekableLog& log)
+      : broker({"test", "s", log.range()}),
+        begin(log.range().first + std::chrono::seconds(20)),
+        view(log, types, broker, begin),
+        client(broker.connect(true)) {}
+  ~PlayingViewer() { broker.disconnect(client); }
+
+  /// Seeks to `to` and reads the log.
+  void go_to(Time to) {
+    const auto time_ns = static_cast<std::uint64_t>(to_utime(to)) * 1000;
+    broker.on_request(*client, parse_binary(playback_request(1, 1.0F, true, time_ns, "x")));
+    view.tick(0);
+  }
+
+  logs::TypeLibrary types;
+  Broker broker;
+  Time begin;
+  LogView view;
+  std::shared_ptr<Client> client;
+};
 
 TEST_F(SampleLog, StepsWithoutJumpAndRepeatsRequestedInstant) {
-  const logs::SeekableLog& log = log_of_sample();
-  const logs::TypeLibrary types;
-  Broker broker({"test", "s", log.range()});
-  const Time begin = log.range().first + std::chrono::seconds(20);
-  LogView view(log, types, broker, begin);
-  const auto client = broker.connect(true);
-  pop_text(*client);
-  subscribe(broker, *client, pop_text(*client), "/transforms");
+  PlayingViewer viewer(log_of_sample());
+  pop_text(*viewer.client);
+  subscribe(viewer.broker, *viewer.client, pop_text(*viewer.client), "/transforms");
   // Returns the number of received poses, and true if a jump was reported.
   const auto ask = [&](Time to) {
-    go_to(to, broker, *client, view);
-    client->push(control("{}"));
+    viewer.go_to(to);
+    viewer.client->push(control("{}"));
     std::pair<int, bool> heard;
-    for (auto frame = client->wait_pop(); frame && !frame->is_text; frame = client->wait_pop()) {
+    for (auto frame = viewer.client->wait_pop(); frame && !frame->is_text;
+         frame = viewer.client->wait_pop()) {
       heard.first += frame->head[0] == 1 ? 1 : 0;
       heard.second = heard.second || (frame->head[0] == 5 && frame->head[14] != 0);
     }
     return heard;
   };
-  ask(begin);
-  const auto [poses, jumps] = ask(begin + std::chrono::milliseconds(100));
+  ask(viewer.begin);
+  const auto [poses, jumps] = ask(viewer.begin + std::chrono::milliseconds(100));
   EXPECT_GT(poses, 1) << "all that lies between, as in playing";
   EXPECT_FALSE(jumps);
-  EXPECT_EQ(ask(begin + std::chrono::milliseconds(100)), (std::pair(1, true)));
-  EXPECT_EQ(ask(begin + std::chrono::seconds(5)), (std::pair(1, true)));
-  EXPECT_EQ(ask(begin), (std::pair(1, true)));
-  broker.disconnect(client);
+  EXPECT_EQ(ask(viewer.begin + std::chrono::milliseconds(100)), (std::pair(1, true)));
+  EXPECT_EQ(ask(viewer.begin + std::chrono::seconds(5)), (std::pair(1, true)));
+  EXPECT_EQ(ask(viewer.begin), (std::pair(1, true)));
 }
 
 // The rate is twenty poses per second anywhere in the log, whatever the server reads for a seek.
 TEST_F(SampleLog, RateUsesCountsAndTimeOfOneText) {
-  const logs::SeekableLog& log = log_of_sample();
-  const logs::TypeLibrary types;
-  Broker broker({"test", "s", log.range()});
-  const Time begin = log.range().first + std::chrono::seconds(20);
-  LogView view(log, types, broker, begin);
-  const auto client = broker.connect(true);
+  PlayingViewer viewer(log_of_sample());
   const auto go = [&](Time to) {
-    go_to(to, broker, *client, view);
-    const json told = json::parse(broker.topics_text());
+    viewer.go_to(to);
+    const json told = json::parse(viewer.broker.topics_text());
     EXPECT_NEAR(told["time_s"].get<double>(), to_seconds(to.time_since_epoch()), 1e-5);
     double poses = 0.0;
     for (const json& topic : told["topics"]) {
@@ -231,9 +236,9 @@ TEST_F(SampleLog, RateUsesCountsAndTimeOfOneText) {
     }
     return std::tuple(told["jumps"].get<int>(), told["time_s"].get<double>(), poses);
   };
-  const int jumps_before = std::get<0>(go(begin));
+  const int jumps_before = std::get<0>(go(viewer.begin));
   for (const int leg : {0, 1, 2}) {
-    const Time from = begin + std::chrono::seconds(leg == 1 ? 30 : 2 * leg);
+    const Time from = viewer.begin + std::chrono::seconds(leg == 1 ? 30 : 2 * leg);
     const auto [jumps, from_s, poses_before] = go(from);
     EXPECT_EQ(jumps, jumps_before + leg + 1);
     for (int step = 1; step < 20; ++step) {
@@ -243,7 +248,6 @@ TEST_F(SampleLog, RateUsesCountsAndTimeOfOneText) {
     EXPECT_EQ(same_jumps, jumps);
     EXPECT_NEAR((poses - poses_before) / (to_s - from_s), 20.0, 0.5) << "leg " << leg;
   }
-  broker.disconnect(client);
 }
 
 TEST_F(SampleLog, ContainsTheWholeLogsNumbersInOrder) {

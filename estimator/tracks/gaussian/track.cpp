@@ -163,6 +163,15 @@ bool is_state_linear_enough(const models::Gaussian& prior, const MeasurementJaco
   return true;
 }
 
+/// Adds the information of a linear measurement `z` = H x + v, v ~ N(0, V).
+void add_linear(Information& belief, const MeasurementJacobian& H,
+                const Eigen::LLT<MeasurementMatrix>& noise, const MeasurementVector& z) {
+  const MeasurementJacobian weighted = noise.solve(H);  // V⁻¹ H
+  belief.matrix += H.transpose() * weighted;
+  belief.matrix = (0.5 * (belief.matrix + belief.matrix.transpose())).eval();
+  belief.vector += weighted.transpose() * z;
+}
+
 /// As measure(), for a sensor that measures the velocity of a target whose state has one.
 Use measure_state(Information& belief, const models::Gaussian& prior,
                   const models::SensorModel& sensor, const models::Viewpoint& from,
@@ -180,10 +189,7 @@ Use measure_state(Information& belief, const models::Gaussian& prior,
     if (is_beyond_gate(whitened.squaredNorm())) {
       return Use::kGated;
     }
-    const MeasurementJacobian weighted = noise.solve(H);  // V⁻¹ H
-    belief.matrix += H.transpose() * weighted;
-    belief.matrix = (0.5 * (belief.matrix + belief.matrix.transpose())).eval();
-    belief.vector += weighted.transpose() * (nu + H * prior.mean);
+    add_linear(belief, H, noise, nu + H * prior.mean);
     return Use::kUsed;
   }
   const auto updated = unscented_update(prior, sensor, from, measurement);
@@ -253,10 +259,7 @@ Use measure(Information& belief, const models::SensorModel& sensor, const models
       if (is_beyond_gate(whitened.squaredNorm())) {
         return Use::kGated;
       }
-      const MeasurementJacobian weighted = noise.solve(H);  // V⁻¹ H
-      belief.matrix += H.transpose() * weighted;
-      belief.matrix = (0.5 * (belief.matrix + belief.matrix.transpose())).eval();
-      belief.vector += weighted.transpose() * (nu + tangent.H * tangent.mean_m);
+      add_linear(belief, H, noise, nu + tangent.H * tangent.mean_m);
       return Use::kUsed;
     }
   }

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "test/drivers/vicon/vicon_bench.hpp"
-#include "test/support/near.hpp"
 
 // The driver and the emulated NatNet server in virtual time.
 
@@ -15,38 +14,21 @@ namespace {
 
 using scenario::MocapProtocol;
 using sim::vicon::EmulatedFrame;
-using test::circling;
-using test::is_near;
 using test::kPeriod;
 using test::ViconBench;
 
-constexpr double kFloatResolution_m = 1e-6;
-
-struct NatNetBench : ViconBench {
+struct NatNetBench : test::CirclingBench {
   explicit NatNetBench(const scenario::MocapSpec& spec = test::spec_of(MocapProtocol::kNatNet))
       : NatNetBench(spec, settings_for(spec)) {}
   NatNetBench(const scenario::MocapSpec& spec, const sim::vicon::ServerSettings& settings)
-      : ViconBench(spec, settings) {
+      : CirclingBench(spec, settings) {
+    latency_s = 0.0055;
     pass(std::chrono::milliseconds(20));
   }
 
-  EmulatedFrame next(int bodies) {
-    EmulatedFrame frame = circling(bodies, to_seconds(elapsed));
-    frame.number = ++number;
-    frame.latency_s = 0.0055;
-    return frame;
-  }
-  void run(int frames_count, int bodies) {
-    for (int k = 0; k < frames_count; ++k) {
-      publish(next(bodies));
-      pass(kPeriod);
-    }
-  }
   [[nodiscard]] double age_s() const {
     return to_seconds(frames.back().arrival - frames.back().stamp.time);
   }
-
-  std::uint32_t number = 0;
 };
 
 TEST(NatNetSession, PassesPosesOfEachVersionAndAxis) {
@@ -69,15 +51,8 @@ TEST(NatNetSession, PassesPosesOfEachVersionAndAxis) {
       ASSERT_EQ(seen.bodies.size(), 4u);
       for (std::size_t i = 0; i < 4; ++i) {
         EXPECT_EQ(seen.bodies[i].name, frame.bodies[i].name);
-        EXPECT_FALSE(seen.bodies[i].occluded);
-        EXPECT_LT((seen.bodies[i].world_from_body.translation_m -
-                   frame.bodies[i].world_from_body.translation_m)
-                      .norm(),
-                  kFloatResolution_m);
-        EXPECT_LT(seen.bodies[i].world_from_body.rotation.angularDistance(
-                      frame.bodies[i].world_from_body.rotation),
-                  1e-6);
       }
+      test::expect_poses(seen, frame);
       EXPECT_EQ(bench.driver.wire_counts().broken_blocks, 0);
       EXPECT_EQ(bench.driver.wire_counts().unnamed_bodies, 0);
     }
@@ -103,24 +78,8 @@ TEST(NatNetSession, MarksUntrackedBodiesAsOccluded) {
 TEST(NatNetSession, UsesNewNamesFromTheFirstFrameAfterAChange) {
   NatNetBench bench;
   bench.run(250, 3);
-  bench.frames.clear();
-  for (int k = 0; k < 20; ++k) {
-    EmulatedFrame frame = bench.next(3);
-    frame.bodies.erase(frame.bodies.begin());
-    bench.publish(frame);
-    bench.pass(kPeriod);
-    ASSERT_FALSE(bench.frames.empty());
-    for (const auto& body : frame.bodies) {
-      const models::MocapBody* seen = bench.frames.back().find(body.name);
-      ASSERT_NE(seen, nullptr) << body.name << " at " << k;
-      ASSERT_FALSE(seen->occluded);
-      EXPECT_LT((seen->world_from_body.translation_m - body.world_from_body.translation_m).norm(),
-                kFloatResolution_m);
-    }
-    EXPECT_EQ(bench.frames.back().find("BODY0"), nullptr) << "it no longer exists";
-  }
-  EXPECT_EQ(bench.frames.size(), 20u) << "the first frame waits for the names and is not lost";
-  EXPECT_EQ(bench.driver.frame_counts().poses_swapped, 0);
+  test::expect_own_names_after_removal(bench, 3, false);
+  EXPECT_EQ(bench.frames.back().find("BODY0"), nullptr) << "it no longer exists";
 }
 
 // The capture time is that of the exposure by the server's clock, whatever the clocks' zeros are.

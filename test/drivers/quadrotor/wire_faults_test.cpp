@@ -19,13 +19,7 @@ TEST_P(WireFaults, CauseTheExpectedReactionInTime) {
   const FaultRun run = fly_wire_fault(fault, dialect, 2);  // the results page uses seed 1
   const Outcome& outcome = run.outcomes.front();
   SCOPED_TRACE(std::string(fault.name) + ", reasons: " + list(outcome.reasons));
-  EXPECT_TRUE(outcome.reacted);
-  for (std::size_t i = 0; i < fault.stages.size(); ++i) {
-    EXPECT_GE(outcome.stage_s[i], 0.0) << "never " << name_of(fault.stages[i].state);
-    EXPECT_LE(outcome.stage_s[i], fault.stages[i].within_s + 1e-9)
-        << name_of(fault.stages[i].state);
-  }
-  EXPECT_STREQ(name_of(outcome.end), name_of(fault.end));
+  expect_outcome(fault, outcome);
   EXPECT_TRUE(run.violations.empty()) << list(run.violations);
   EXPECT_GT(run.closest_m, 1.0);
 }

@@ -11,45 +11,15 @@ namespace {
 
 using scenario::MocapProtocol;
 using sim::vicon::EmulatedFrame;
-using test::circling;
-using test::kPeriod;
-using test::ViconBench;
 using wire::qualisys::PacketType;
 
-constexpr double kFloatResolution_m = 1e-6;
-
-struct QtmBench : ViconBench {
+struct QtmBench : test::CirclingBench {
   explicit QtmBench(std::size_t chunk_bytes = 0)
-      : ViconBench(test::spec_of(MocapProtocol::kQtm),
-                   settings_for(test::spec_of(MocapProtocol::kQtm)), chunk_bytes) {
+      : CirclingBench(test::spec_of(MocapProtocol::kQtm),
+                      settings_for(test::spec_of(MocapProtocol::kQtm)), chunk_bytes) {
     pass(std::chrono::milliseconds(20));
   }
-
-  EmulatedFrame next(int bodies) {
-    EmulatedFrame frame = circling(bodies, to_seconds(elapsed));
-    frame.number = ++number;
-    return frame;
-  }
-  void run(int frames_count, int bodies) {
-    for (int k = 0; k < frames_count; ++k) {
-      publish(next(bodies));
-      pass(kPeriod);
-    }
-  }
-
-  std::uint32_t number = 0;
 };
-
-void expect_poses(const models::MocapFrame& seen, const EmulatedFrame& frame) {
-  for (const auto& body : frame.bodies) {
-    const models::MocapBody* found = seen.find(body.name);
-    ASSERT_NE(found, nullptr) << body.name;
-    EXPECT_FALSE(found->occluded);
-    EXPECT_LT((found->world_from_body.translation_m - body.world_from_body.translation_m).norm(),
-              kFloatResolution_m);
-    EXPECT_LT(found->world_from_body.rotation.angularDistance(body.world_from_body.rotation), 2e-6);
-  }
-}
 
 // A stream has no boundaries: a packet may arrive in any pieces.
 TEST(QtmSession, PassesPosesFromPiecesOfAnySize) {
@@ -60,7 +30,7 @@ TEST(QtmSession, PassesPosesFromPiecesOfAnySize) {
     bench.publish(frame);
     ASSERT_FALSE(bench.frames.empty()) << bench.driver.status();
     EXPECT_EQ(bench.frames.back().frame_number, frame.number);
-    expect_poses(bench.frames.back(), frame);
+    test::expect_poses(bench.frames.back(), frame);
     EXPECT_EQ(bench.driver.wire_counts().broken_blocks, 0);
     EXPECT_EQ(bench.driver.frame_counts().frames_lost, 0);
   }
@@ -82,24 +52,7 @@ TEST(QtmSession, MarksBodiesWithoutNumbersAsOccluded) {
 TEST(QtmSession, UsesNewNamesFromTheFirstFrameAfterAnEvent) {
   QtmBench bench;
   bench.run(50, 3);
-  bench.frames.clear();
-  for (int k = 0; k < 20; ++k) {
-    EmulatedFrame frame = bench.next(4);
-    frame.bodies.erase(frame.bodies.begin());
-    bench.publish(frame);
-    bench.pass(kPeriod);
-    ASSERT_FALSE(bench.frames.empty());
-    for (const auto& body : frame.bodies) {
-      const models::MocapBody* seen = bench.frames.back().find(body.name);
-      ASSERT_NE(seen, nullptr) << body.name << " at " << k;
-      if (!seen->occluded) {
-        EXPECT_LT((seen->world_from_body.translation_m - body.world_from_body.translation_m).norm(),
-                  kFloatResolution_m);
-      }
-    }
-  }
-  EXPECT_EQ(bench.frames.size(), 20u) << "the first frame waits for the names and is not lost";
-  EXPECT_EQ(bench.driver.frame_counts().poses_swapped, 0);
+  test::expect_own_names_after_removal(bench, 4, true);
   EXPECT_EQ(bench.driver.frame_counts().poses_outlying, 0);
 }
 

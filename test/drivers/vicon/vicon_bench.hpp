@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "drivers/natnet/natnet_session.hpp"
 #include "drivers/qualisys/qtm_session.hpp"
@@ -185,6 +188,65 @@ inline sim::vicon::EmulatedFrame circling(int count, double time_s) {
     frame.bodies.push_back({"BODY" + std::to_string(i), {position, rotation}, false});
   }
   return frame;
+}
+
+/// A bench that publishes numbered frames of circling bodies.
+struct CirclingBench : ViconBench {
+  using ViconBench::ViconBench;
+
+  /// Returns the next frame without publishing it.
+  sim::vicon::EmulatedFrame next(int bodies) {
+    sim::vicon::EmulatedFrame frame = circling(bodies, to_seconds(elapsed));
+    frame.number = ++number;
+    frame.latency_s = latency_s;
+    return frame;
+  }
+  void run(int frames_count, int bodies) {
+    for (int k = 0; k < frames_count; ++k) {
+      publish(next(bodies));
+      pass(kPeriod);
+    }
+  }
+
+  std::uint32_t number = 0;
+  double latency_s = sim::vicon::EmulatedFrame{}.latency_s;
+};
+
+/// Expects the pose of each body of `frame` within the resolution of single-precision numbers.
+inline void expect_poses(const models::MocapFrame& seen, const sim::vicon::EmulatedFrame& frame) {
+  for (const auto& body : frame.bodies) {
+    const models::MocapBody* found = seen.find(body.name);
+    ASSERT_NE(found, nullptr) << body.name;
+    EXPECT_FALSE(found->occluded);
+    EXPECT_LT((found->world_from_body.translation_m - body.world_from_body.translation_m).norm(),
+              1e-6);
+    EXPECT_LT(found->world_from_body.rotation.angularDistance(body.world_from_body.rotation), 2e-6);
+  }
+}
+
+/// Removes the first of `bodies` bodies. Expects that each frame arrives and that no pose appears
+/// under another body's name. A body may be occluded if `may_be_occluded`.
+inline void expect_own_names_after_removal(CirclingBench& bench, int bodies, bool may_be_occluded) {
+  bench.frames.clear();
+  for (int k = 0; k < 20; ++k) {
+    sim::vicon::EmulatedFrame frame = bench.next(bodies);
+    frame.bodies.erase(frame.bodies.begin());
+    bench.publish(frame);
+    bench.pass(kPeriod);
+    ASSERT_FALSE(bench.frames.empty());
+    for (const auto& body : frame.bodies) {
+      const models::MocapBody* seen = bench.frames.back().find(body.name);
+      ASSERT_NE(seen, nullptr) << body.name << " at " << k;
+      if (seen->occluded) {
+        EXPECT_TRUE(may_be_occluded);
+        continue;
+      }
+      EXPECT_LT((seen->world_from_body.translation_m - body.world_from_body.translation_m).norm(),
+                1e-6);
+    }
+  }
+  EXPECT_EQ(bench.frames.size(), 20u) << "the first frame waits for the names and is not lost";
+  EXPECT_EQ(bench.driver.frame_counts().poses_swapped, 0);
 }
 
 }  // namespace vantage::test

@@ -118,21 +118,7 @@ TEST(FitRanges, CountsCorrelatedErrorsOnce) {
 // Ten laps have the same error at the same position, and errors are correlated over 0.25 m only.
 // Ten laps still count as one.
 TEST(FitRanges, CountsRepeatedErrorsOfAPositionOnce) {
-  std::mt19937_64 rng(2);
-  std::normal_distribution<double> noise(0.0, 0.3);
-  constexpr int kPlaces = 400;
-  std::vector<double> errors_m(kPlaces);
-  for (double& error_m : errors_m) {
-    error_m = noise(rng);
-  }
-  const Eigen::Vector2d beacon_m(25.0, 5.0);
-  std::vector<TakenRange> ranges;
-  for (int k = 0; k < 10 * kPlaces; ++k) {
-    const double angle_rad = 2.0 * kPi * k / kPlaces;
-    const Eigen::Vector2d robot_m =
-        15.0 * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
-    ranges.push_back({robot_m, (beacon_m - robot_m).norm() + errors_m[index(k % kPlaces)], 0});
-  }
+  const std::vector<TakenRange> ranges = test::repeated_ranges(2);
   const RangeFit fit = fit_ranges(ranges, 1);
   EXPECT_NEAR(fit.correlation, 10.0, 2.5);
 }

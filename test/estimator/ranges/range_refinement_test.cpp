@@ -10,16 +10,13 @@
 
 #include "core/angle.hpp"
 #include "core/index.hpp"
+#include "test/estimator/ranges/range_scene.hpp"
 
 namespace vantage::estimator {
 namespace {
 
-constexpr int kPlaces = 400;
-
-Eigen::Vector2d on_circle_m(int k) {
-  const double angle_rad = 2.0 * kPi * k / kPlaces;
-  return 15.0 * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
-}
+using test::kLapPositions;
+using test::on_circle_m;
 
 // Fits three beacons with the stated noise. The result must not depend on their order.
 TEST(FitAt, IsIndependentOfBeaconNumbers) {
@@ -33,7 +30,7 @@ TEST(FitAt, IsIndependentOfBeaconNumbers) {
   std::mt19937_64 rng(3);
   std::normal_distribution<double> noise;
   std::vector<TakenRange> ranges;
-  for (int k = 0; k < kPlaces; ++k) {
+  for (int k = 0; k < kLapPositions; ++k) {
     const int b = k % kBeacons;
     const double distance_m = (state.beacons_m[index(b)] - on_circle_m(k)).norm();
     ranges.push_back({on_circle_m(k), distance_m + state.noise[index(b)].width_m * noise(rng), b});
@@ -55,20 +52,9 @@ TEST(FitAt, IsIndependentOfBeaconNumbers) {
 // In ten laps, the same error occurs at the same position: ten ranges count as one, for any stated
 // noise.
 TEST(FitAt, CountsRepeatedErrorsOnceInAnyUnit) {
-  std::mt19937_64 rng(4);
-  std::normal_distribution<double> noise(0.0, 0.3);
-  std::vector<double> errors_m(kPlaces);
-  for (double& error_m : errors_m) {
-    error_m = noise(rng);
-  }
-  const Eigen::Vector2d beacon_m(25.0, 5.0);
-  std::vector<TakenRange> ranges;
-  for (int k = 0; k < 10 * kPlaces; ++k) {
-    const Eigen::Vector2d robot_m = on_circle_m(k);
-    ranges.push_back({robot_m, (beacon_m - robot_m).norm() + errors_m[index(k % kPlaces)], 0});
-  }
+  const std::vector<TakenRange> ranges = test::repeated_ranges(4);
   const auto correlation = [&](double width_m) {
-    const RangeState state{{1.0, 0.0}, {beacon_m}, {{width_m, 0.0}}};
+    const RangeState state{{1.0, 0.0}, {{25.0, 5.0}}, {{width_m, 0.0}}};
     return fit_at({ranges, 30.0, {}, {}}, state).correlation;
   };
   EXPECT_NEAR(correlation(3.0), 10.0, 2.5);

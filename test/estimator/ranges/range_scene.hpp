@@ -64,4 +64,31 @@ inline RangeScene draw_range_scene(unsigned seed, const RangeSceneSpec& spec) {
   return scene;
 }
 
+inline constexpr int kLapPositions = 400;
+
+/// Returns position k of a circle of 15 m, of which one lap has kLapPositions.
+inline Eigen::Vector2d on_circle_m(int k) {
+  const double angle_rad = 2.0 * kPi * k / kLapPositions;
+  return 15.0 * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+}
+
+/// Returns the ranges of ten laps to a beacon at (25, 5), σ = 0.3 m. Each lap has the same error at
+/// the same position.
+inline std::vector<TakenRange> repeated_ranges(unsigned seed) {
+  std::mt19937_64 rng(seed);
+  std::normal_distribution<double> noise(0.0, 0.3);
+  std::vector<double> errors_m(kLapPositions);
+  for (double& error_m : errors_m) {
+    error_m = noise(rng);
+  }
+  const Eigen::Vector2d beacon_m(25.0, 5.0);
+  std::vector<TakenRange> ranges;
+  for (int k = 0; k < 10 * kLapPositions; ++k) {
+    const Eigen::Vector2d robot_m = on_circle_m(k);
+    ranges.push_back(
+        {robot_m, (beacon_m - robot_m).norm() + errors_m[index(k % kLapPositions)], 0});
+  }
+  return ranges;
+}
+
 }  // namespace vantage::estimator::test

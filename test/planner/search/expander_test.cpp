@@ -114,15 +114,8 @@ TEST(Expander, HoverCostEqualsTheScorers) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const OwnedProblem owned = test::random_problem(seed);
     FullTree full(owned.problem);
-    for (NodeId id = 0; id < full.tree.node_count(); id += 11) {
-      std::vector<Pose2> poses = full.path(id);
-      poses.resize(static_cast<std::size_t>(owned.problem.horizon_steps),
-                   full.tree[id].world_from_body);
-      const double expected = score(owned.problem, poses);
-      ASSERT_NEAR(full.expander.cost_of_hovering(full.tree, id), expected,
-                  1e-8 * std::max(1.0, std::abs(expected)))
-          << "seed " << seed << " node " << id;
-    }
+    SCOPED_TRACE(seed);
+    full.expect_hover_costs(owned.problem);
   }
 }
 

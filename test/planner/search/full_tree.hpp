@@ -1,8 +1,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "planner/problem/belief_table.hpp"
 #include "planner/search/expander.hpp"
@@ -93,6 +96,18 @@ struct FullTree {
       }
     }
     return best;
+  }
+
+  /// Expects that the cost of hovering at each 11th node equals that of the scorer.
+  void expect_hover_costs(const planner::SearchProblem& problem) {
+    for (planner::NodeId id = 0; id < tree.node_count(); id += 11) {
+      std::vector<Pose2> poses = path(id);
+      poses.resize(static_cast<std::size_t>(problem.horizon_steps), tree[id].world_from_body);
+      const double expected = planner::score(problem, poses);
+      ASSERT_NEAR(expander.cost_of_hovering(tree, id), expected,
+                  1e-8 * std::max(1.0, std::abs(expected)))
+          << "node " << id;
+    }
   }
 
   bool complete = true;  ///< false: the arena was too small

@@ -116,42 +116,50 @@ std::vector<InformationMeasure> measures_of(const SearchProblem& problem) {
 
 double slack(double cost) { return 1e-6 * std::max(1.0, std::abs(cost)); }
 
+/// Calls check(problem, measure, rng) for each measure of `count` lattice problems.
+template <class Check>
+void for_drawn_problems(std::uint64_t count, const Check& check) {
+  for (std::uint64_t seed = 0; seed < count; ++seed) {
+    SCOPED_TRACE(seed);
+    const OwnedProblem owned = test::lattice_problem(seed);
+    std::mt19937_64 rng(seed);
+    for (const InformationMeasure measure : measures_of(owned.problem)) {
+      check(owned.problem, measure, rng);
+    }
+  }
+}
+
 // The linear form is tangent to the cost at the reference and lies below it elsewhere. This holds
 // from every depth, with and without teammates, noise and oscillators.
 TEST(LinearisedCost, IsATangentLowerBound) {
   int far = 0;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
-    SCOPED_TRACE(seed);
-    const OwnedProblem owned = test::lattice_problem(seed);
-    const SearchProblem& problem = owned.problem;
-    std::mt19937_64 rng(seed);
-    for (const InformationMeasure measure : measures_of(problem)) {
-      Tabled tabled(problem, measure);
-      const int targets = static_cast<int>(problem.targets.size());
-      for (int m = 0; m < targets; ++m) {
-        for (int k = 1; k <= problem.horizon_steps; ++k) {
-          tabled.reach(m, k);
+  for_drawn_problems(
+      60, [&](const SearchProblem& problem, InformationMeasure measure, std::mt19937_64& rng) {
+        Tabled tabled(problem, measure);
+        const int targets = static_cast<int>(problem.targets.size());
+        for (int m = 0; m < targets; ++m) {
+          for (int k = 1; k <= problem.horizon_steps; ++k) {
+            tabled.reach(m, k);
+          }
         }
-      }
-      const int depth = pick(rng, 0, problem.horizon_steps - 1);
-      const Looks reference = random_looks(rng, problem);
-      for (int m = 0; m < targets; ++m) {
-        models::Gaussian belief = problem.targets[index(m)].prior;
-        belief.covariance =
-            random_spd(rng, static_cast<int>(belief.mean.rows()), uniform(rng, 0.1, 2.0), 1.0);
-        const double base = tabled.around(m, depth, belief.covariance, reference);
-        const double there = cost_of(problem, m, depth, belief, reference, measure);
-        EXPECT_NEAR(base - tabled.taken_off(m, depth, reference), there, slack(there));
-        for (int i = 0; i < 10; ++i) {
-          const Looks other = random_looks(rng, problem);
-          const double cost = cost_of(problem, m, depth, belief, other, measure);
-          const double bound = base - tabled.taken_off(m, depth, other);
-          EXPECT_LE(bound, cost + slack(cost));
-          far += bound < cost - 0.5 ? 1 : 0;
+        const int depth = pick(rng, 0, problem.horizon_steps - 1);
+        const Looks reference = random_looks(rng, problem);
+        for (int m = 0; m < targets; ++m) {
+          models::Gaussian belief = problem.targets[index(m)].prior;
+          belief.covariance =
+              random_spd(rng, static_cast<int>(belief.mean.rows()), uniform(rng, 0.1, 2.0), 1.0);
+          const double base = tabled.around(m, depth, belief.covariance, reference);
+          const double there = cost_of(problem, m, depth, belief, reference, measure);
+          EXPECT_NEAR(base - tabled.taken_off(m, depth, reference), there, slack(there));
+          for (int i = 0; i < 10; ++i) {
+            const Looks other = random_looks(rng, problem);
+            const double cost = cost_of(problem, m, depth, belief, other, measure);
+            const double bound = base - tabled.taken_off(m, depth, other);
+            EXPECT_LE(bound, cost + slack(cost));
+            far += bound < cost - 0.5 ? 1 : 0;
+          }
         }
-      }
-    }
-  }
+      });
   EXPECT_GT(far, 500);
 }
 
@@ -163,37 +171,32 @@ TEST(LinearisedCost, HasTheGradientOfTheCost) {
   directions[0] << 1.0, 0.0, 0.0, 0.0;
   directions[1] << 0.0, 1.0, 1.0, 0.0;
   directions[2] << 0.0, 0.0, 0.0, 1.0;
-  for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    SCOPED_TRACE(seed);
-    const OwnedProblem owned = test::lattice_problem(seed);
-    const SearchProblem& problem = owned.problem;
-    std::mt19937_64 rng(seed);
-    for (const InformationMeasure measure : measures_of(problem)) {
-      Tabled tabled(problem, measure);
-      const int m = static_cast<int>(problem.targets.size()) - 1;
-      for (int k = 1; k <= problem.horizon_steps; ++k) {
-        tabled.reach(m, k);
-      }
-      const Looks reference = random_looks(rng, problem);
-      const models::Gaussian& belief = problem.targets[index(m)].prior;
-      static_cast<void>(tabled.around(m, 0, belief.covariance, reference));
-      for (int k = 1; k <= problem.horizon_steps; ++k) {
-        const LinearisedCost::Gradient& g = tabled.cost.gradient(m, k);
-        const double expected[] = {g.xx, 2.0 * g.xy, g.yy};
-        for (int i = 0; i < 3; ++i) {
-          Looks more = reference;
-          Looks less = reference;
-          more[index(m)][index(k - 1)] += kSmall * directions[i];
-          less[index(m)][index(k - 1)] -= kSmall * directions[i];
-          const double slope = (cost_of(problem, m, 0, belief, less, measure) -
-                                cost_of(problem, m, 0, belief, more, measure)) /
-                               (2.0 * kSmall);
-          EXPECT_NEAR(slope, expected[i], 1e-3 * std::max(1.0, std::abs(g.xx) + std::abs(g.yy)))
-              << "entry " << i << " at " << k;
+  for_drawn_problems(
+      30, [&](const SearchProblem& problem, InformationMeasure measure, std::mt19937_64& rng) {
+        Tabled tabled(problem, measure);
+        const int m = static_cast<int>(problem.targets.size()) - 1;
+        for (int k = 1; k <= problem.horizon_steps; ++k) {
+          tabled.reach(m, k);
         }
-      }
-    }
-  }
+        const Looks reference = random_looks(rng, problem);
+        const models::Gaussian& belief = problem.targets[index(m)].prior;
+        static_cast<void>(tabled.around(m, 0, belief.covariance, reference));
+        for (int k = 1; k <= problem.horizon_steps; ++k) {
+          const LinearisedCost::Gradient& g = tabled.cost.gradient(m, k);
+          const double expected[] = {g.xx, 2.0 * g.xy, g.yy};
+          for (int i = 0; i < 3; ++i) {
+            Looks more = reference;
+            Looks less = reference;
+            more[index(m)][index(k - 1)] += kSmall * directions[i];
+            less[index(m)][index(k - 1)] -= kSmall * directions[i];
+            const double slope = (cost_of(problem, m, 0, belief, less, measure) -
+                                  cost_of(problem, m, 0, belief, more, measure)) /
+                                 (2.0 * kSmall);
+            EXPECT_NEAR(slope, expected[i], 1e-3 * std::max(1.0, std::abs(g.xx) + std::abs(g.yy)))
+                << "entry " << i << " at " << k;
+          }
+        }
+      });
 }
 
 // If the robot cannot come near a target at a depth, the reference at that depth has no effect. If
@@ -232,48 +235,43 @@ TEST(LinearisedCost, UsesReferencesOnlyNearTargets) {
 // The reported information without measurements is that of the direction with the least
 // information. A measurement that raises it by a factor f lowers the cost by at most weight · ln f.
 TEST(LinearisedCost, BoundsGainOfOneMeasurement) {
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    SCOPED_TRACE(seed);
-    const OwnedProblem owned = test::lattice_problem(seed);
-    const SearchProblem& problem = owned.problem;
-    std::mt19937_64 rng(seed);
-    for (const InformationMeasure measure : measures_of(problem)) {
-      Tabled tabled(problem, measure);
-      const int m = 0;
-      tabled.reach(m, 1);
-      const Looks none(
-          problem.targets.size(),
-          std::vector<Eigen::Matrix2d>(index(problem.horizon_steps), Eigen::Matrix2d::Zero()));
-      const models::Gaussian& belief = problem.targets[0].prior;
-      static_cast<void>(tabled.around(m, 0, belief.covariance, none));
-      models::Gaussian open_loop = belief;
-      for (int k = 1; k <= problem.horizon_steps; ++k) {
-        open_loop = models::predict(open_loop, problem.targets[0].model, problem.step_s);
-        if (!problem.fixed_information.empty() &&
-            problem.fixed_information[0][index(k - 1)].size() > 0) {
-          open_loop.covariance = models::update_covariance(
-              open_loop.covariance, problem.fixed_information[0][index(k - 1)]);
+  for_drawn_problems(
+      40, [&](const SearchProblem& problem, InformationMeasure measure, std::mt19937_64& rng) {
+        Tabled tabled(problem, measure);
+        const int m = 0;
+        tabled.reach(m, 1);
+        const Looks none(
+            problem.targets.size(),
+            std::vector<Eigen::Matrix2d>(index(problem.horizon_steps), Eigen::Matrix2d::Zero()));
+        const models::Gaussian& belief = problem.targets[0].prior;
+        static_cast<void>(tabled.around(m, 0, belief.covariance, none));
+        models::Gaussian open_loop = belief;
+        for (int k = 1; k <= problem.horizon_steps; ++k) {
+          open_loop = models::predict(open_loop, problem.targets[0].model, problem.step_s);
+          if (!problem.fixed_information.empty() &&
+              problem.fixed_information[0][index(k - 1)].size() > 0) {
+            open_loop.covariance = models::update_covariance(
+                open_loop.covariance, problem.fixed_information[0][index(k - 1)]);
+          }
+          const Eigen::Matrix2d P = open_loop.covariance.topLeftCorner(2, 2);
+          const double known =
+              1.0 / Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(P).eigenvalues().maxCoeff();
+          EXPECT_NEAR(tabled.cost.known(m, k), known, 1e-9 * known) << k;
+          const double steps_after = problem.horizon_steps - k;
+          EXPECT_EQ(tabled.cost.weight(k),
+                    measure == InformationMeasure::kLogDet ? steps_after + 1.0 : 1.0);
+          for (int i = 0; i < 5; ++i) {
+            const double angle_rad = uniform(rng, -kPi, kPi);
+            const double strength = std::pow(10.0, uniform(rng, -1.0, 3.0));
+            const Eigen::Vector2d u(std::cos(angle_rad), std::sin(angle_rad));
+            Looks one = none;
+            one[0][index(k - 1)] = strength * u * u.transpose();
+            const double less = cost_of(problem, m, 0, belief, none, measure) -
+                                cost_of(problem, m, 0, belief, one, measure);
+            EXPECT_LE(less, tabled.cost.weight(k) * std::log1p(strength / known) + 1e-9) << k;
+          }
         }
-        const Eigen::Matrix2d P = open_loop.covariance.topLeftCorner(2, 2);
-        const double known =
-            1.0 / Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(P).eigenvalues().maxCoeff();
-        EXPECT_NEAR(tabled.cost.known(m, k), known, 1e-9 * known) << k;
-        const double steps_after = problem.horizon_steps - k;
-        EXPECT_EQ(tabled.cost.weight(k),
-                  measure == InformationMeasure::kLogDet ? steps_after + 1.0 : 1.0);
-        for (int i = 0; i < 5; ++i) {
-          const double angle_rad = uniform(rng, -kPi, kPi);
-          const double strength = std::pow(10.0, uniform(rng, -1.0, 3.0));
-          const Eigen::Vector2d u(std::cos(angle_rad), std::sin(angle_rad));
-          Looks one = none;
-          one[0][index(k - 1)] = strength * u * u.transpose();
-          const double less = cost_of(problem, m, 0, belief, none, measure) -
-                              cost_of(problem, m, 0, belief, one, measure);
-          EXPECT_LE(less, tabled.cost.weight(k) * std::log1p(strength / known) + 1e-9) << k;
-        }
-      }
-    }
-  }
+      });
 }
 
 }  // namespace
