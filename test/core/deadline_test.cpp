@@ -27,7 +27,7 @@ TEST(Deadline, ExpiresExactlyAtTheNodeBudget) {
 
 TEST(Deadline, IsExpiredWithZeroNodes) { EXPECT_TRUE(Deadline::nodes(0).expired(0)); }
 
-TEST(Deadline, IgnoresNodesWhenItIsATime) {
+TEST(Deadline, IgnoresNodesIfOnlyTheTimeIsLimited) {
   EXPECT_TRUE(Deadline::at(kLongAgo_ns).expired(0));
   EXPECT_FALSE(Deadline::at(kInAThousandYears_ns).expired(1'000'000'000));
 }
@@ -38,12 +38,12 @@ TEST(Deadline, ExpiresAtTheEarlierOfTwoLimits) {
   EXPECT_FALSE(Deadline::either(10, kInAThousandYears_ns).expired(9));
 }
 
-TEST(Deadline, NeverDoesNotExpire) {
+TEST(Deadline, DoesNotExpireWithoutALimit) {
   EXPECT_FALSE(Deadline::never().expired(0));
   EXPECT_FALSE(Deadline::never().expired(std::numeric_limits<std::int64_t>::max() - 1));
 }
 
-TEST(Deadline, FractionAppliesToTimeAndNodes) {
+TEST(Deadline, FractionScalesTimeAndNodes) {
   constexpr std::int64_t kLeft_ns = 3'000'000'000'000;
   const std::int64_t before_ns = monotonic_ns();
   const Deadline third = Deadline::either(10, before_ns + kLeft_ns).third();

@@ -21,7 +21,7 @@ int exit_code_of(const std::function<int()>& body, std::string* words = nullptr)
   return code;
 }
 
-TEST(RunProcess, ReturnsTheBodysExitCode) {
+TEST(RunProcess, ReturnsTheExitCodeOfItsFunction) {
   EXPECT_EQ(exit_code_of([] { return 0; }), 0);
   EXPECT_EQ(exit_code_of([] { return 7; }), 7);
 }
@@ -42,7 +42,7 @@ TEST(RunProcess, ReportsLackOfMemory) {
   EXPECT_EQ(words, "vantage-test: out of memory\n");
 }
 
-TEST(RunProcess, ReceivesStopSignals) {
+TEST(RunProcess, DetectsStopSignals) {
   EXPECT_FALSE(stop_requested());
   EXPECT_EQ(exit_code_of([] {
               std::raise(SIGTERM);
@@ -98,7 +98,7 @@ TEST(DefaultSignalScopeDeathTest, RestoresSignalHandlingAfterwards) {
   EXPECT_EXIT(std::exit(run_process("vantage-test", body)), ::testing::ExitedWithCode(5), "");
 }
 
-TEST(RunProcess, CountsTheRequests) {
+TEST(RunProcess, CountsStopRequests) {
   EXPECT_EQ(exit_code_of([] {
               const int before = stop_requests();
               std::raise(SIGINT);

@@ -5,7 +5,7 @@
 namespace vantage {
 namespace {
 
-TEST(Time, EqualsUtime) {
+TEST(Time, ConvertsToAndFromUtime) {
   for (const std::int64_t utime_us : {0L, 1L, 1'700'000'000'123'456L, -5L}) {
     EXPECT_EQ(to_utime(from_utime(utime_us)), utime_us);
   }

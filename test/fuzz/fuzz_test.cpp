@@ -177,9 +177,9 @@ class Progress {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-class Fuzz : public ::testing::TestWithParam<Harness> {};
+class FuzzTarget : public ::testing::TestWithParam<Harness> {};
 
-TEST_P(Fuzz, KeepsItsPromises) {
+TEST_P(FuzzTarget, StaysWithinItsLimitsForAnyInput) {
   constexpr long long kManyRuns = 100'000;  // the heap stops growing after a tenth of these
   constexpr std::int64_t kGrowthMaxKib = 1'024;
   const long long runs = number_or("VANTAGE_FUZZ_RUNS", 300);
@@ -205,7 +205,7 @@ TEST_P(Fuzz, KeepsItsPromises) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Harnesses, Fuzz, ::testing::ValuesIn(harnesses()),
+INSTANTIATE_TEST_SUITE_P(Harnesses, FuzzTarget, ::testing::ValuesIn(harnesses()),
                          [](const auto& of) { return std::string(of.param.name); });
 
 }  // namespace

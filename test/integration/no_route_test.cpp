@@ -15,7 +15,7 @@
 namespace vantage {
 namespace {
 
-TEST(WithoutARoute, OpeningFailsWithARemedy) {
+TEST(MulticastWithoutRoute, FailsToOpenAndStatesTheRemedy) {
   try {
     bus::open_transport(test::kUrl);
     FAIL() << "opened";
@@ -54,7 +54,7 @@ struct Waiting {
 
 void ip(const std::string& words) { ASSERT_EQ(std::system(("ip " + words).c_str()), 0) << words; }
 
-TEST(WithoutARoute, JoinsWhenRouteAppearsAndAgainAfterLoss) {
+TEST(MulticastWithoutRoute, JoinsWheneverTheRouteAppears) {
   Waiting waiting;
   EXPECT_FALSE(waiting.receives_own_message());
   ASSERT_EQ(waiting.reports.size(), 1U) << "once, however often it tries";
@@ -84,7 +84,7 @@ TEST(WithoutARoute, JoinsWhenRouteAppearsAndAgainAfterLoss) {
   ip("link del card");
 }
 
-TEST(WithoutARoute, AMalformedUrlIsStillAnError) {
+TEST(MulticastWithoutRoute, RefusesAMalformedUrl) {
   for (const char* const url : {"udpm://239.255.76.67:0", "udpm://10.0.0.1:7667",
                                 "udpm://239.255.76.67:7667?tll=1", "udmp://239.255.76.67:7667"}) {
     EXPECT_THROW(bus::open_waiting_transport(url, [](const std::string&) {}), StartupError) << url;

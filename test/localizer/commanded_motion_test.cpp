@@ -12,7 +12,7 @@ namespace {
 
 Time at(double s) { return from_utime(1'000'000'000'000) + from_seconds(s); }
 
-TEST(CommandedMotion, StandsStillUntilTheDelayHasPassed) {
+TEST(CommandedMotion, IsZeroUntilTheDelayHasPassed) {
   CommandedMotion motion({.delay_s = 0.2});
   static_cast<void>(motion.advance_to(at(0.0)));
   motion.command(at(0.0), 1.0, 0.0);

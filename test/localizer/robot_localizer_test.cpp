@@ -108,7 +108,7 @@ TEST(RobotLocalizer, ContinuesWhenTeammateFallsSilent) {
   EXPECT_GT(outcome.counts[0].missing_increments, 0);
 }
 
-TEST(RobotLocalizer, GivesTheSameBitsForTheSameInputs) {
+TEST(RobotLocalizer, IsDeterministic) {
   const Outcome first = drive({.steps = 100, .loss = 0.2}, 6);
   const Outcome second = drive({.steps = 100, .loss = 0.2}, 6);
   EXPECT_EQ(first.poses, second.poses);

@@ -114,7 +114,7 @@ TEST(TeamFilter, RecoversFromSlipOfTheWheels) {
   EXPECT_NEAR(filter.pose(0).yaw_rad, 0.5, 0.03);
 }
 
-TEST(TeamFilter, CountsSightingsThatItCannotUse) {
+TEST(TeamFilter, CountsUnusableSightings) {
   test::SimulatedTeam team(2, 1);
   TeamFilter filter(team.spec);
   const models::Sighting of_mate{{}, 2, 1.0, 0.0};
@@ -175,7 +175,7 @@ TEST(TeamFilter, IsConsistentWithItsCovariance) {
   EXPECT_LT(mean, 2.6);
 }
 
-TEST(TeamFilter, GivesTheSameBitsForTheSameInputs) {
+TEST(TeamFilter, IsDeterministic) {
   test::SimulatedTeam first(3, 9);
   test::SimulatedTeam second(3, 9);
   EXPECT_EQ(filter_after(first, 100).state(), filter_after(second, 100).state());

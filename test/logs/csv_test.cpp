@@ -101,7 +101,7 @@ template <class Message>
 class CsvOf : public ::testing::Test {};
 TYPED_TEST_SUITE(CsvOf, vantage::test::MessageTypes);
 
-TYPED_TEST(CsvOf, HasAsManyCellsInEveryLineAsInItsHeader) {
+TYPED_TEST(CsvOf, HasOneCellPerColumnInEveryLine) {
   const CsvTable table(schema_of(bus::WireOf<TypeParam>::getTypeName()));
   const std::size_t columns = parsed(table.header()).at(0).size();
   vantage::test::Sampler sampler(5);

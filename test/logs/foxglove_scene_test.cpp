@@ -240,7 +240,7 @@ TEST(ViewsScene, IsASectorOrAFullDisc) {
 
 // Lines are clearly visible, the ground is visible through fills, and obstacles are more opaque
 // than regions.
-TEST(Scenes, AreVisible) {
+TEST(Scenes, HaveVisibleColoursAndSizes) {
   const models::World world = a_world();
   const Json of_world = world_scene(world, kTime).at("entities");
   const auto alpha = [](const Json& drawn) { return drawn.at("color").at("a").get<double>(); };

@@ -38,7 +38,7 @@ models::RobotBelief belief(const std::string& robot, double s,
   return out;
 }
 
-TEST(SetSums, AreMeansOverBeliefsThenRobots) {
+TEST(SetSums, AverageOverBeliefsAndThenOverRobots) {
   SetSums sums(2);
   sums.on_truth(truth(0.0));
   sums.on_belief(belief("Q1", 0.5, {{0, 0.3}, {1, 5.0}}));

@@ -133,7 +133,7 @@ TEST(Stream, BeginsAgainWithASecondTrialOfTheSameScenario) {
   EXPECT_EQ(notebook.of("/targets/status").back().at("targets")[1].at("state"), "sought");
 }
 
-TEST(HealthStory, NamesWhatWasLostAndIgnoresRejections) {
+TEST(HealthStory, NamesLostMessagesAndIgnoresRejections) {
   struct Row {
     std::int64_t missed;
     std::vector<models::NamedCount> counters;

@@ -25,7 +25,7 @@ models::TargetBelief track(int label, const Eigen::Vector2d& at_m) {
 }
 
 // The assignment is optimal: compared with all assignments of the smaller set to the larger.
-TEST(NamedByPosition, UsesTheOptimalAssignment) {
+TEST(TracksNamedByPosition, UseTheOptimalAssignment) {
   test::Random random(5);
   for (int trial = 0; trial < 100; ++trial) {
     const int targets = random.integer(0, 5);
@@ -75,7 +75,7 @@ TEST(NamedByPosition, UsesTheOptimalAssignment) {
   }
 }
 
-TEST(NamedByPosition, SkipsTracksAndTargetsWithoutPosition) {
+TEST(TracksNamedByPosition, SkipTracksAndTargetsWithoutPosition) {
   TruthHistory truth;
   models::TruthFrame frame;
   frame.stamp.time = kTime;

@@ -106,7 +106,7 @@ TEST(MessageJsonOfABelief, WritesMatricesAsRows) {
   EXPECT_EQ(json->at("targets")[0].at("information_matrix"), (Json{{3.0, 4.0}, {4.0, 5.0}}));
 }
 
-TEST(MessageJsonOfNothing, IsRefused) {
+TEST(MessageJson, RefusesEmptyAndTruncatedMessages) {
   EXPECT_FALSE(message_json({}).has_value());
   test::Sampler sampler(3);
   auto bytes = test::encoded(test::sample<models::MocapFrame>(sampler));

@@ -80,7 +80,7 @@ TEST(StepCost, SumsControlAndRegionCosts) {
 
 // Compares the defaults of a scenario without these keys: robots in the air and targets on the
 // ground.
-TEST(ScenarioDefaults, HoldForRobotsAndTargets) {
+TEST(ScenarioDefaults, AreAppliedToRobotsAndTargets) {
   const RobotSpec robot;
   EXPECT_EQ(robot.height_m, 1.0);
   EXPECT_EQ(robot.limits.speed_max_mps, 3.0);
@@ -119,7 +119,7 @@ TEST(ScenarioDefaults, HoldForRobotsAndTargets) {
   EXPECT_EQ(truth.acceleration_q, 0.001);
 }
 
-TEST(ScenarioDefaults, HoldForWorldAndNetwork) {
+TEST(ScenarioDefaults, AreAppliedToWorldAndNetwork) {
   const Scenario scenario;
   EXPECT_EQ(scenario.duration_s, 300.0);
   EXPECT_EQ(scenario.seed, 1U);
@@ -142,7 +142,7 @@ TEST(ScenarioDefaults, HoldForWorldAndNetwork) {
   EXPECT_EQ(scenario.mocap.gate_turn_radps, 20.0);
 }
 
-TEST(ScenarioDefaults, HoldForEstimatorAndPlanner) {
+TEST(ScenarioDefaults, AreAppliedToEstimatorAndPlanner) {
   const Scenario scenario;
   const EstimatorSpec& estimator = scenario.estimator;
   EXPECT_EQ(estimator.target_model.position_dim, 2);

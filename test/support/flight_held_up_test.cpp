@@ -53,7 +53,7 @@ MadeUpFlight flight_held_up_us(std::int64_t waits_us) {
   return flight;
 }
 
-TEST(FlightHeldUp, JudgesTimingOnlyWithoutWaits) {
+TEST(DelayedFlight, IsJudgedByTimingOnlyIfTheHostWasIdle) {
   const FlightRecord there = flight_held_up_us(100'000).record();
   EXPECT_EQ(held_up(there), std::nullopt);
   EXPECT_EQ(broken(there), Names{"Q1 following"});
@@ -105,7 +105,7 @@ MadeUpFlight flight_that_touches(const std::string& other, double touches_s, std
   return flight;
 }
 
-TEST(FlightHeldUp, ExcusesCollisionInBlindLanding) {
+TEST(DelayedFlight, IsExcusedForACollisionInABlindLanding) {
   const FlightRecord blind = flight_that_touches("R2", 12.0, 100'001).record();
   ASSERT_EQ(blind.collisions().size(), 1U);
   EXPECT_EQ(blind.collisions()[0].text,
@@ -124,7 +124,7 @@ TEST(FlightHeldUp, ExcusesCollisionInBlindLanding) {
             1U);
 }
 
-TEST(FlightHeldUp, JudgesSafetyEvenWhenHeldUp) {
+TEST(DelayedFlight, IsStillJudgedBySafety) {
   MadeUpFlight near = flight_held_up_us(900'000);
   near.is = [](double t_s, models::TruthBody& body) {
     if (body.name == "Q2" && is_between_words(t_s)) {
@@ -180,7 +180,7 @@ TEST(FlightHeldUp, JudgesSafetyEvenWhenHeldUp) {
 
 // The longest wait of any process in any second is reported. Waits during the start, or of another
 // run of the process, do not count.
-TEST(FlightHeldUp, ReportsLongestWaitWithinOneRun) {
+TEST(DelayedFlight, ReportsTheLongestWaitWithinOneRun) {
   MadeUpFlight flight;
   flight.add_messages = [planner = Waits(), sim = Waits()](double t_s,
                                                            FlightRecord& record) mutable {
@@ -219,7 +219,7 @@ TEST(FlightHeldUp, ReportsLongestWaitWithinOneRun) {
 
 // Two processes report at different instants of the second. Each counts with the part of its second
 // inside the requested span.
-TEST(FlightHeldUp, CountsProcessorsOfRequestedSpan) {
+TEST(DelayedFlight, CountsProcessorTimeOfTheRequestedSpan) {
   MadeUpFlight flight;
   flight.add_messages = [planner = Waits(), sim = Waits()](double t_s,
                                                            FlightRecord& record) mutable {
@@ -244,7 +244,7 @@ TEST(FlightHeldUp, CountsProcessorsOfRequestedSpan) {
 
 // Waits caused by the flight's own processes are no excuse. A wait caused by other programs at
 // another time is an excuse.
-TEST(FlightHeldUp, DoesNotExcuseWaitsCausedByOwnProcesses) {
+TEST(DelayedFlight, IsNotExcusedIfItsProcessesCausedTheWait) {
   const auto record = [](std::int64_t sim_runs_us, std::int64_t waits_later_us) {
     MadeUpFlight flight = flight_held_up_us(300'000);
     flight.add_messages = [=, of_planner = flight.add_messages, later = Waits(), sim = Waits()](
@@ -269,7 +269,7 @@ TEST(FlightHeldUp, DoesNotExcuseWaitsCausedByOwnProcesses) {
 
 // Processor time counts from the first followed plan on. The second in which a process was
 // restarted is skipped.
-TEST(FlightHeldUp, NamesSpinningProcessEvenWhenHeldUp) {
+TEST(DelayedFlight, NamesAProcessThatUsesTooMuchProcessorTime) {
   for (const std::int64_t sim_runs_us : {600'000, 601'000}) {
     MadeUpFlight flight;
     flight.add_messages = [sim_runs_us, planner = Waits(), sim = Waits()](

@@ -224,7 +224,7 @@ TEST_F(SampleLog, StepsWithoutJumpAndRepeatsRequestedInstant) {
 }
 
 // The rate is twenty poses per second anywhere in the log, whatever the server reads for a seek.
-TEST_F(SampleLog, RateUsesCountsAndTimeOfOneText) {
+TEST_F(SampleLog, RateUsesCountsAndTimeOfOneMessage) {
   PlayingViewer viewer(log_of_sample());
   const auto go = [&](Time to) {
     viewer.go_to(to);

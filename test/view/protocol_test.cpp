@@ -106,7 +106,7 @@ TEST(ParseText, SurvivesInvalidRequests) {
             (std::pair<std::uint32_t, std::uint32_t>(0, 4294967295U)));
 }
 
-TEST(OffersOurProtocol, FindsItInAList) {
+TEST(OffersOurProtocol, FindsTheProtocolInAList) {
   EXPECT_TRUE(offers_our_protocol("foxglove.sdk.v1"));
   EXPECT_TRUE(offers_our_protocol("chat, foxglove.websocket.v1"));
   EXPECT_FALSE(offers_our_protocol("foxglove.websocket.v2"));

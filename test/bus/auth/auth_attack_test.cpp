@@ -147,7 +147,7 @@ Duration longest_wait(const std::vector<Forged>& attack, bool repeats_now) {
   return std::max(longest, end - accepted);
 }
 
-TEST(Stranger, DelaysOrdersByOnePeriodAtMostByReplays) {
+TEST(ReplayAttack, DelaysOrdersByAtMostOnePeriod) {
   struct Row {
     const char* name;
     std::function<std::vector<Forged>()> attack;
@@ -171,7 +171,7 @@ TEST(Stranger, DelaysOrdersByOnePeriodAtMostByReplays) {
 
 // The attacker replays commands recorded in the same session of the station, from before the
 // vehicle was armed.
-TEST(Stranger, UsesNoBudgetByReplayedCommands) {
+TEST(ReplayAttack, SpendsNoBudgetOfTheStation) {
   const auto vehicle = process();
   const auto station = process();
   vehicle->act_as_vehicle("Q1");
@@ -213,7 +213,7 @@ TEST(Authenticator, AcceptsALateStopOfAVerifiedStation) {
   }
 }
 
-TEST(Authenticator, ReportsHowFarRefusedStatusesAreAhead) {
+TEST(Authenticator, ReportsTheClockOffsetOfRefusedStatuses) {
   const auto station = process();
   const auto vehicle = process();
   EXPECT_EQ(station->stale_ahead(kNow), std::nullopt);

@@ -19,7 +19,7 @@ using std::chrono::milliseconds;
 constexpr Time kNow = Time{Duration{1'700'000'000'000'000}};
 constexpr std::uint64_t kNowCounter = 1'700'000'000'000'000;
 
-TEST(Budget, IsSpentSinglyAndRefilledToItsBurst) {
+TEST(Budget, RefillsAtItsRateUpToItsBurst) {
   Budget budget(2.0, 3.0);
   const auto spend = [&budget](Time now) {
     int out = 0;
@@ -70,7 +70,7 @@ TEST(SignatureBudgets, VerifiedSenderHasOwnBudget) {
   EXPECT_TRUE(budgets.take(known, true, kNow)) << "stops have their own";
 }
 
-TEST(SignatureBudgets, ReplacesTheSenderSilentLongestAfterThreeSeconds) {
+TEST(SignatureBudgets, ReplacesTheLongestSilentSenderAfterThreeSeconds) {
   SignatureBudgets budgets({kAny, kAny}, {kNone, kNone}, {kNone, kNone});
   const auto sender = [](int i) { return Sender{host(static_cast<std::uint64_t>(i)), 1}; };
   for (int i = 0; i < 16; ++i) {
@@ -88,7 +88,7 @@ TEST(SignatureBudgets, ReplacesTheSenderSilentLongestAfterThreeSeconds) {
   }
 }
 
-TEST(SignatureBudgets, ReplacesTheHostSilentLongestAfterThreeSeconds) {
+TEST(SignatureBudgets, ReplacesTheLongestSilentHostAfterThreeSeconds) {
   SignatureBudgets budgets({kNone, kNone}, {Budget(0.0, 1.0), Budget(0.0, 1.0)}, {kAny, kAny});
   const auto take = [&budgets](std::uint64_t number, int at_ms) {
     return budgets.take({host(number), 1}, false, kNow + milliseconds(at_ms));
@@ -106,7 +106,7 @@ TEST(SignatureBudgets, ReplacesTheHostSilentLongestAfterThreeSeconds) {
   EXPECT_FALSE(take(2, 3'003));
 }
 
-TEST(SignatureBudgets, StrangersOfAllHostsShareOneBudget) {
+TEST(SignatureBudgets, UnknownSendersOfAllHostsShareOneBudget) {
   SignatureBudgets budgets({kNone, kNone}, {kAny, kAny}, {Budget(0.0, 3.0), Budget(0.0, 5.0)});
   int orders = 0;
   int stops = 0;

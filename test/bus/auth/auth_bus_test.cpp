@@ -119,7 +119,7 @@ class SecuredBus : public ::testing::Test {
   Process station_{hub_, clock_, 3, test::authenticator(keys_)};
 };
 
-TEST_F(SecuredBus, IsReadableWithAndWithoutKeys) {
+TEST_F(SecuredBus, SignedMessagesAreReadableWithAndWithoutKeys) {
   Process viewer(hub_, clock_, 9, nullptr);
   EXPECT_FALSE(viewer.bus.receives_signed());
   lab_.bus.publish(kVicon, frame());
@@ -379,7 +379,7 @@ TEST_F(SecuredBus, ProcessWithoutSeedCannotSignCommands) {
   EXPECT_EQ(captured.count("COMMAND.no_key"), 1);
 }
 
-TEST_F(SecuredBus, AcceptsAStationWithAWrongClockByItsEcho) {
+TEST_F(SecuredBus, AcceptsAStationWithAWrongClockIfItEchoesTheNonce) {
   VirtualClock wrong(kStart);
   Process station(hub_, wrong, 8, test::authenticator(keys_));
   tell_status(vehicle_.bus);

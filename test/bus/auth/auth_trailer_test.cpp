@@ -84,7 +84,7 @@ TEST(Trailer, RefusesUnknownRolesModesAndCounts) {
   }
 }
 
-TEST(Trailer, ContainsTheFirstEchoOfADuplicateName) {
+TEST(Trailer, ReturnsTheFirstEchoOfADuplicateVehicle) {
   const Message message = message_of({}, {1, 2, 3, Role::kOperator, TrialMode::kLive},
                                      {{0x01020304, 5}, {0x01020305, 6}, {0x01020304, 7}}, 1);
   const SignedParts parts = split(message).value();

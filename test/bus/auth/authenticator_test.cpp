@@ -36,7 +36,7 @@ void hear(Authenticator& station, const std::string& robot, const Message& statu
   EXPECT_TRUE(station.judge("VEHICLE_" + robot, status, now).may_pass);
 }
 
-TEST(Authenticator, EchoesOneVehicleOrAllReceivedOnes) {
+TEST(Authenticator, EchoesTheDestinationOrAllReceivedVehicles) {
   const auto station = process();
   std::map<std::string, std::uint64_t> sessions;
   for (const char* const robot : {"Q1", "Q2", "Q3"}) {
@@ -56,7 +56,7 @@ TEST(Authenticator, EchoesOneVehicleOrAllReceivedOnes) {
   EXPECT_EQ(parts_of(said(*station, "PLAN_Q1", kNow)).echoes.size(), 0U) << "that is no command";
 }
 
-TEST(Authenticator, EchoesSixtyFourVehiclesAtMost) {
+TEST(Authenticator, EchoesAtMostSixtyFourVehicles) {
   const auto station = process();
   for (int i = 0; i < 70; ++i) {
     const std::string robot = "Q" + std::to_string(i);
@@ -132,7 +132,7 @@ TEST_F(Nonces, RemainAcceptedForOneSecondAfterANewSession) {
   EXPECT_EQ(command(kNow + seconds(3)), Refusal::kWrongSession) << "that is two sessions ago";
 }
 
-TEST_F(Nonces, AreTakenFromTheNewestOrTheOnlyStatus) {
+TEST_F(Nonces, AreTakenFromTheNewestStatus) {
   const Message old = status(kNow);
   const std::uint64_t old_session = vehicle_->session();
   vehicle_->renew_session(kNow);

@@ -34,7 +34,7 @@ TYPED_TEST(MessageLimits, StampEndsInYear2286AndSequenceStartsAtZero) {
   message.whole("sequence", 0, VANTAGE_FIELD(sequence));
 }
 
-TEST(Limits, HoldForMocapFrames) {
+TEST(Limits, AreEnforcedForMocapFrames) {
   models::MocapFrame frame;
   frame.bodies = {{"first", {}, false}, {"last", {{1.0, 2.0, 3.0}, Quaternion::Identity()}, false}};
   const Changed<models::MocapFrame> message(frame);
@@ -68,7 +68,7 @@ TEST(Limits, AllowRoundingOfUnitVectors) {
   }
 }
 
-TEST(Limits, HoldForTruthFrames) {
+TEST(Limits, AreEnforcedForTruthFrames) {
   models::TruthFrame truth;
   truth.bodies.resize(2);
   const Changed<models::TruthFrame> message(truth);
@@ -82,7 +82,7 @@ TEST(Limits, HoldForTruthFrames) {
   }
 }
 
-TEST(Limits, HoldForDetections) {
+TEST(Limits, AreEnforcedForDetections) {
   models::RobotMeasurement set;
   set.inputs = {{"A", 1, 2}, {"B", 3, 4}};
   set.detections.resize(2);
@@ -113,7 +113,7 @@ TEST(Limits, HoldForDetections) {
   message.refused("a column more", [](auto& w) { w.detections[1].covariance_z[0].push_back(0.0); });
 }
 
-TEST(Limits, HoldForMatrices) {
+TEST(Limits, AreEnforcedForMatrices) {
   for (int dim = -1; dim <= 6; ++dim) {
     const auto side = static_cast<std::size_t>(std::max(dim, 0));
     parts::Rows rows(side, std::vector<double>(side, 0.0));
@@ -153,7 +153,7 @@ models::RobotBelief belief_of_two() {
   return belief;
 }
 
-TEST(Limits, HoldForBeliefs) {
+TEST(Limits, AreEnforcedForBeliefs) {
   const Changed<models::RobotBelief> message(belief_of_two());
   message.text("robot", VANTAGE_FIELD(robot));
   message.whole("step", 0, VANTAGE_FIELD(step));
@@ -208,7 +208,7 @@ TEST(Limits, HoldForBeliefs) {
   message.refused("fewer rows than none", with_grid(0, -1));
 }
 
-TEST(Limits, HoldForMixtures) {
+TEST(Limits, AreEnforcedForMixtures) {
   models::BeliefMixture mixture;
   mixture.targets.resize(2);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -240,7 +240,7 @@ TEST(Limits, HoldForMixtures) {
   message.refused("existence below none", [](auto& w) { w.targets[1].existence = -0.5; });
 }
 
-TEST(Limits, HoldForScans) {
+TEST(Limits, AreEnforcedForScans) {
   models::RangeScan scan;
   scan.field_of_view_rad = 1.0;
   scan.range_max_m = 5.0;
@@ -261,7 +261,7 @@ TEST(Limits, HoldForScans) {
   }
 }
 
-TEST(Limits, HoldForMaps) {
+TEST(Limits, AreEnforcedForMaps) {
   models::RobotMap map;
   map.grid = {{1.0, 2.0}, 0.5, 2, 3};
   map.own_looks = {1, 2, 3, 4, 5, 6};

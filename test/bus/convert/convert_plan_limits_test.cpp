@@ -93,19 +93,19 @@ void expect_limits_of_a_plan(const Changed<Message>& message, const Of& of) {
   }
 }
 
-TEST(Limits, HoldForPlans) {
+TEST(Limits, AreEnforcedForPlans) {
   const auto itself = [](auto& w) -> auto& { return w; };
   expect_limits_of_a_plan(Changed<models::RobotPlan>(plan()), itself);
 }
 
-TEST(Limits, HoldForProposals) {
+TEST(Limits, AreEnforcedForProposals) {
   const Changed<models::PlanProposal> message({{}, 1.0, plan()});
   message.amount("value", VANTAGE_FIELD(value_nat));
   message.utime("time of the plan", VANTAGE_FIELD(plan.utime));
   expect_limits_of_a_plan(message, VANTAGE_FIELD(plan));
 }
 
-TEST(Limits, HoldForTeamProposals) {
+TEST(Limits, AreEnforcedForTeamProposals) {
   models::TeamProposal proposal;
   proposal.choices = {{"Q1", drive(), 1.0, 2.0}, {"Q2", drive(), 3.0, 4.0}};
   proposal.history = {-5, 6};
@@ -124,7 +124,7 @@ TEST(Limits, HoldForTeamProposals) {
   expect_limits_of_a_trajectory(message, VANTAGE_FIELD(choices[1]));
 }
 
-TEST(Limits, HoldForVehicleStatuses) {
+TEST(Limits, AreEnforcedForVehicleStatuses) {
   models::VehicleStatus status;
   status.reasons = {"first", "last"};
   const Changed<models::VehicleStatus> message(status);
@@ -140,7 +140,7 @@ TEST(Limits, HoldForVehicleStatuses) {
   message.text("reason", VANTAGE_FIELD(reasons[1]));
 }
 
-TEST(Limits, HoldForCommandsAndNotices) {
+TEST(Limits, AreEnforcedForCommandsAndNotices) {
   const Changed<models::OperatorCommand> command(models::OperatorCommand{});
   command.text("robot", VANTAGE_FIELD(robot));
   command.whole("action", 0, VANTAGE_FIELD(action), 6);
@@ -160,7 +160,7 @@ TEST(Limits, HoldForCommandsAndNotices) {
   scenario.refused("not UTF-8", [](auto& w) { w.yaml = "\xFF"; });
 }
 
-TEST(Limits, HoldForHealth) {
+TEST(Limits, AreEnforcedForHealth) {
   models::ProcessHealth health;
   health.counters = {{"first", 1}, {"last", -2}};
   const Changed<models::ProcessHealth> message(health);
@@ -173,7 +173,7 @@ TEST(Limits, HoldForHealth) {
   message.whole("missed", 0, VANTAGE_FIELD(deadlines_missed));
 }
 
-TEST(Limits, HoldForHostReports) {
+TEST(Limits, AreEnforcedForHostReports) {
   models::HostReport report;
   report.processes.resize(2);
   const Changed<models::HostReport> message(report);

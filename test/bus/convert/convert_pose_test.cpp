@@ -15,7 +15,7 @@ namespace {
 
 using test::Changed;
 
-TEST(PoseLimits, HoldForOdometry) {
+TEST(PoseLimits, AreEnforcedForOdometry) {
   models::OdometryReport odometry;
   odometry.interval = Duration{1};
   const Changed<models::OdometryReport> message(odometry);
@@ -37,7 +37,7 @@ TEST(PoseLimits, HoldForOdometry) {
   });
 }
 
-TEST(PoseLimits, HoldForPoseEstimates) {
+TEST(PoseLimits, AreEnforcedForPoseEstimates) {
   models::PoseEstimate estimate;
   estimate.increment = Duration{100'000};
   estimate.increments = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};

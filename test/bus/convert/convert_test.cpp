@@ -29,7 +29,7 @@ template <class Message>
 class EveryMessage : public ::testing::Test {};
 TYPED_TEST_SUITE(EveryMessage, test::MessageTypes);
 
-TYPED_TEST(EveryMessage, ComesBackBitForBitThroughTheBytes) {
+TYPED_TEST(EveryMessage, RoundTripsBitForBit) {
   test::Sampler sampler(1);
   for (int i = 0; i < 200; ++i) {
     const auto message = test::sample<TypeParam>(sampler);

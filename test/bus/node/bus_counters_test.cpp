@@ -69,7 +69,7 @@ TEST(BusCounters, NameEachTransportCounter) {
 }
 
 /// A bus that receives the plans that `say` publishes.
-class Counted : public ::testing::Test {
+class BusStreamCounters : public ::testing::Test {
  protected:
   void say(const std::string& channel, std::int64_t run, std::int64_t sequence, int utime) {
     models::RobotPlan plan;
@@ -105,7 +105,7 @@ class Counted : public ::testing::Test {
   using Counts = std::vector<std::int64_t>;
 };
 
-TEST_F(Counted, ReportsTheOutcomePerStream) {
+TEST_F(BusStreamCounters, AreReportedPerStream) {
   bus_.subscribe<models::RobotPlan>(plan_channel("*"), [](const auto&) {});
   say_all("PLAN_A");
   say("PLAN_B", 1, 0, 10);
@@ -115,7 +115,7 @@ TEST_F(Counted, ReportsTheOutcomePerStream) {
   EXPECT_EQ(counters_of(bus_)["transport.messages_received"], 8);
 }
 
-TEST_F(Counted, Reports256StreamsSinglyAndMoreByKind) {
+TEST_F(BusStreamCounters, AreSummedByKindBeyond256Streams) {
   bus_.subscribe<models::RobotPlan>({"*"}, [](const auto&) {});
   say_all("PLAN_A");
   say_all("PLAN_B");
@@ -137,7 +137,7 @@ TEST_F(Counted, Reports256StreamsSinglyAndMoreByKind) {
 
 // Losses counted while subscribed remain in the counters after unsubscribing, for every kind of
 // channel.
-TEST_F(Counted, KeepsTotalsOfAnUnsubscribedStream) {
+TEST_F(BusStreamCounters, KeepTheTotalsOfAnUnsubscribedStream) {
   const Channel<models::RobotPlan> shared{"SHARED", true};
   for (int time = 0; time < 2; ++time) {
     bus_.subscribe<models::RobotPlan>(plan_channel("A"), [](const auto&) {});
@@ -156,7 +156,7 @@ TEST_F(Counted, KeepsTotalsOfAnUnsubscribedStream) {
   EXPECT_EQ(bus_.messages_lost(), 8);
 }
 
-TEST_F(Counted, ContinuesWhenAPatternStillMatches) {
+TEST_F(BusStreamCounters, ContinueWhileAnotherSubscriptionMatches) {
   int heard = 0;
   bus_.subscribe<models::RobotPlan>(plan_channel("*"), [&](const auto&) { ++heard; });
   bus_.subscribe<models::RobotPlan>(plan_channel("A"), [&](const auto&) { ++heard; });
@@ -170,7 +170,7 @@ TEST_F(Counted, ContinuesWhenAPatternStillMatches) {
 }
 
 // A malformed message is counted once, whatever the number of matching subscriptions.
-TEST_F(Counted, CountsAnUndecodableMessageOnce) {
+TEST_F(BusStreamCounters, CountAnUndecodableMessageOnce) {
   for (int i = 0; i < 3; ++i) {
     bus_.subscribe<models::RobotPlan>(plan_channel("A"), [](const auto&) {});
   }

@@ -211,7 +211,7 @@ TEST_F(BusAgainstRawBytes, ReceivesFromAnyNumberOfConsoles) {
 
 // A safer command is delivered whatever its sequence number, since a forged number must not
 // suppress a stop; the receiver decides.
-TEST_F(BusAgainstRawBytes, DeliversSaferCommandsWithAnyNumber) {
+TEST_F(BusAgainstRawBytes, DeliversSaferCommandsWithAnySequenceNumber) {
   using models::OperatorAction;
   send(stamped(1, std::int64_t{1} << 40, 10));
   ASSERT_EQ(heard_.size(), 1U);

@@ -45,7 +45,7 @@ TEST(EndAfterFlights, DelaysTheFirstRequestUntilTheLanding) {
   EXPECT_EQ(end.requests(1, false, kStart + seconds(70)), 1);
 }
 
-TEST(EndAfterFlights, DelaysByOneMinuteAtMostAndTheFirstRequestOnly) {
+TEST(EndAfterFlights, DelaysOnlyTheFirstRequestByAtMostOneMinute) {
   EndAfterFlights end;
   EXPECT_EQ(end.requests(1, true, kStart), 0);
   EXPECT_EQ(end.requests(1, true, kStart + EndAfterFlights::kPatience), 0);

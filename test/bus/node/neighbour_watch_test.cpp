@@ -28,7 +28,7 @@ models::MocapFrame frame_of(const scenario::Scenario& scenario, Time time, doubl
   return frame;
 }
 
-class Listened : public ::testing::Test {
+class NeighbourSubscriptions : public ::testing::Test {
  protected:
   NeighbourWatch watch(const scenario::Scenario& scenario, const std::string& robot = "Q1") {
     return {scenario, robot,
@@ -41,7 +41,7 @@ class Listened : public ::testing::Test {
 };
 using Names = std::set<std::string>;
 
-TEST_F(Listened, ToAllRobotsWithoutANeighbourhood) {
+TEST_F(NeighbourSubscriptions, SubscribesToAllRobotsWithoutANeighbourhood) {
   const scenario::Scenario scenario = in_a_row(4, 0.0);
   NeighbourWatch all = watch(scenario);
   EXPECT_EQ(to, (Names{"Q2", "Q3", "Q4"}));
@@ -49,7 +49,7 @@ TEST_F(Listened, ToAllRobotsWithoutANeighbourhood) {
   EXPECT_EQ(to, (Names{"Q2", "Q3", "Q4"}));
 }
 
-TEST_F(Listened, ToNearRobotsOnly) {
+TEST_F(NeighbourSubscriptions, SubscribesToNearRobotsOnly) {
   const scenario::Scenario scenario = in_a_row(65, 20.0);
   NeighbourWatch near = watch(scenario);
   EXPECT_EQ(to, Names{});
@@ -62,7 +62,7 @@ TEST_F(Listened, ToNearRobotsOnly) {
 }
 
 // One frame is stamped a year ahead, or the clock was ahead and is set back.
-TEST_F(Listened, ContinuesAfterAFutureFrame) {
+TEST_F(NeighbourSubscriptions, ContinuesAfterAFutureFrame) {
   const scenario::Scenario scenario = in_a_row(9, 20.0);
   NeighbourWatch near = watch(scenario);
   for (const Duration ahead : {3 * kStep, Duration{365 * 86'400 * INT64_C(1'000'000)}}) {
@@ -77,7 +77,7 @@ TEST_F(Listened, ContinuesAfterAFutureFrame) {
   }
 }
 
-TEST_F(Listened, ExcludesTheRobotItselfAtAnyTeamIndex) {
+TEST_F(NeighbourSubscriptions, ExcludesTheRobotItselfAtAnyTeamIndex) {
   const scenario::Scenario alone = in_a_row(4, 0.0);
   NeighbourWatch all = watch(alone, "Q3");
   EXPECT_EQ(to, (Names{"Q1", "Q2", "Q4"}));
@@ -97,7 +97,7 @@ TEST_F(Listened, ExcludesTheRobotItselfAtAnyTeamIndex) {
   }
 }
 
-TEST_F(Listened, UpdatesOncePerStep) {
+TEST_F(NeighbourSubscriptions, UpdatesOncePerStep) {
   scenario::Scenario scenario = in_a_row(2, 10.0);
   scenario.planner.step_s = 0.25;
   NeighbourWatch near = watch(scenario);
@@ -114,7 +114,7 @@ TEST_F(Listened, UpdatesOncePerStep) {
   EXPECT_FALSE(listens_at(850, 30.0));
 }
 
-TEST_F(Listened, KeepsUnseenRobots) {
+TEST_F(NeighbourSubscriptions, KeepsUnseenRobots) {
   const scenario::Scenario scenario = in_a_row(4, 20.0);
   NeighbourWatch near = watch(scenario);
   near.on_frame(frame_of(scenario, kStart, 0.0));

@@ -110,7 +110,7 @@ TEST_F(RunNode, TicksAtTheRequestedTimes) {
 }
 
 // From 2 s on, a thread waits 10 ms in every 100 ms for a processor.
-TEST_F(RunNode, ReportsTheWaitOfTheLastSecondBeforeTicks) {
+TEST_F(RunNode, ReportsTheProcessorWaitBeforeEachTick) {
   class Waiter : public Ticker {
    public:
     using Ticker::Ticker;

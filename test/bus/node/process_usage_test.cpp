@@ -54,7 +54,7 @@ TEST(UsageFromStat, RequiresOnlyTheFieldsThatItReads) {
   EXPECT_FALSE(usage_from_stat("77 x" + least, 1, 1)) << "no name";
 }
 
-TEST(WaitedUsFromSchedstat, IsTheSecondNumber) {
+TEST(WaitedUsFromSchedstat, ReadsTheSecondNumber) {
   EXPECT_EQ(waited_us_from_schedstat("5000000 1234567 42\n"), 1'234);
   EXPECT_EQ(waited_us_from_schedstat("1 999 1"), 0);
   EXPECT_EQ(waited_us_from_schedstat("0 5000 0"), 5) << "of a thread that has not run yet";

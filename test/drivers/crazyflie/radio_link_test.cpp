@@ -130,7 +130,7 @@ TEST_F(CrazyflieRadio, TunesOnlyWhenTheVehicleChanges) {
   EXPECT_EQ(air.settings, before);
 }
 
-TEST_F(CrazyflieRadio, ContinuesWhenTheDongleIsPutBack) {
+TEST_F(CrazyflieRadio, ContinuesWhenTheDongleIsReconnected) {
   const RadioAddress at = address(80, 1);
   RadioLink link(at);
   peer(at);

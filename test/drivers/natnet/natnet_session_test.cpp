@@ -31,7 +31,7 @@ struct NatNetBench : test::CirclingBench {
   }
 };
 
-TEST(NatNetSession, PassesPosesOfEachVersionAndAxis) {
+TEST(NatNetSession, ReadsPosesOfEachVersionAndAxis) {
   for (const std::array<std::uint8_t, 2> version :
        {std::array<std::uint8_t, 2>{3, 0}, {3, 1}, {4, 0}, {4, 1}, {4, 2}}) {
     for (const bool is_z_up : {false, true}) {
@@ -124,7 +124,7 @@ TEST(NatNetSession, ReportsADelayFromTheFirstFrameAsAge) {
   EXPECT_EQ(bench.driver.frame_counts().frames_queued, 0);
 }
 
-TEST(NatNetSession, ReconnectsToEmptyAStandingQueue) {
+TEST(NatNetSession, ReconnectsToClearAConstantQueue) {
   NatNetBench bench;
   run_delayed(bench, 200, Duration{400'000});
   EXPECT_GE(bench.driver.link_counts().backlogs, 1);

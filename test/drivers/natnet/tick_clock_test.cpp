@@ -32,7 +32,7 @@ double error_s(const TickClock& clock, const Server& server, double own_s) {
   return to_seconds(*clock.steady_at(server.ticks_at(own_s))) - own_s;
 }
 
-TEST(TickClock, KnowsNothingBeforeTheFirstAnswer) {
+TEST(TickClock, HasNoTimeBeforeTheFirstAnswer) {
   TickClock clock;
   clock.restart(kTicksPerSecond);
   EXPECT_EQ(clock.steady_at(5), std::nullopt);
@@ -64,7 +64,7 @@ TEST(TickClock, IsWithinHalfOfAShortRoundTrip) {
 
 // All answers wait for 2 s in the queue of the frames. A frame must not appear newer than it is by
 // more than the request's share.
-TEST(TickClock, DoesNotHideAStandingQueue) {
+TEST(TickClock, ShowsTheDelayOfAConstantQueue) {
   TickClock clock;
   clock.restart(kTicksPerSecond);
   const Server server;

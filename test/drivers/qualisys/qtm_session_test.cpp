@@ -22,7 +22,7 @@ struct QtmBench : test::CirclingBench {
 };
 
 // A stream has no boundaries: a packet may arrive in any pieces.
-TEST(QtmSession, PassesPosesFromPiecesOfAnySize) {
+TEST(QtmSession, ReadsPosesFromPiecesOfAnySize) {
   for (const std::size_t chunk_bytes : {0u, 1u, 7u, 333u}) {
     QtmBench bench(chunk_bytes);
     bench.run(50, 4);

@@ -91,7 +91,7 @@ TEST(BrakeOnCircle, KeepsTheRadiusAndStopsInTime) {
   EXPECT_EQ(brake_on_circle({0.0, 1.0}, 2.0, 0.01).yaw_rate_radps, 0.0);
 }
 
-TEST(WayThrough, PassesEveryWaypointAndStopsAtTheLast) {
+TEST(WaypointTrajectory, PassesEveryWaypointAndStopsAtTheLast) {
   const std::vector<Waypoint> places = {{{2.0, 0.0}, 0.5}, {{2.0, 0.05}, 5.0}, {{-1.0, 1.0}, 1.0}};
   const models::Trajectory way = waypoint_trajectory(places, {0.0, 0.0, 1.0}, 0.2, Time{}, kLimits);
   HeldPlan held;
@@ -112,7 +112,7 @@ TEST(WayThrough, PassesEveryWaypointAndStopsAtTheLast) {
   }
 }
 
-TEST(WayThrough, IsEmptyAtTheGoal) {
+TEST(WaypointTrajectory, IsEmptyAtTheGoal) {
   const std::vector<Waypoint> here = {{{1.0, 1.0}, 0.5}};
   EXPECT_TRUE(waypoint_trajectory(here, {1.0, 1.0, 0.0}, 0.2, Time{}, kLimits).segments.empty());
 }

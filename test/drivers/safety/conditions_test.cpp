@@ -88,7 +88,7 @@ std::vector<Edge> edges(const SafetyLimits& l) {
   };
 }
 
-TEST(ConditionRow, HoldsBeyondItsLimitAndNotAtIt) {
+TEST(ConditionRow, HoldsOnlyBeyondItsLimit) {
   const SafetyLimits l = limits();
   for (const Edge& edge : edges(l)) {
     const Condition& row = row_of(edge.name);
@@ -114,7 +114,7 @@ TEST(ConditionRow, KillsAPilotedVehicleOnlyByEmergencyStop) {
 
 // Conditions for a vehicle on the ground must be false in the air; otherwise they are reported
 // during the whole flight.
-TEST(ConditionRow, ForTheGroundDoesNotHoldInTheAir) {
+TEST(ConditionRow, GroundRowDoesNotHoldInTheAir) {
   const SafetyLimits l = limits();
   const std::set<std::string> of_the_ground = {"body tilted",   "not at its start",
                                                "yaw disagrees", "attitude disagrees",
@@ -127,7 +127,7 @@ TEST(ConditionRow, ForTheGroundDoesNotHoldInTheAir) {
   }
 }
 
-TEST(ConditionRow, WithACountHoldsAtItsLimitAndAbove) {
+TEST(ConditionRow, CountHoldsAtItsLimitAndAbove) {
   const SafetyLimits l = limits();
   const auto holds = [&](const char* name, int In::*input, int value) {
     SafetyInputs in;
@@ -146,7 +146,7 @@ TEST(ConditionRow, WithACountHoldsAtItsLimitAndAbove) {
 
 // Rows that need several facts: "no pose" with "near the floor" or "outside"; no plan, or a plan
 // that ended long ago.
-TEST(ConditionRow, WithTwoFactsNeedsBoth) {
+TEST(ConditionRow, RequiresAllOfItsFacts) {
   const SafetyLimits l = limits();
   SafetyInputs in;
   in.pose_age_s = l.pose_age_kill_s + 1e-9;

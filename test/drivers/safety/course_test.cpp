@@ -332,7 +332,7 @@ TEST(Course, HasAPlanUntilThePlanEnds) {
 
 // Compared with a numerical integration in small steps: constant velocity during the reaction time,
 // then braking to rest.
-TEST(BrakeWay, MatchesTheEquationsOfMotion) {
+TEST(BrakingPath, MatchesTheEquationsOfMotion) {
   test::Random random(7);
   for (int trial = 0; trial < 100; ++trial) {
     const Eigen::Vector3d v_mps = random.vector<3>(-1.0, 1.0);
@@ -365,7 +365,7 @@ TEST(BrakeWay, MatchesTheEquationsOfMotion) {
 
 // While the vehicle follows a plan, its braking path is the planned path, shifted to the vehicle,
 // and ends at rest. Later parts of the plan have no effect.
-TEST(BrakeWay, FollowsThePlannedPathUntilStationary) {
+TEST(BrakingPath, FollowsThePlannedPathUntilStationary) {
   test::Random random(8);
   for (int trial = 0; trial < 200; ++trial) {
     const HeldPlan plan = random_plan(random, kStart);

@@ -74,7 +74,7 @@ std::vector<WorldSetup> setups() {
 class FirstLift : public testing::TestWithParam<std::size_t> {};
 
 // Regression: vehicles flew with y-up mocap, and two with swapped addresses climbed to 12 m.
-TEST_P(FirstLift, StaysBelowTheTestHeightInAWrongSetup) {
+TEST_P(FirstLift, StaysBelowTheTestHeightIfTheSetupIsWrong) {
   const WorldSetup setup = setups()[GetParam()];
   // Take-off of a single vehicle or of all simultaneously.
   for (const char* whom : {"", "Q1", "Q2"}) {

@@ -231,7 +231,7 @@ TEST_F(SeenCore, FollowsAcceptedPlans) {
 
 // A vehicle brakes along its plan while its position agrees with the plan, otherwise straight. A
 // ground vehicle may have any height, and needs a newer pose.
-TEST_F(SeenCore, BrakesAlongThePlanWhileItKeepsToIt) {
+TEST_F(SeenCore, BrakesAlongThePlanWhileTheVehicleFollowsIt) {
   struct Row {
     bool flies;
     double height_m, unseen_s;

@@ -23,9 +23,9 @@ struct Found {
 
 void PrintTo(const Found& found, std::ostream* out) { *out << found.what; }
 
-class FoundVehicle : public testing::TestWithParam<Found> {};
+class VehicleAtRestart : public testing::TestWithParam<Found> {};
 
-TEST_P(FoundVehicle, IsDetected) {
+TEST_P(VehicleAtRestart, IsRecognisedAsFlyingOrLanding) {
   OneVehicle one({0.3, 0.05, 1.5});
   GetParam().set(one);
   bool flies = false;
@@ -44,7 +44,7 @@ TEST_P(FoundVehicle, IsDetected) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Found, FoundVehicle,
+    Found, VehicleAtRestart,
     testing::Values(
         Found{"InOurMode", [](OneVehicle&) {}, true, false},
         Found{"LandingByItself",

@@ -106,7 +106,7 @@ TEST(IsPathBlocked, CountsStationaryRobotsAtAnyHeight) {
 
 // A robot that flies above may land too, so neither the spot nor the path to it may be below that
 // robot.
-TEST(LandingSpot, IsNotBelowAnotherRobotAndNeitherIsItsPath) {
+TEST(LandingSpot, IsReachedWithoutFlyingBelowAnotherRobot) {
   const SafetyLimits limits = bench_limits();
   test::Random random(22);
   int moved = 0;

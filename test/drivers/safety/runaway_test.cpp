@@ -49,7 +49,7 @@ Seen carry_away(const Eigen::Vector3d& mps, double seconds) {
 
 // Regression: a vehicle in `hold` climbed to 12 m, because its poses were refused above one metre
 // over the ceiling.
-TEST(Runaway, UpwardsLandsAndStopsMotorsAboveTheCeiling) {
+TEST(Runaway, UpwardRunawayLandsAndStopsItsMotorsAboveTheCeiling) {
   const Seen seen = carry_away({0.0, 0.0, 0.7}, 8.0);
   ASSERT_GE(seen.landed_s, 0.0);
   EXPECT_LT(seen.landed_s, 2.5) << "1 m off its height";
@@ -59,7 +59,7 @@ TEST(Runaway, UpwardsLandsAndStopsMotorsAboveTheCeiling) {
   EXPECT_LT(seen.oldest_pose_s, 0.05) << "a body that moves out of the room stays tracked";
 }
 
-TEST(Runaway, SidewaysLandsInEveryDirection) {
+TEST(Runaway, SidewaysRunawayLandsInEveryDirection) {
   for (const Eigen::Vector3d& way :
        {Eigen::Vector3d(0.7, 0.0, 0.0), Eigen::Vector3d(-0.7, 0.0, 0.0),
         Eigen::Vector3d(0.0, 0.7, 0.0), Eigen::Vector3d(0.0, -0.7, 0.0)}) {
@@ -76,7 +76,7 @@ TEST(Runaway, SidewaysLandsInEveryDirection) {
 }
 
 // A pose outside the room that does not continue the measured motion is refused, also in the air.
-TEST(Runaway, IgnoresAJumpOutOfTheRoom) {
+TEST(Runaway, JumpOutOfTheRoomIsIgnored) {
   FlightBench bench(3);
   bench.fly_up(3.0);
   Vehicle& q1 = bench.vehicle("Q1");
@@ -131,7 +131,7 @@ TEST(Runaway, HeightErrorCountsAsTrackingError) {
 
 // A climb may take 5 s plus twice its nominal time. A vehicle that is still below its goal then has
 // a tracking error.
-TEST(Runaway, DownwardsInAClimbCausesATrackingErrorAfterTheTimeLimit) {
+TEST(Runaway, DescentInAClimbIsATrackingErrorAfterTheTimeLimit) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
   bool has_lifted = false;
@@ -153,7 +153,7 @@ TEST(Runaway, DownwardsInAClimbCausesATrackingErrorAfterTheTimeLimit) {
 }
 
 // A vehicle faster than its maximum speed is held.
-TEST(Runaway, FasterThanItsLimitIsHeld) {
+TEST(Runaway, VehicleFasterThanItsLimitHolds) {
   for (const double way : {1.0, -1.0}) {
     FlightBench bench(3);
     bench.fly_up(6.4);
@@ -168,7 +168,7 @@ TEST(Runaway, FasterThanItsLimitIsHeld) {
 }
 
 // The vehicle is carried up during a landing. The set-point follows at the climb speed at most.
-TEST(Runaway, UpwardsInALandingKeepsSpeedLimits) {
+TEST(Runaway, SetpointKeepsSpeedLimitsWhenALandingIsPushedUp) {
   FlightBench bench(3);
   bench.fly_up(3.0);
   bench.send_command(models::OperatorAction::kLand);

@@ -260,7 +260,7 @@ TEST(LandingSpot, KeepsTheStatedDistanceFromObstacles) {
 }
 
 // A hover closer than 0.05 m to an obstacle still moves away from it when a body is below.
-TEST(LandingSpot, IsFoundFromNextToAnObstacle) {
+TEST(LandingSpot, IsFoundWhenStartingNextToAnObstacle) {
   const double radius_m = bench_limits().vehicle.radius_m;
   for (const bool is_turned : {false, true}) {
     for (const double side : {1.0, -1.0}) {

@@ -22,7 +22,7 @@ using test::VehicleTrust;
 // Forgeries that cannot be detected without keys: they use the run id and next sequence number of
 // the live stream, and current stamps.
 
-class ForgedInThisSession : public VehicleTrust {
+class Forgery : public VehicleTrust {
  protected:
   static constexpr std::int64_t kPlannerRun = 77;
 
@@ -107,13 +107,13 @@ class ForgedInThisSession : public VehicleTrust {
   std::int64_t forged_ = 0;
 };
 
-TEST_F(ForgedInThisSession, PosesActWithoutSignatures) {
+TEST_F(Forgery, OfPosesSucceedsWithoutSignatures) {
   take_off();
   forge_poses();
   EXPECT_FALSE(only_hovered());
 }
 
-TEST_F(ForgedInThisSession, PosesAreRefusedWithSignatures) {
+TEST_F(Forgery, OfPosesIsRefusedWithSignatures) {
   bench.secure(test::keys_of_a_trial(), {});
   take_off();
   forge_poses();
@@ -123,13 +123,13 @@ TEST_F(ForgedInThisSession, PosesAreRefusedWithSignatures) {
   EXPECT_GT(bench.count("VICON.replayed"), 200);
 }
 
-TEST_F(ForgedInThisSession, CommandsActWithoutSignatures) {
+TEST_F(Forgery, OfCommandsSucceedsWithoutSignatures) {
   take_off();
   forge_order(OperatorAction::kEmergencyStop);
   EXPECT_EQ(bench.state(), FlightState::kKilled);
 }
 
-TEST_F(ForgedInThisSession, CommandsAreRefusedWithSignatures) {
+TEST_F(Forgery, OfCommandsIsRefusedWithSignatures) {
   bench.secure(test::keys_of_a_trial(), {});
   take_off();
   for (const OperatorAction action :
@@ -145,7 +145,7 @@ TEST_F(ForgedInThisSession, CommandsAreRefusedWithSignatures) {
   EXPECT_EQ(bench.state(), FlightState::kKilled) << "the true one's is";
 }
 
-TEST_F(ForgedInThisSession, PlansAreRefusedWithSignatures) {
+TEST_F(Forgery, OfPlansIsRefusedWithSignatures) {
   const std::string channel = bus::plan_channel(bench.robot()).name;
   take_off();
   send(channel, bytes_of(plan()));
@@ -159,7 +159,7 @@ TEST_F(ForgedInThisSession, PlansAreRefusedWithSignatures) {
   EXPECT_EQ(bench.count(channel + ".unsigned"), 1);
 }
 
-TEST_F(ForgedInThisSession, LiveVehicleRefusesSimulationMessages) {
+TEST_F(Forgery, OfSimulationMessagesIsRefusedByALiveVehicle) {
   const auto keys = test::keys_of_a_trial();
   bench.secure(keys, {});
   take_off();

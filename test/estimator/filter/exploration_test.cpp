@@ -27,7 +27,7 @@ class ExplorationLandmarks : public ::testing::Test {
   ExplorationSpec spec_;
 };
 
-TEST_F(ExplorationLandmarks, AreFrontiersNearestFirst) {
+TEST_F(ExplorationLandmarks, AreFrontiersInOrderOfDistance) {
   grid_.see(sensor_, at(0, 0), world_, instant(0));
   const Eigen::Vector2d from_m(0.5, -1.0);
   const auto landmarks = exploration_landmarks(grid_, spec_, from_m, instant(1));

@@ -296,7 +296,7 @@ struct Ratio {
 
 // Runs VANTAGE_BOUND_SEEDS trials from seed VANTAGE_BOUND_FIRST on. Each has VANTAGE_BOUND_STEPS
 // steps of half a second and VANTAGE_BOUND_PARTICLES particles.
-TEST(KnownIds, ReduceTheErrorBelowTheBoundWithoutIds) {
+TEST(KnownIds, ReduceTheErrorBelowTheBoundForUnknownIds) {
   const unsigned first = from_environment("VANTAGE_BOUND_FIRST", 101);
   const unsigned seeds = from_environment("VANTAGE_BOUND_SEEDS", 2);
   const int steps = static_cast<int>(from_environment("VANTAGE_BOUND_STEPS", 200));

@@ -68,7 +68,7 @@ TEST(Confinement, EqualsSampledMomentsAroundAnObstacle) {
   }
 }
 
-TEST(Confinement, TendsToTheCentreWithTheWorldsVariance) {
+TEST(Confinement, TendsToTheCentreOfTheRoomWithoutMeasurements) {
   const models::World room{kRoom.bounds, 3.0, {}, {}};
   Gaussian belief{Eigen::Vector2d(3.9, -1.9), 0.01 * Eigen::Matrix2d::Identity()};
   for (int step = 0; step < 400; ++step) {

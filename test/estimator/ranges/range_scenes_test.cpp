@@ -75,19 +75,19 @@ void expect_claims_hold(const Claims& claims) {
             2.0 + n / 100.0);  // expected 0.0027 n; a false failure is rarer than 1/1000
 }
 
-TEST(DrawnRangeScenes, ErrorsMatchTheClaimedCovariance) {
+TEST(RandomRangeScenes, ErrorsMatchTheClaimedCovariance) {
   const Claims claims = claims_of({}, 5001);
   expect_claims_hold(claims);
   EXPECT_LT(claims.farthest_m, 6.0);  // m; no fit is the mirror image
 }
 
-TEST(DrawnRangeScenes, ErrorsMatchTheClaimedCovarianceInARoom) {
+TEST(RandomRangeScenes, ErrorsMatchTheClaimedCovarianceInARoom) {
   expect_claims_hold(claims_of({.half_side_m = 4.0, .range_sigma_m = 0.1}, 6001));
 }
 
 // Errors are correlated over ten ranges of a beacon. If the ranges were treated as independent, σ
 // would be a third of the correct value.
-TEST(DrawnRangeScenes, ErrorsMatchTheClaimedCovarianceWithCorrelatedErrors) {
+TEST(RandomRangeScenes, ErrorsMatchTheClaimedCovarianceWithCorrelatedErrors) {
   expect_claims_hold(claims_of({.ranges_of_beacon = 400, .correlation = 0.8}, 7001));
 }
 

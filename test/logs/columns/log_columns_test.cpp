@@ -149,7 +149,7 @@ template <class Message>
 class LogColumnsOf : public ::testing::Test {};
 TYPED_TEST_SUITE(LogColumnsOf, vantage::test::MessageTypes);
 
-TYPED_TEST(LogColumnsOf, HoldWhatTheJsonOfTheSameMessagesSays) {
+TYPED_TEST(LogColumnsOf, EqualTheJsonOfTheSameMessages) {
   const bus::WireSchema& schema = *bus::find_wire_schema(bus::WireOf<TypeParam>::getTypeName());
   LogColumns columns(schema);
   Oracle oracle;

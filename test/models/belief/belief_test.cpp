@@ -109,7 +109,7 @@ TEST(Update, EqualsTheInformationForm) {
   }
 }
 
-TEST(Update, IsSameInFilterAndPlanner) {
+TEST(Update, IsEqualInFilterAndPlanner) {
   test::Random random(25);
   const SensorModel sensor;
   for (int i = 0; i < 1000; ++i) {

@@ -221,7 +221,7 @@ TEST_F(ExternalTest, IsReplayedFromItsInputs) {
 
 // The plan drives straight at a box, 1.2 m away. The planner accepts a stop up to 2 cm inside the
 // clearance that searches keep, and refuses a stop that is closer.
-TEST(RobotPlanner, RefusesAnswerInsideMarginByTwoCentimetres) {
+TEST(RobotPlanner, RefusesAnAnswerTwoCentimetresInsideItsMargin) {
   scenario::Scenario scenario = external_scenario();
   scenario.robots.resize(1);
   scenario.robots[0].start = {-3.0, 0.8, 0.0};

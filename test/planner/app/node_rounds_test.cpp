@@ -138,7 +138,7 @@ TEST_F(PlannerNodeTest, NamesItsOwnPlanAndProposalAsInputs) {
 
 // The planner may begin to plan until the last microsecond of its slot. After that it waits for the
 // next slot.
-TEST_F(PlannerNodeTest, SkipsOnlySlotsThatItMissed) {
+TEST_F(PlannerNodeTest, SkipsOnlyMissedSlots) {
   start(test::lab_scenario());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   deliver();

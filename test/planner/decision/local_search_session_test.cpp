@@ -301,7 +301,7 @@ TEST(LocalSearchSession, NeedsOnlyNewestMessage) {
 }
 
 // Coordinate descent: the teammates' choices are committed, and the robot adds its best candidate.
-TEST(LocalSearchSession, AddsBestToCommittedChoices) {
+TEST(LocalSearchSession, AddsTheBestCandidateToCommittedChoices) {
   int added = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const Team team({drawn(seed)});
@@ -440,7 +440,7 @@ TEST(LocalSearchSession, CountsUnsharedInformation) {
 
 // The information that a proposal states for a motion may differ between proposals, for example
 // after its robot restarted with another belief. The session uses the newest value.
-TEST(LocalSearchSession, UsesMotionEffectOfHeldSolution) {
+TEST(LocalSearchSession, UsesTheNewestInformationOfAProposedMotion) {
   const auto session = [] {
     SessionSetup setup;
     setup.robots = {"Q1", "Q2"};

@@ -212,7 +212,7 @@ TEST(LocalSearch, EndsAtALocalOptimum) {
 
 // 10 robots have 1250 candidates with nearly equal values. 1 + α/N⁴ rounds to 1, so a search that
 // accepts equal values would not end.
-TEST(LocalSearch, EndsWhenAlphaOverN4Vanishes) {
+TEST(LocalSearch, EndsWhenAlphaOverN4IsBelowRounding) {
   TeamProblem problem = test::random_instance(3, {1, 1, 0.0}, {});
   problem.horizon_steps = 3;
   problem.candidates.assign(10, {});
@@ -262,7 +262,7 @@ TEST(DistributedLocalSearch, StopsAtItsDeadlineWithASolution) {
   }
 }
 
-TEST(TieRule, IsAStrictOrder) {
+TEST(ProposalOrder, IsStrict) {
   const std::vector<Proposal> proposals = {
       {-1, 3, 1.0},           {-1, 4, 1.0},           {0, 3, 1.0}, {1, 3, 1.0},
       {0, kNoCandidate, 1.0}, {1, kNoCandidate, 1.0}, {-1, 3, 2.0}};

@@ -268,7 +268,7 @@ TEST(PathsBound, UnderAttackExcludesBestRobots) {
   }
 }
 
-TEST(PathsBound, IsInfiniteWithoutWork) {
+TEST(PathsBound, IsInfiniteWithABudgetOfZeroNodes) {
   PathsBound bound(4, 5);
   const std::vector<SearchProblem> team = observer_team();
   const auto answer =

@@ -191,7 +191,7 @@ TEST(LocalSearchSession, HoversWhenNoMotionIsWorthItsCost) {
 }
 
 // An increase in value by kLeastRise_nats is proposed; a smaller one is not.
-TEST(LocalSearchSession, ProposesRisesOfAtLeast1e6Nats) {
+TEST(LocalSearchSession, ProposesOnlyIncreasesOfAMicronatOrMore) {
   EXPECT_EQ(LocalSearchSession::kLeastRise_nats, 1e-6);
   LocalSearchSession below(setup_of({{std::expm1(0.9e-6), 0.0, 0.0}}));
   EXPECT_FALSE(below.improve(Deadline::never()));

@@ -352,7 +352,7 @@ TEST(GreedyAttack, NearlyAlwaysEqualsTheWorstAttack) {
   EXPECT_GT(all_apart, 0);
 }
 
-TEST(Attack, AtRandomIsUniform) {
+TEST(RandomAttack, IsUniform) {
   std::mt19937_64 rng(11);
   std::map<std::vector<int>, int> counts;
   const int draws = 20'000;

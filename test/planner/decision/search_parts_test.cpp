@@ -79,7 +79,7 @@ TEST(ImprovementRule, RefusesInvalidShares) {
   EXPECT_NO_THROW(ImprovementRule(oracle, 1e-30, 0.0));
 }
 
-TEST(TieRule, PrefersValueThenLowNumbersThenDeletions) {
+TEST(ProposalOrder, PrefersValueThenLowNumbersThenDeletions) {
   const std::vector<Proposal> ranked = {{1, 9, 2.0},
                                         {0, 3, 1.0},
                                         {1, 3, 1.0},

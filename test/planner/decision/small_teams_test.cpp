@@ -33,7 +33,7 @@ constexpr std::uint64_t kInstances = 200;
 // both swaps; then it evaluates the deletion of the worse trajectory and its swap with itself. In
 // the distributed search, the robot first sends its candidate count and best value, and later that
 // it proposes nothing. It evaluates deletion and swap, then the deletion only.
-TEST(LocalSearch, CallsPerMoveForOneRobot) {
+TEST(LocalSearch, CountsOracleCallsForOneRobot) {
   const TeamProblem problem = made_team(1, {{{0, 1.0}, {0, 2.0}}});
   const TeamOracle oracle(problem);
   const TeamDecision central = centralised_local_search(oracle, 1.0, Deadline::never());
@@ -57,7 +57,7 @@ TEST(LocalSearch, CallsPerMoveForOneRobot) {
 // Two robots with one trajectory each and separate targets. The better trajectory is the initial
 // choice. The other one is added (one call, one message). Then both robots evaluate both deletions
 // and report that they propose nothing. The second round has no candidates left.
-TEST(LocalSearch, AddsSecondRobotOnce) {
+TEST(LocalSearch, AddsTheSecondRobotWithOneCallAndOneMessage) {
   const TeamProblem problem = made_team(2, {{{0, 1.0}}, {{1, 2.0}}});
   const TeamOracle oracle(problem);
   const Choice both = {0, 1};
@@ -137,7 +137,7 @@ TEST(LocalSearch, FinishesWithABudgetOfOneCallMoreThanItNeeds) {
 
 // In each turn, all candidates of one robot are evaluated. The search ends after a round without a
 // change.
-TEST(CoordinateDescent, EndsAfterARoundWithoutChangeAndCountsEveryTurn) {
+TEST(CoordinateDescent, EndsAfterARoundWithoutChange) {
   for (const InformationMeasure measure : kMeasures) {
     for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
       const TeamProblem problem = test::random_instance(seed, {5, 5, 2.0}, measure);

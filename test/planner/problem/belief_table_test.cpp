@@ -113,7 +113,7 @@ models::SensorModel sensor_of(models::SensorKind kind, double range_max_m) {
 
 // Information adds up over the sensors that see the target. An obstacle blocks all sensors: here a
 // wall from y = −1 to 1 at x = 2.
-TEST(Look, SumsVisibleSensorsAndNoneThroughWalls) {
+TEST(InformationAt, SumsSensorsThatSeeTheTarget) {
   models::World world;
   world.bounds = {{-50.0, -50.0}, {50.0, 50.0}};
   world.obstacles = {{{{1.9, -1.0}, {2.1, 1.0}}, 2.0}};

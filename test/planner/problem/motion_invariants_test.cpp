@@ -88,7 +88,7 @@ void for_crowded_problems(const Look& look) {
 
 // A motion is free with all teammates if and only if it is free with each single teammate, in any
 // order.
-TEST(MotionTable, FreeOfAllEqualsFreeOfEach) {
+TEST(MotionTable, IsFreeOfTheTeamIfFreeOfEachTeammate) {
   for_crowded_problems(
       [](const SearchProblem& problem, const Pose2& from, int depth, const Answers& answers) {
         std::vector<bool> free(answers.free.size(), true);
@@ -175,7 +175,7 @@ TEST(CanStop, KeepsSeparationFromMovingTeammates) {
   });
 }
 
-TEST(CanStop, FromTheStartUsesItsSpeed) {
+TEST(CanStop, UsesTheStartSpeedAtTheStart) {
   std::mt19937_64 rng(62);
   models::World world;
   world.bounds = {{-10.0, -10.0}, {10.0, 10.0}};

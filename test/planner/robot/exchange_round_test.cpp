@@ -234,7 +234,7 @@ TEST(RobotPlanner, RefusesInvalidProposals) {
 }
 
 // Each team algorithm uses one kind of message only.
-TEST(RobotPlanner, ProposesOnlyForItsTeamAlgorithm) {
+TEST(RobotPlanner, SendsOnlyTheMessagesOfItsTeamAlgorithm) {
   scenario::Scenario scenario = energy_scenario();
   const PlanInputs inputs = first_inputs(scenario, 0, 3);
   const Deadline deadline = Deadline::nodes(scenario.planner.node_budget);

@@ -37,7 +37,7 @@ TEST(ProblemOfRound, CountsUnseenStepsUntilPlanBegins) {
 }
 
 // The terminal value is a function of the inputs. With communication, teammates take some stops.
-TEST(ProblemOfRound, HasTheTerminalValueOfTheTour) {
+TEST(ProblemOfRound, UsesTheTerminalValueOfTheTour) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.exploration.landmarks_max = 0;
   const auto stops_of = [&](std::size_t robot) {
@@ -189,7 +189,7 @@ TEST(ProblemOfRound, MatchesScenario) {
 }
 
 // The seed differs for each robot, round and scenario, and is reproducible.
-TEST(ProblemOfRound, HasADifferentSeedPerRobotRoundAndScenario) {
+TEST(ProblemOfRound, HasADifferentSeedForEachRobotRoundAndScenario) {
   scenario::Scenario scenario = test::lab_scenario();
   std::set<std::uint64_t> seeds;
   for (const std::uint64_t seed : {std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{1} << 32U}) {

@@ -96,7 +96,7 @@ TEST_F(SharedSlotsTest, IgnorePlansOutsideTheSlots) {
 }
 
 // A robot without a slot continues its committed motion, and the yield is counted.
-TEST_F(SharedSlotsTest, AreYieldedByRobotWithoutSlot) {
+TEST_F(SharedSlotsTest, RobotWithoutASlotContinuesItsMotion) {
   RobotPlanner planner(scenario_, "Q3");
   EXPECT_EQ(planner.robot_index(), 2);
   EXPECT_EQ(planner.robot_count(), 3);

@@ -25,7 +25,7 @@ models::Trajectory winding_trajectory(std::mt19937_64& rng) {
   return trajectory;
 }
 
-TEST(RestOf, HasThePosesOfTheTrajectoryAfterTheCut) {
+TEST(RemainderOf, HasThePosesOfTheTrajectoryAfterTheCut) {
   std::mt19937_64 rng(11);
   for (int i = 0; i < 200; ++i) {
     const models::Trajectory whole = winding_trajectory(rng);
@@ -50,7 +50,7 @@ TEST(RestOf, HasThePosesOfTheTrajectoryAfterTheCut) {
 
 // A cut at a segment boundary keeps the following segments unchanged. A cut while braking keeps the
 // remaining braking, from the current speed.
-TEST(RestOf, KeepsLaterSegmentsAndRemainingBraking) {
+TEST(RemainderOf, KeepsLaterSegmentsAndRemainingBraking) {
   models::Trajectory whole;
   whole.start_time = from_utime(1'700'000'000'000'000);
   whole.segments = {{{2.0, 0.0}, 0.5, 0.0}, {{1.0, 1.0}, 0.5, 0.0}, {{1.0, 0.0}, 0.5, 2.0}};

@@ -16,9 +16,9 @@ namespace {
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 /// A robot of radius 0.35 m in a square of 20 m.
-class TurnToAWayOut : public ::testing::Test {
+class EscapeTurn : public ::testing::Test {
  protected:
-  TurnToAWayOut() {
+  EscapeTurn() {
     world_.bounds = {{-10.0, -10.0}, {10.0, 10.0}};
     problem_.start_time = kStart;
     problem_.height_m = 1.5;
@@ -55,7 +55,7 @@ class TurnToAWayOut : public ::testing::Test {
 
 // The robot turns away from the nearest teammate, at its position when the plan begins. It turns
 // right if the opposite direction is more than π/4 to the right, else left.
-TEST_F(TurnToAWayOut, TurnsAwayFromTooNearTeammate) {
+TEST_F(EscapeTurn, TurnsAwayFromTooNearTeammate) {
   std::mt19937_64 rng(71);
   std::uniform_real_distribution<double> any(-kPi, kPi);
   std::uniform_real_distribution<double> place(-5.0, 5.0);
@@ -87,7 +87,7 @@ TEST_F(TurnToAWayOut, TurnsAwayFromTooNearTeammate) {
 }
 
 // In free space the robot keeps its heading. If the search found no plan, the robot turns left.
-TEST_F(TurnToAWayOut, KeepsItsHeadingInFreeSpace) {
+TEST_F(EscapeTurn, KeepsItsHeadingInFreeSpace) {
   for (int i = 0; i < 8; ++i) {
     const Pose2 start{0.0, 0.0, wrap_to_pi(0.25 * kPi * i)};
     EXPECT_EQ(side_of(start), 0);
@@ -96,7 +96,7 @@ TEST_F(TurnToAWayOut, KeepsItsHeadingInFreeSpace) {
 }
 
 // In a corner, five centimetres from the clearance limit, only west and south are feasible.
-TEST_F(TurnToAWayOut, TurnsToTheNearestFreeHeading) {
+TEST_F(EscapeTurn, TurnsToTheNearestFreeHeading) {
   const auto in_the_corner = [&](double heading_deg) {
     return side_of({9.6, 9.6, radians(heading_deg)});
   };
@@ -115,7 +115,7 @@ TEST_F(TurnToAWayOut, TurnsToTheNearestFreeHeading) {
 
 // At the closed end of a lane only the reverse heading is feasible; between four walls no heading
 // is feasible.
-TEST_F(TurnToAWayOut, ReversesInADeadEnd) {
+TEST_F(EscapeTurn, ReversesInADeadEnd) {
   world_.obstacles = {{{{0.0, 0.4}, {3.0, 1.0}}, 2.0},
                       {{{0.0, -1.0}, {3.0, -0.4}}, 2.0},
                       {{{2.4, -0.4}, {3.0, 0.4}}, 2.0}};
@@ -131,7 +131,7 @@ TEST_F(TurnToAWayOut, ReversesInADeadEnd) {
 
 // A teammate that hovers two centimetres beyond the required separation blocks a heading like a
 // wall.
-TEST_F(TurnToAWayOut, TreatsTeammatesLikeWalls) {
+TEST_F(EscapeTurn, TreatsTeammatesLikeWalls) {
   const models::Trajectory ahead = hover_at({1.02, 0.0, 0.0}, 1.5, kStart);
   const models::Trajectory left = hover_at({0.0, 1.02, 0.0}, 1.5, kStart);
   const models::Trajectory right = hover_at({0.0, -1.02, 0.0}, 1.5, kStart);
@@ -147,7 +147,7 @@ TEST_F(TurnToAWayOut, TreatsTeammatesLikeWalls) {
 }
 
 // Controls that turn on the spot do not count as motions.
-TEST_F(TurnToAWayOut, IgnoresControlsThatOnlyTurn) {
+TEST_F(EscapeTurn, IgnoresControlsThatOnlyTurn) {
   problem_.controls = {{0.0, 1.0}, {0.0, 0.0}};
   EXPECT_EQ(side_of({0.0, 0.0, 0.0}), 0) << "no heading has a way out";
   EXPECT_EQ(side_of({0.0, 0.0, 0.0}, true), 1);

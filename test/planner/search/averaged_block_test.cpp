@@ -201,7 +201,7 @@ TEST(PointedInformation, EqualsBestMeasurementDirections) {
   EXPECT_GT(round, 10);
 }
 
-TEST(LookBound, BoundsIsotropicAndBestDirection) {
+TEST(ScanBound, CoversIsotropicAndDirectedInformation) {
   const LookBound look{3.0, 5.0, 2};
   EXPECT_EQ(look.strongest(), 8.0);
   EXPECT_EQ(look.average(), 5.5);

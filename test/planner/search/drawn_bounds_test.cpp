@@ -103,7 +103,7 @@ double expect_below_every_plan(const Draw& draw) {
   return static_cast<double>(bounds.plans()) / static_cast<double>(count);
 }
 
-TEST(DrawnBounds, AreBelowEveryTrackingPlan) {
+TEST(BoundsOfRandomProblems, AreBelowEveryTrackingPlan) {
   const double share = expect_below_every_plan([](std::mt19937_64& rng, std::uint64_t seed) {
     const int targets = test::pick(rng, 1, 25);
     // Every second problem has the standard field of view, 94°, the others a random one.
@@ -113,7 +113,7 @@ TEST(DrawnBounds, AreBelowEveryTrackingPlan) {
   EXPECT_EQ(share, 1.0);
 }
 
-TEST(DrawnBounds, AreBelowEveryMappingPlan) {
+TEST(BoundsOfRandomProblems, AreBelowEveryMappingPlan) {
   const double share = expect_below_every_plan([](std::mt19937_64& rng, std::uint64_t seed) {
     return test::random_landmark_problem(seed, test::pick(rng, 1, 12));
   });

@@ -124,7 +124,7 @@ TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
 
 // A robot that moves 1 m per step is near a target at one step; a robot that can hover may stay.
 // The bound must distinguish both at every step of the horizon.
-TEST(NearBound, AllowsOneNearStepToMovingRobot) {
+TEST(NearBound, AllowsOneStepNearATargetIfTheRobotMoves) {
   RootBound root(8, 8);
   BeliefTable beliefs(8, 8);
   for (int k = 1; k <= 4; ++k) {
@@ -209,7 +209,7 @@ TEST(NearBound, IsBelowPlansNearSeveralTargets) {
 // A robot circles around one of several targets and is near it at every step. Its distance is just
 // above the minimum range, where range and bearing have equal information. Its plan therefore has
 // the full gain that the bound allows.
-TEST(NearBound, AllowsEveryStepNearWhenRobotStays) {
+TEST(NearBound, AllowsEveryStepNearATargetIfTheRobotCanStay) {
   Bounds bounds;
   std::mt19937_64 rng(71);
   for (int count = 1; count <= 4; ++count) {
@@ -261,7 +261,7 @@ double cost_of(const SearchProblem& problem, const SearchTarget& target,
 // step at most. All other measurements are from the nearest position that is reachable by then, or
 // from the edge of the disc. The bound uses the best of three disc sizes. Beliefs are isotropic, so
 // the bound has a closed form.
-TEST(NearBound, CountsOneNearMeasurementAndOthersFromAfar) {
+TEST(NearBound, CountsOneNearMeasurementAndTheRestFromADistance) {
   std::mt19937_64 rng(72);
   BeliefTable beliefs(8, 8);
   InformationHeuristic heuristic(8, 8);
@@ -353,9 +353,9 @@ TEST(NearBound, CountsOneNearMeasurementAndOthersFromAfar) {
 
 /// A target that the robot passes over in its first step, and the bound for its controls
 /// afterwards.
-class PassedOver : public ::testing::Test {
+class ReturnToTarget : public ::testing::Test {
  protected:
-  PassedOver() {
+  ReturnToTarget() {
     problem_.horizon_steps = 4;
     problem_.step_s = 1.0;
     models::SensorModel sensor;
@@ -388,7 +388,7 @@ class PassedOver : public ::testing::Test {
 
 // A robot leaves a target. The bound counts a return after one, two or three steps only if the
 // controls allow it: with a hover, 1 m forth and back, or a triangle.
-TEST_F(PassedOver, CountsAReturnOnlyIfControlsLeadBack) {
+TEST_F(ReturnToTarget, IsCountedOnlyIfControlsLeadBack) {
   const double never = bound_with({{1.0, 0.0}});
   const double after_two = bound_with({{1.0, 0.0}, {1.0, kPi}});
   const double third_rad = 2.0 * kPi / 3.0;
@@ -407,7 +407,7 @@ TEST_F(PassedOver, CountsAReturnOnlyIfControlsLeadBack) {
 
 // With more than a dozen controls, three-step returns are not computed. The bound then allows a
 // return to any position.
-TEST_F(PassedOver, AllowsAnyReturnWithMoreThanTwelveControls) {
+TEST_F(ReturnToTarget, IsAlwaysAllowedWithMoreThanTwelveControls) {
   std::vector<models::UnicycleControl> controls(12, {1.0, 0.0});
   const double few = bound_with(controls);
   EXPECT_EQ(bound_with({{1.0, 0.0}}), few);
@@ -416,7 +416,7 @@ TEST_F(PassedOver, AllowsAnyReturnWithMoreThanTwelveControls) {
 }
 
 // The bound applies only to planar targets that move or have noise, over at most 30 steps.
-TEST_F(PassedOver, AppliesToMovingOrSpreadingTargets) {
+TEST_F(ReturnToTarget, IsBoundedForMovingAndNoisyTargetsOnly) {
   problem_.targets = {spread(1.0, 0.0), spread(2.0, 0.0), spread(3.0, 0.0), spread(4.0, 0.0)};
   problem_.targets[0].model.kind = models::TargetKind::kStatic;
   problem_.targets[1].model.q = 0.0;
@@ -442,7 +442,7 @@ TEST_F(PassedOver, AppliesToMovingOrSpreadingTargets) {
 
 // If a step leads from one target to the other, the robot may be near both; otherwise near one of
 // them only.
-TEST_F(PassedOver, IsNearSecondTargetOnlyIfAStepLeadsThere) {
+TEST_F(ReturnToTarget, MayPassASecondTargetOnlyIfAStepLeadsThere) {
   const auto bound_of = [&](double apart_m) {
     problem_.targets = {spread(1.0, 0.0), spread(1.0 + apart_m, 0.0)};
     return bound_with({{1.0, 0.0}});

@@ -185,7 +185,7 @@ TEST(TerminalSearch, RefusesStopsWithoutTarget) {
 }
 
 // A robot that can measure nothing within its horizon drives towards the first stop.
-TEST(TerminalSearch, DrivesTowardsTheFirstStop) {
+TEST(TerminalSearch, DrivesTowardsTheFirstStopOfTheTour) {
   SearchProblem problem;
   problem.horizon_steps = 6;
   problem.controls = models::standard_primitives();

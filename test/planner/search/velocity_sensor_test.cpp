@@ -71,7 +71,7 @@ TEST(VelocitySensor, EverySearchKeepsItsBoundAndAStarIsOptimal) {
 
 // Teammates that measure velocities give information about the state of moving targets, also to a
 // robot whose own sensor measures positions only.
-TEST(VelocitySensor, TeammatesInformationIsThatOfTheirSensors) {
+TEST(VelocitySensor, IncludesVelocityInformationOfTeammates) {
   int solved = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     OwnedProblem owned = test::random_problem(seed);

@@ -98,7 +98,7 @@ TEST(TourPlanner, PrefersTheLessCertainOfTwoTargets) {
   EXPECT_EQ(targets_of(planner.plan(problem, {}, spec_of(80.0))), (std::vector<int>{1, 0}));
 }
 
-TEST(TourPlanner, HasNoStopThatItCannotReachInTime) {
+TEST(TourPlanner, OmitsStopsThatItCannotReachInTime) {
   SearchProblem problem = empty_problem();
   problem.targets = {still_target(20.0, 0.0), still_target(100.0, 0.0)};
   TourPlanner planner(4);

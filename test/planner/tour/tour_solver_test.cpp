@@ -116,7 +116,7 @@ TEST(TourSolver, FindsTheOptimumOfMostSmallProblems) {
   EXPECT_GT(least_ratio, 0.9);
 }
 
-TEST(TourSolver, VisitsEachStopAtMostOnceAndStatesTheSum) {
+TEST(TourSolver, VisitsEachStopAtMostOnceAndReturnsTheTotalGain) {
   TourProblem problem(40, 4, kSamples);
   TourSolver solver(40, 4);
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -127,7 +127,7 @@ TEST(TourSolver, VisitsEachStopAtMostOnceAndStatesTheSum) {
   }
 }
 
-TEST(TourSolver, NeverLosesByAGreaterBudget) {
+TEST(TourSolver, NeverGetsWorseWithAGreaterBudget) {
   TourProblem problem(30, 2, kSamples);
   TourSolver solver(30, 2);
   std::mt19937_64 rng(5);
@@ -142,7 +142,7 @@ TEST(TourSolver, NeverLosesByAGreaterBudget) {
   }
 }
 
-TEST(TourSolver, IsAFunctionOfTheProblem) {
+TEST(TourSolver, DependsOnTheProblemOnly) {
   TourProblem problem(25, 3, kSamples);
   TourSolver one(25, 3);
   TourSolver other(25, 3);

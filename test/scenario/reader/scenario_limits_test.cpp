@@ -63,7 +63,7 @@ void expect_limits(const std::vector<Limit>& limits) {
   }
 }
 
-TEST(ScenarioLimits, HoldForWorldAndTrial) {
+TEST(ScenarioLimits, AreEnforcedForWorldAndTrial) {
   const Keys coarse{{"estimator.grid_resolution_m", "100"}};
   const std::string box = "[{footprint: {min_m: [9, 9], max_m: [10, 10]}, height_m: @}]";
   const std::string mud =
@@ -94,7 +94,7 @@ TEST(ScenarioLimits, HoldForWorldAndTrial) {
   });
 }
 
-TEST(ScenarioLimits, HoldForRobots) {
+TEST(ScenarioLimits, AreEnforcedForRobots) {
   const std::string pose = "[{name: A, start: {x_m: 2, y_m: 2, yaw_deg: @}}]";
   const std::string turned = "[{name: A, start: {x_m: 2, y_m: 2, yaw_rad: @}}]";
   const std::string pilot = "{dialect: px4, url: \"udp://:1\", system_id: @}";
@@ -148,7 +148,7 @@ TEST(ScenarioLimits, HoldForRobots) {
   });
 }
 
-TEST(ScenarioLimits, HoldForSensors) {
+TEST(ScenarioLimits, AreEnforcedForSensors) {
   const std::string sensor = "robot_defaults.sensor.";
   expect_limits({
       {sensor + "range_max_m", "0", "0.002", "10000", "10001"},
@@ -172,7 +172,7 @@ TEST(ScenarioLimits, HoldForSensors) {
   });
 }
 
-TEST(ScenarioLimits, HoldForTargetsAndPriors) {
+TEST(ScenarioLimits, AreEnforcedForTargetsAndPriors) {
   const std::string estimator = "estimator.";
   expect_limits({
       {"targets.count", "0", "1", "10000", "10001"},
@@ -211,7 +211,7 @@ TEST(ScenarioLimits, HoldForTargetsAndPriors) {
   });
 }
 
-TEST(ScenarioLimits, HoldForPlans) {
+TEST(ScenarioLimits, AreEnforcedForPlans) {
   const Keys quick{{"planner.team_budget_s", "0.001"},
                    {"planner.publish_margin_s", "0"},
                    {"planner.execute_steps", "1"}};
@@ -246,7 +246,7 @@ TEST(ScenarioLimits, HoldForPlans) {
 
 // A map of 40 m by 40 m has 223 by 223 = 49 729 cells of 0.1794 m, and 224 by 224 = 50 176 cells of
 // 0.1788 m.
-TEST(ScenarioLimits, HoldForMaps) {
+TEST(ScenarioLimits, AreEnforcedForMaps) {
   expect_limits({
       {"mapping.scanner.beams", "0", "1", "10000", "10001"},
       {"mapping.scanner.fov_deg", "0", "1e-6", "360", "360.1"},
@@ -270,7 +270,7 @@ TEST(ScenarioLimits, HoldForMaps) {
   }
 }
 
-TEST(ScenarioLimits, HoldForMotionCapture) {
+TEST(ScenarioLimits, AreEnforcedForMotionCapture) {
   expect_limits({
       {"mocap.rate_hz", "0", "1e-6", "1000", "1000.5"},
       {"mocap.position_sigma_m", "-0.1", "0", "", ""},

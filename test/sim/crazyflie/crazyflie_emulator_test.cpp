@@ -108,7 +108,7 @@ class CrazyflieEmulatorTest : public ::testing::Test {
   double highest_m = 0.0;
 };
 
-TEST_F(CrazyflieEmulatorTest, StartsArmedOrDisarmed) {
+TEST_F(CrazyflieEmulatorTest, StartsArmedOrDisarmedAsConfigured) {
   run(0.1);
   EXPECT_EQ(vehicle->info(), 0x20E);
   CrazyflieEmulatorSpec spec;
@@ -124,7 +124,7 @@ TEST_F(CrazyflieEmulatorTest, StartsArmedOrDisarmed) {
 }
 
 // Fact 1.
-TEST_F(CrazyflieEmulatorTest, LevelsThenLocksWithoutSetpoints) {
+TEST_F(CrazyflieEmulatorTest, LevelsAndThenLocksWithoutSetpoints) {
   hover();
   setpoint->velocity_world_mps.x() = 0.0;
   setpoint.reset();
@@ -144,7 +144,7 @@ TEST_F(CrazyflieEmulatorTest, LevelsThenLocksWithoutSetpoints) {
                                                                 false, false)) != replies.end());
 }
 
-TEST_F(CrazyflieEmulatorTest, OneStrayPacketEndsAHighLevelFlight) {
+TEST_F(CrazyflieEmulatorTest, OneSetpointEndsAHighLevelFlight) {
   run(1.0);
   EXPECT_EQ(command(crtp::encode(crtp::HighLevelHeight{false, 1.0, {}, 2.0})), crtp::kHighLevelOk);
   run(8.0);
@@ -166,7 +166,7 @@ TEST_F(CrazyflieEmulatorTest, DoesNotReportALostPose) {
 }
 
 // Fact 3.
-TEST_F(CrazyflieEmulatorTest, WrongPacketsEndTheFirmware) {
+TEST_F(CrazyflieEmulatorTest, StopsForeverAfterAMalformedPacket) {
   const auto killed_by = [this](std::uint8_t channel, std::vector<std::uint8_t> bytes,
                                 crtp::Port port = crtp::Port::kSetpoint) {
     restart({});
@@ -200,7 +200,7 @@ TEST_F(CrazyflieEmulatorTest, WrongPacketsEndTheFirmware) {
   EXPECT_TRUE(killed_by(1, pose, crtp::Port::kLocalisation)) << "NaN";
 }
 
-TEST_F(CrazyflieEmulatorTest, APositionOfNanMakesItFall) {
+TEST_F(CrazyflieEmulatorTest, FallsAfterASetpointWithNan) {
   hover();
   std::vector<std::uint8_t> bytes(30, 0);
   bytes[0] = 0x6D;
@@ -227,7 +227,7 @@ TEST_F(CrazyflieEmulatorTest, SetpointsEndWithoutALandingStopsTheMotors) {
   EXPECT_LT(height_m(), 0.02);
 }
 
-TEST_F(CrazyflieEmulatorTest, LandsAfterTheRightHandOver) {
+TEST_F(CrazyflieEmulatorTest, LandsAfterLandCommandAndSetpointsEnd) {
   hover();
   setpoint.reset();
   EXPECT_EQ(command(crtp::encode(crtp::HighLevelHeight{true, 0.0, {}, 2.0})), crtp::kHighLevelOk);
@@ -289,7 +289,7 @@ TEST_F(CrazyflieEmulatorTest, FollowsAJumpOfThePose) {
 }
 
 // Fact 7.
-TEST_F(CrazyflieEmulatorTest, ClimbsWithoutEverHavingHadAPose) {
+TEST_F(CrazyflieEmulatorTest, ClimbsWithoutAPose) {
   has_pose = false;
   run(1.0);
   EXPECT_TRUE(has(info::kCanFly));
@@ -299,7 +299,7 @@ TEST_F(CrazyflieEmulatorTest, ClimbsWithoutEverHavingHadAPose) {
 }
 
 // Fact 8.
-TEST_F(CrazyflieEmulatorTest, AnOldSetpointLocksAtArming) {
+TEST_F(CrazyflieEmulatorTest, LocksWhenArmedWithAnOldSetpoint) {
   CrazyflieEmulatorSpec spec;
   spec.arms_itself = false;
   restart(spec);
@@ -330,7 +330,7 @@ TEST_F(CrazyflieEmulatorTest, StopWatchdogActsAfterASecond) {
   EXPECT_LE(until(info::kLocked, true, 1.0), 0.06);
 }
 
-TEST_F(CrazyflieEmulatorTest, DisarmInFlightMayBeArmedAgain) {
+TEST_F(CrazyflieEmulatorTest, CanBeArmedAgainAfterADisarmInFlight) {
   CrazyflieEmulatorSpec spec;
   spec.arms_itself = false;
   restart(spec);
@@ -344,7 +344,7 @@ TEST_F(CrazyflieEmulatorTest, DisarmInFlightMayBeArmedAgain) {
   EXPECT_TRUE(has(info::kArmed));
 }
 
-TEST_F(CrazyflieEmulatorTest, TakesItsOwnPackedPose) {
+TEST_F(CrazyflieEmulatorTest, UsesItsPoseOfAPackedMessage) {
   has_pose = false;
   const crtp::ExternalPose pose{{0.0, 0.0, 0.0}, Quaternion::Identity()};
   const std::vector<crtp::PackedPose> poses{{0x01, pose}, {0xE7, pose}};

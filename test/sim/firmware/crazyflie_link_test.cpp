@@ -154,7 +154,7 @@ TEST_F(CrazyflieLinkTest, RelaysBetweenFirmwareAndNewestClient) {
 
 // The firmware's own messages to the simulator do not reach a client, and a client cannot send
 // sensor values.
-TEST_F(CrazyflieLinkTest, DropsAndCountsWhatIsNotToBeRelayed) {
+TEST_F(CrazyflieLinkTest, DropsAndCountsPacketsThatItMustNotRelay) {
   connect();
   client.send(ports.client, {0xEC, 0, 1, 2, 3});
   client.send(ports.client, {});

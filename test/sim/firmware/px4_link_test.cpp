@@ -304,7 +304,7 @@ struct Board {
   std::string device;
 };
 
-TEST(Px4Link, SupportsBoardWithItsOwnClock) {
+TEST(Px4Link, SupportsABoardWithASeparateClock) {
   const Board board;
   FakeFirmware firmware(board.fd);
   const auto link = Px4Link::on_serial_line(board.device);

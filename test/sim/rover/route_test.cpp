@@ -111,7 +111,7 @@ TEST(RouteMap, FindsTheCheapestRouteOrNone) {
 }
 
 // Start and goal are in the same cell, so the route has no intermediate point.
-TEST(RouteMap, ReturnsAGoalInTheSameCellDirectly) {
+TEST(RouteMap, LeadsStraightToAGoalInTheSameCell) {
   const RouteMap map(room());
   const auto path = map.route({1.51, 1.51}, {1.57, 1.58}, kRadiusM, {});
   ASSERT_EQ(path.size(), 1u);

@@ -116,7 +116,7 @@ TEST(ReadFlight, ReadsNamesPeriodsAndPoses) {
 
 // Each body has the pose of the newest row of its file. All flights end with the shortest one, or
 // start again.
-TEST(Flights, PlayUntilTheShortestEnds) {
+TEST(Flights, EndTogetherWithTheShortest) {
   const vantage::test::TemporaryFolder folder;
   // Durations: B 12 rows × 0.1 s = 1.2 s, A 20 × 0.05 s = 1 s, C 7 × 0.15 s = 1.05 s.
   const std::vector<std::string> paths{flight_in(folder, "B.csv", 12, 0.1),

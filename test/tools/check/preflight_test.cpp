@@ -116,7 +116,7 @@ TEST(RoomForPlanners, IsThatOfTheHostWithMostPlanners) {
   EXPECT_GT(free_memory_bytes().value_or(0), 1'000'000U);
 }
 
-TEST(LineOfKey, IsThatOfTheInnermostGivenKey) {
+TEST(LineOfKey, IgnoresCommentsAndFlowStyle) {
   const std::string text = "name: x\n# nothing\nnetwork:\n  url: memq://\ntargets: {count: 2}\n";
   EXPECT_EQ(scenario::line_of_key(text, "network.url"), 4);
   EXPECT_EQ(scenario::line_of_key(text, "network.no_key"), 3);

@@ -125,9 +125,9 @@ const Row kRows[] = {
      "mocap.position_sigma_m 0.5: more than planner.tracking_tolerance_m 0.2"},
 };
 
-class FoolishScenario : public ::testing::TestWithParam<Row> {};
+class ScenarioWithoutPurpose : public ::testing::TestWithParam<Row> {};
 
-TEST_P(FoolishScenario, IsLegalAndNoted) {
+TEST_P(ScenarioWithoutPurpose, IsAcceptedWithANote) {
   const std::string text = test::lab_with(GetParam().edits);
   const std::vector<std::string> notes = purpose_notes(scenario::parse_scenario(text, "lab.yaml"));
   ASSERT_FALSE(notes.empty());
@@ -138,7 +138,7 @@ TEST_P(FoolishScenario, IsLegalAndNoted) {
   EXPECT_TRUE(is_noted) << notes.front();
 }
 
-INSTANTIATE_TEST_SUITE_P(Rows, FoolishScenario, ::testing::ValuesIn(kRows),
+INSTANTIATE_TEST_SUITE_P(Rows, ScenarioWithoutPurpose, ::testing::ValuesIn(kRows),
                          [](const auto& row) { return std::string(row.param.name); });
 
 TEST(PurposeNotes, AreEmptyForTheInstalledScenarios) {

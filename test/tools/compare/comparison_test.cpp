@@ -109,7 +109,7 @@ TEST(ParseSeeds, ReadsNumbersAndRanges) {
   EXPECT_EQ(parse_seeds("1-100000").size(), 100'000U);
 }
 
-TEST(ParseSeeds, RefusesAnythingElse) {
+TEST(ParseSeeds, RefusesOtherText) {
   for (const char* text : {"", ",", "1,", "1,,2", "a", "1-", "-3", "3-1", "1-2-3", "1.5", " 1",
                            "1-100001", "0-18446744073709551615", "2,1-3", "18446744073709551616"}) {
     EXPECT_THROW(parse_seeds(text), StartupError) << text;

@@ -102,7 +102,7 @@ TEST(ParseProblem, CostUsesTheFullAngle) {
   EXPECT_LT(cost_at(188.0), unseen - 1.0);
 }
 
-TEST(ParseProblem, SeesAllRoundOnlyWithFullTurn) {
+TEST(ParseProblem, HasAFullViewOnlyForAFieldOfViewOfAFullTurn) {
   json document = file("tracking.json");
   const auto sees_behind = [&] {
     return models::in_view(parse(document).problem.sensors[0], {{0, 0, 0}, 0.0},

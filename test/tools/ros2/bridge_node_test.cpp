@@ -83,7 +83,7 @@ class BridgeNodeTest : public testing::Test {
   std::unique_ptr<BridgeNode> node_;
 };
 
-TEST_F(BridgeNodeTest, WritesEachChannelOnItsTopics) {
+TEST_F(BridgeNodeTest, WritesEachChannelToItsTopics) {
   open();
   publish(bus::kVicon, frame());
   models::RobotBelief belief;

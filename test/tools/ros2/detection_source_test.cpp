@@ -43,7 +43,7 @@ class DetectionSourceTest : public testing::Test {
 };
 
 // Both frames of a message give the same measurement: that of the sensor's law.
-TEST_F(DetectionSourceTest, MeasuresByTheLawOfTheSensor) {
+TEST_F(DetectionSourceTest, GivesTheMeasurementOfTheSensorModel) {
   const models::Viewpoint viewpoint{{0.1, 1.0, kPi / 2}, 2.0};  // between both frames
   const Eigen::Vector3d target_m(1.0, 3.0, 0.0);
   const Eigen::Vector3d in_body = inverse(lift(viewpoint.world_from_body, 2.0)) * target_m;
@@ -81,7 +81,7 @@ TEST_F(DetectionSourceTest, ConvertsTheStatedCovariance) {
   EXPECT_NEAR(V(0, 1), 0.0, 1e-9);
 }
 
-TEST_F(DetectionSourceTest, CountsWhatItCannotUse) {
+TEST_F(DetectionSourceTest, CountsUnusableMessages) {
   source_.on_frame(frame_at(kTime, 0.0));
   const auto made = seen(test::detections_message(
       kTime + kHalfFrame, "world",

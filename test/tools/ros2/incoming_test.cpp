@@ -64,7 +64,7 @@ TEST(ReadPoses, RefusesImpossiblePoses) {
   }
 }
 
-TEST(ReadDetections, TakesTheHypothesisWithTheHighestScore) {
+TEST(ReadDetections, UsesTheHypothesisWithTheHighestScore) {
   const std::string message = test::detections_message(
       kTime, "Q1", {{"4", "rover", {1.0, 2.0, 0.5}, 0.04}, {"", "R2", {3.0, 4.0, 0.0}, 0.0}});
   const auto seen = read_detections(test::bytes_of(message));

@@ -37,7 +37,7 @@ constexpr KnownHash kKnown[] = {
      "RIHS01_793f5eab9595ac1c0da07873cc859db42eae51f0ee76056db8562515d830e018"},
 };
 
-TEST(Ros2Names, HaveTheTypeHashesThatRosPrints) {
+TEST(Ros2Names, HaveTheTypeHashesOfRos2) {
   for (const KnownHash& each : kKnown) {
     EXPECT_EQ(type_hash(each.type), each.hash) << each.type;
   }
@@ -45,7 +45,7 @@ TEST(Ros2Names, HaveTheTypeHashesThatRosPrints) {
             "typehash=" + type_hash("nav_msgs/msg/Path") + ";");
 }
 
-TEST(Ros2Names, AreThoseOfDds) {
+TEST(Ros2Names, EqualTheNamesThatDdsUses) {
   EXPECT_EQ(dds_topic("/Q1/plan"), "rt/Q1/plan");
   EXPECT_EQ(dds_type("tf2_msgs/msg/TFMessage"), "tf2_msgs::msg::dds_::TFMessage_");
 }

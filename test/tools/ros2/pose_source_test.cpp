@@ -57,7 +57,7 @@ TEST_F(PoseSourceTest, RefusesStaleEarlyAndForeignPoses) {
   EXPECT_EQ(source_.counts().unreadable, 1);
 }
 
-TEST_F(PoseSourceTest, TakesOnlyChildrenOfTheWorldFromTransforms) {
+TEST_F(PoseSourceTest, UsesOnlyTransformsFromTheWorldFrame) {
   const Ros2PoseInput input{"/mocap/tf", Ros2PoseType::kTransforms, ""};
   source_.on_message(
       input, test::bytes_of(test::transform_message(now_, "world", {{"Q1", at(1.0)}})), moment());

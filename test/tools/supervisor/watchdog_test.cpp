@@ -42,7 +42,7 @@ TEST(Watchdog, WaitsForTheFirstHeartbeatWithoutLimit) {
 }
 
 // A restarted planner that hangs before its first heartbeat must also be detected.
-TEST(Watchdog, GivesRestartedProcessTimeForFirstSign) {
+TEST(Watchdog, LimitsTheTimeToTheFirstHeartbeatAfterARestart) {
   Watchdog dog;
   dog.watch("a", 1.0);
   for (const double begin_s : {100.0, 200.0}) {  // the second round must give the same result
@@ -75,7 +75,7 @@ TEST(Watchdog, ARestartResetsTheTime) {
   EXPECT_EQ(overdue_between(dog, 0.5, 10.0), Names{});
 }
 
-TEST(Watchdog, IgnoresSignsOfUnknownProcesses) {
+TEST(Watchdog, IgnoresHeartbeatsOfUnknownProcesses) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.on_sign("x", at(0.0));

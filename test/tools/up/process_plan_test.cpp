@@ -68,7 +68,7 @@ TEST(ProcessPlan, StartsNoProcessThatTheUserReplaces) {
 }
 
 // Poses from ROS 2 replace the mocap driver, and the trial ends without them.
-TEST(ProcessPlan, StartsTheConnectionToRos2) {
+TEST(ProcessPlan, StartsTheRos2Bridge) {
   scenario::Scenario scenario = two_robots();
   scenario.mocap.device = scenario::DeviceSource::kReal;
   for (const bool has_poses : {false, true}) {

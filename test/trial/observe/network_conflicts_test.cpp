@@ -43,7 +43,7 @@ TEST(ConflictsWithUp, AreNotTheOtherHostsOfTheTrial) {
   EXPECT_EQ(conflicts_with_up(scenario, "", Channels{"HOST_AIR"}).size(), 1U) << "with --all-hosts";
 }
 
-TEST(ConflictsWithUp, AreVehiclesThatItWouldFlyItself) {
+TEST(ConflictsWithUp, AreVehiclesThatTheTrialWouldFly) {
   scenario::Scenario scenario = lab_of_two_hosts();
   for (scenario::RobotSpec& robot : scenario.robots) {
     robot.device = scenario::DeviceSource::kReal;

@@ -121,7 +121,7 @@ TEST_F(Observer, IgnoresRobotsOutsideTheScenario) {
 }
 
 // A body whose number is not a target of the scenario is drawn without an estimate.
-TEST_F(Observer, IgnoresBodiesThatAreNoTargets) {
+TEST_F(Observer, IgnoresBodiesThatAreNotTargets) {
   const int targets = static_cast<int>(scenario_.targets.size());
   for (const int id : {0, targets - 1, targets, targets + 100}) {
     say(bus::kTruth, truth_of("B" + std::to_string(id), id, 0.1 * id, 0.0));

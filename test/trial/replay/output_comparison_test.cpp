@@ -169,7 +169,7 @@ TEST(OutputComparison, ReportsLongerListsAndBitDifferences) {
   EXPECT_EQ(bits.first_difference()->members_different, 0);
 }
 
-TEST(OutputComparison, ComparesTheNewestOfANumberAndCountsAll) {
+TEST(OutputComparison, ComparesTheNewestOutputOfEachNumber) {
   OutputComparison comparison;
   vantage_lcm::plan_t plan = plan_of(1);
   comparison.add_logged(encoded(plan));

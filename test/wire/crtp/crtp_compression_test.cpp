@@ -10,7 +10,7 @@
 namespace vantage::wire::crtp {
 namespace {
 
-TEST(CrtpCompression, MatchesAnotherClient) {
+TEST(CrtpCompression, MatchesTheBytesOfAnotherClient) {
   const double half = std::sqrt(0.5);
   EXPECT_EQ(compress(Quaternion(0.9, 0.1, -0.2, 0.3)), 0xc4aa50deU);
   EXPECT_EQ(compress(Quaternion(1.0, 0.0, 0.0, 0.0)), 0xc0000000U);
@@ -28,19 +28,19 @@ TEST(CrtpCompression, KeepsRotationsWithinAThirdOfADegree) {
   }
 }
 
-TEST(CrtpCompression, AnyBitsGiveAUnitQuaternion) {
+TEST(CrtpCompression, AnyInputGivesAUnitQuaternion) {
   std::mt19937 random(4);
   for (int i = 0; i < 20'000; ++i) {
     ASSERT_NEAR(decompress(static_cast<std::uint32_t>(random())).norm(), 1.0, 1e-12);
   }
 }
 
-TEST(CrtpCompression, RefusesNoRotation) {
+TEST(CrtpCompression, RefusesZeroAndNonFiniteQuaternions) {
   EXPECT_FALSE(compress(Quaternion(0.0, 0.0, 0.0, 0.0)));
   EXPECT_FALSE(compress(Quaternion(std::nan(""), 0.0, 0.0, 0.0)));
 }
 
-TEST(CrtpCompression, AllHalvesRoundTrip) {
+TEST(CrtpCompression, AllHalfPrecisionNumbersRoundTrip) {
   for (std::uint32_t bits = 0; bits <= 0xFFFFU; ++bits) {
     const float value = from_half(static_cast<std::uint16_t>(bits));
     if (!std::isnan(value)) {
@@ -51,7 +51,7 @@ TEST(CrtpCompression, AllHalvesRoundTrip) {
   }
 }
 
-TEST(CrtpCompression, RoundsToTheNearestHalf) {
+TEST(CrtpCompression, RoundsToTheNearestHalfPrecisionNumber) {
   EXPECT_EQ(from_half(0x3C00), 1.0F);
   EXPECT_EQ(from_half(0x0001), std::ldexp(1.0F, -24));
   EXPECT_EQ(from_half(0x7BFF), 65504.0F);

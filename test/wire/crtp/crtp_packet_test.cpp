@@ -172,7 +172,7 @@ TEST(CrtpPacket, EncodersRefuseImpossibleNumbers) {
   }
 }
 
-TEST(CrtpPacket, FullStateEndsAt32Metres) {
+TEST(CrtpPacket, FullStateCoversAtMost32Metres) {
   FullStateSetpoint out;
   out.position_world_m.x() = 32.767;
   EXPECT_TRUE(encode(out));
@@ -182,7 +182,7 @@ TEST(CrtpPacket, FullStateEndsAt32Metres) {
   EXPECT_FALSE(encode(out));
 }
 
-TEST(CrtpPacket, PackedPosesHoldOneOrTwo) {
+TEST(CrtpPacket, PackedPosesContainOneOrTwoPoses) {
   const std::vector<PackedPose> poses(3);
   const std::span<const PackedPose> all(poses);
   EXPECT_FALSE(encode(all.first(0)));

@@ -72,7 +72,7 @@ TEST(CrtpTables, RefusesValuesOutsideTheType) {
   EXPECT_TRUE(parameter_write(1, ValueType::kI16, -32768.0));
 }
 
-TEST(CrtpTables, LogBlockHolds26Bytes) {
+TEST(CrtpTables, LogBlockContainsAtMost26Bytes) {
   std::vector<LogVariable> variables(13, {1, ValueType::kF16});
   EXPECT_FALSE(log_create(1, variables)) << "13 variables need 41 bytes of request";
   variables.assign(6, {1, ValueType::kF32});

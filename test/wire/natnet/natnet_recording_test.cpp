@@ -63,7 +63,7 @@ std::vector<std::vector<std::uint8_t>> datagrams_of(const std::vector<std::uint8
   return out;
 }
 
-TEST(NatNetRecording, EveryRecordedFrameIsRead) {
+TEST(NatNetRecording, ContainsOnlyReadableFrames) {
   if (recording().empty()) {
     GTEST_SKIP() << "VANTAGE_NATNET_RECORDING is not set";
   }

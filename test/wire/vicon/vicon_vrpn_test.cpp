@@ -328,7 +328,7 @@ TEST(IdentifyDatagram, DistinguishesTheStreams) {
 }
 
 // The name of each server type contains a distinct word.
-TEST(Speakers, HaveDistinctNames) {
+TEST(ServerTypes, HaveDistinctNames) {
   const std::vector<std::pair<ServerType, std::string>> words{
       {ServerType::kUnknown, "unknown"},
       {ServerType::kTooFewBytes, "sends too few bytes"},

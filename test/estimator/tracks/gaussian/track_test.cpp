@@ -430,7 +430,7 @@ TEST(Discover, UsesThePriorInUnobservedDirections) {
   EXPECT_NEAR(g.covariance(0, 0), across / mass, 0.02 * across / mass);
 }
 
-TEST(Discover, HasTheMomentsOfTheFirstMeasurementsPosterior) {
+TEST(Discover, HasTheMomentsOfThePosteriorAfterOneMeasurement) {
   scenario::EstimatorSpec spec;
   spec.target_model = {TargetKind::kRandomWalk, 2, 0.1};
   models::SensorModel sensor;

@@ -110,7 +110,7 @@ TEST(MeasureVelocity, IsNearThePosteriorOfSamplesForAWideBelief) {
   EXPECT_LT(worst_mean_sigma, 0.4);
 }
 
-TEST(MeasureVelocity, RejectsWhatIsBeyondTheGate) {
+TEST(MeasureVelocity, RejectsMeasurementsBeyondTheGate) {
   std::mt19937_64 rng(3);
   const SensorModel sensor = range_rate();
   const Gaussian prior = belief_at(3.0, 2.0, 0.02, 0.05);

@@ -21,7 +21,7 @@ Mixture random_mixture(test::Random& random, int count) {
   return mixture;
 }
 
-TEST(Moments, EqualThoseOfTheMixture) {
+TEST(Moments, EqualTheMomentsOfTheMixture) {
   test::Random random(1);
   const Mixture mixture = random_mixture(random, 5);
   double weight = 0.0;

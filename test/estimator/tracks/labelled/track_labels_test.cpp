@@ -246,7 +246,7 @@ TEST(Reconcile, ReplacesTheLeastLikelyUnconfirmedTrack) {
 }
 
 // A track with the same label on both robots is not compared with other tracks of the teammate.
-TEST(Reconcile, MergesNothingWithASharedTrack) {
+TEST(Reconcile, DoesNotMergeWithASharedTrack) {
   std::vector<LabelledTrack> tracks = {own(kOld, at_m(0, 0, 0.2)), LabelledTrack{}};
   std::vector<ReceivedLabel> received = {theirs(kOld, at_m(0.2, 0, 0.2)),
                                          theirs(kYoung, at_m(0.1, 0, 0.2))};
@@ -304,7 +304,7 @@ TEST(SentTracks, AreConfirmedAndOrderedByLabel) {
   EXPECT_EQ(mixtures[1].components[1].belief.mean(0), 3.4);
 }
 
-TEST(SetTold, ReplacesAllTracksAndSkipsInvalidOnes) {
+TEST(SetTracks, ReplacesAllTracksAndSkipsInvalidOnes) {
   const auto belief = [](int label, const models::Gaussian& of, int seen) {
     return models::TargetBelief{label, models::to_information(of).value(), instant(seen)};
   };

@@ -84,7 +84,7 @@ TEST(Samples, HaveTheGivenMoments) {
   EXPECT_TRUE(is_near(made.covariance, belief.covariance, 1e-12));
 }
 
-TEST(Samples, IsEmptyForInvalidCovariance) {
+TEST(Samples, AreEmptyForAnInvalidCovariance) {
   Gaussian belief = moving({3.0, -4.0}, {0.2, -0.1}, 1.5, 0.4);
   belief.covariance(0, 0) = -1.0;
   EXPECT_TRUE(samples_of(belief).empty());
