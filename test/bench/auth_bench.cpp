@@ -47,7 +47,7 @@ void Verify(benchmark::State& state, Role role) {
   const bus::auth::Budget any(1e9, 1e9);
   bus::auth::SignatureBudgets budgets({any, any}, {any, any}, {any, any});
   for (auto _ : state) {
-    bus::auth::ReplayGuard replays;  // otherwise all but the first would be refused as replayed
+    bus::auth::ReplayGuard replays;  // new in each iteration: an old one would refuse a replay
     const auto verdict =
         bus::auth::verify(keyring, channel_of(role), message,
                           {scenario::TrialMode::kLive, kStart, true, false}, replays, budgets);
@@ -74,9 +74,9 @@ void RefuseForged(benchmark::State& state) {
   }
 }
 
-/// Measures one second of one vehicle's driver in a lab with three vehicles and five targets. The
-/// driver receives or sends 100 frames of eight bodies, 5 heartbeats, 30 statuses (10 of its own)
-/// and one plan. range(0): 1 if messages are signed and verified, else 0.
+/// Measures one second of work of a vehicle's driver in a lab with three vehicles and five targets.
+/// The driver receives or sends 100 frames of eight bodies, 5 heartbeats, 30 statuses (10 of its
+/// own) and one plan. range(0): 1 if messages are signed and verified, else 0.
 void SecondOfADriver(benchmark::State& state) {
   bus::InProcessHub hub;
   bus::VirtualClock clock(kStart);

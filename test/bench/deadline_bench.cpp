@@ -33,14 +33,15 @@ namespace {
 struct Arguments {
   std::vector<double> budgets_ms = {1.0, 5.0, 20.0, 100.0, 500.0};
   std::string algorithm = "beam";
-  std::size_t short_runs = 10'000;  // budgets up to 20 ms
+  std::size_t short_runs = 10'000;  // number of runs for budgets up to 20 ms
   std::size_t long_runs = 1'000;
   std::size_t memory_mb = 600;
   bool uses_timer = false;
   RealTime real_time;
 };
 
-constexpr std::int64_t kPreempted_ns = 5'000;  // ns, wall minus CPU time; above: preempted
+// Least excess of wall time over CPU time of a preempted plan.
+constexpr std::int64_t kPreempted_ns = 5'000;
 
 std::atomic<std::int64_t> cpu_at_deadline_ns{0};
 
@@ -109,7 +110,7 @@ struct Lateness {
   std::size_t missing = 0;
   std::size_t early = 0;
   std::size_t preempted = 0;
-  Spread cpu;  ///< of the plans that were not preempted
+  Spread cpu;  ///< CPU time, of plans that were not preempted
   Spread wall;
 };
 

@@ -113,7 +113,7 @@ void compare_resilience(const planner::TeamOracle& oracle, InformationMeasure me
 }  // namespace vantage
 
 int main(int argc, char** argv) {
-  using namespace vantage;  // NOLINT(google-build-using-namespace): a main of its own
+  using namespace vantage;  // NOLINT(google-build-using-namespace): a program
   std::uint64_t instances = 600;
   std::string out = ".";
   CLI::App app("Observed approximation ratios of team decisions: decision_ratios.csv");

@@ -47,7 +47,7 @@ Joint joint_of(const planner::SearchProblem& problem) {
   return joint;
 }
 
-// Updates `covariance` with the measurements that are taken at `at` of targets at `mean`.
+// Updates `covariance` with measurements from the pose `at` of targets at `mean`.
 void look(const planner::SearchProblem& problem, const Joint& joint, const Eigen::VectorXd& mean,
           const Pose2& at, Eigen::MatrixXd& covariance) {
   const models::Viewpoint from{at, problem.height_m};

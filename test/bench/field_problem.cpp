@@ -7,7 +7,8 @@
 namespace vantage::bench {
 
 planner::SearchProblem field_problem(int targets, int horizon_steps, std::uint64_t seed) {
-  const double half_m = 32.0 * std::sqrt(std::max(1.0, targets / 25.0));  // at most as dense as 25
+  // More than 25 targets have the density of 25 targets.
+  const double half_m = 32.0 * std::sqrt(std::max(1.0, targets / 25.0));
   std::mt19937_64 rng(seed);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * std::generate_canonical<double, 53>(rng);

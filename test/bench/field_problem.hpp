@@ -6,10 +6,11 @@
 
 namespace vantage::bench {
 
-/// Returns one problem of the field family: 64 × 64 m without obstacles (with more than 25 targets
-/// a larger map of the same density), the robot at the origin, the ten standard primitives,
-/// `targets` double integrators (q 0.001, prior 1, 1, 0.1, 0.1) anywhere in the map at about 0.5
-/// m/s, range and bearing to 10 m within 94°, σ 0.15 m and 5°.
+/// Returns one problem of the field family. The map is 64 × 64 m without obstacles; with more than
+/// 25 targets it is larger, at the same density. The robot starts at the origin and has the ten
+/// standard primitives. The `targets` double integrators (q 0.001, prior 1, 1, 0.1, 0.1) are
+/// anywhere in the map and move at about 0.5 m/s. The sensor measures range and bearing to 10 m
+/// within 94°, σ 0.15 m and 5°.
 planner::SearchProblem field_problem(int targets, int horizon_steps, std::uint64_t seed);
 
 /// Returns a field problem with `obstacles` boxes with sides of 0.5–3 m within 20 m of the start

@@ -29,7 +29,7 @@ class FilterRun {
 
   /// Moves the targets and the robots, and makes the messages of the next step.
   void prepare_step();
-  /// Takes the prepared step.
+  /// Runs the filter for the prepared step.
   void step();
   [[nodiscard]] const estimator::DistributedFilter& filter() const { return filter_; }
 

@@ -50,7 +50,7 @@ BENCHMARK(csqmi_linear)->Arg(8)->Arg(15)->Arg(100)->Arg(1000);
 BENCHMARK(csqmi_all_pairs)->Arg(8)->Arg(15)->Arg(100)->Arg(1000);
 BENCHMARK(fsmi_linear)->Arg(8)->Arg(15)->Arg(100)->Arg(1000);
 
-// Ray tracing, information and removal of dependent beams together, on an unknown map.
+// Measures ray tracing, information and the removal of dependent beams together, on an unknown map.
 void views(benchmark::State& state) {
   const models::GridGeometry grid{{0.0, 0.0}, 0.1, 100, 100};
   const models::OccupancyBelief belief(grid, 4.0);

@@ -63,7 +63,7 @@ void study(const Arguments& arguments) {
   verify_best_costs(best, problems);
   std::vector<StudyRun> runs;
   for (const std::string& name : arguments.methods) {
-    // One object for all problems: at most 25 targets.
+    // All problems use one search object, with capacity for 25 targets.
     planner::SearchCapacity capacity =
         planner::capacity_for(planner::algorithm_called(name), hundred_problems().back().problem,
                               arguments.memory_mb << 20, planner::nodes_within(5.0));

@@ -37,7 +37,8 @@ StudyMethod make_method(const std::string& name, const planner::BeamOptions& bea
 StudyRun run_within(const tools::PlanningProblem& drawn, const StudyMethod& method, double budget_s,
                     double& nodes_per_s) {
   constexpr int kTriesMax = 5;
-  constexpr double kTwoRunsAbove_s = 1.0;  // s; longer budgets: two runs, the first for the rate
+  // A longer budget gets two runs; the first measures the rate.
+  constexpr double kTwoRunsAbove_s = 1.0;
   constexpr double kMost = 1.02;
   constexpr double kEnough = 0.93;
   StudyRun best;

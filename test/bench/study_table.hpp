@@ -16,13 +16,13 @@ struct StudyRow {
   double budget_s = 0.0;
   std::size_t problems = 0;
   std::size_t without_plan = 0;
-  std::size_t within_a_hundredth = 0;  ///< excess ≤ 0.01
+  std::size_t within_a_hundredth = 0;  ///< number of problems with an excess ≤ 0.01
   double mean_excess = 0.0;            ///< cost minus the best known, mean over runs with a plan
   double p90_excess = 0.0;
   double max_excess = 0.0;
   double mean_cost = 0.0;
   double mean_gap = 0.0;    ///< cost minus lower bound
-  double median_gap = 0.0;  ///< the same as a share of the cost
+  double median_gap = 0.0;  ///< gap relative to the cost
   double mean_cpu_s = 0.0;
 };
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""team_bound.py P_M9_s0.json … [--teams 10] [--nodes 100000] [--work 4e6]: compares the decision of a team of
-searches (`rain`, with and without attacks) with an upper bound for any paths of the team; median over teams
-whose starts are drawn by seed."""
+"""team_bound.py P_M9_s0.json … [--teams 10] [--nodes 100000] [--work 4e6]: compares the decision of a
+team of searches (`rain`, with and without attacks) with an upper bound over all paths of the team. The
+result is the median over teams with random starts."""
 import argparse
 import json
 import math

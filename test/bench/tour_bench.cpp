@@ -4,7 +4,7 @@
 
 #include "planner/tour/tour_planner.hpp"
 
-// Decision time of a tour: problems with the given number of targets in a field of 200 × 200 m.
+// Measures the decision time of a tour in a field of 200 × 200 m with the given number of targets.
 // Arguments: targets, robots.
 
 namespace vantage::planner {

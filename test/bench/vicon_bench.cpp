@@ -93,7 +93,7 @@ int main(int argc, char** argv) {
   std::size_t incomplete = 0;
   std::size_t received = 0;
   const auto warm = static_cast<std::size_t>(kWarmUp_s * load.settings.rate_hz);
-  std::size_t next = 0;  // number of the next frame; VRPN sends none
+  std::size_t next = 0;  // number of the next frame; VRPN frames have no number
   drivers::vicon::ViconDriver driver(spec, [&](const models::MocapFrame& frame) {
     const std::size_t k = spec.protocol == scenario::MocapProtocol::kVrpn
                               ? next++
