@@ -118,8 +118,8 @@ TEST(SignatureBudgets, UnknownSendersOfAllHostsShareOneBudget) {
   EXPECT_EQ(stops, 5);
 }
 
-// Compared with a complete set of received counters: the guard stores the newest 64 counters. It
-// refuses every counter up to the newest one that it no longer stores.
+// Compares the guard with a set of all received counters. The guard stores the newest 64 counters.
+// Once it has dropped a counter, it refuses this and all lower counters.
 TEST(ReplayGuard, EqualsAReferenceThatStoresAllNumbers) {
   std::mt19937_64 rng(9);
   for (int trial = 0; trial < 30; ++trial) {

@@ -285,7 +285,7 @@ TEST_F(SecuredBus, RotatesKeysWhileRunning) {
   EXPECT_EQ(listener.frames.size(), 2U) << "one of the old key, one of the new (0 was heard)";
 }
 
-// COMMAND
+// ---- Messages on COMMAND ----
 
 TEST_F(SecuredBus, CommandReachesTheVehicleWhoseNonceWasReceived) {
   tell_status(vehicle_.bus);

@@ -368,7 +368,7 @@ constexpr std::uint64_t kStation = (std::uint64_t{0x0a000001} << 16U) | 40'000U;
 constexpr std::uint64_t kAttacker = (std::uint64_t{0x0a000002} << 16U) | 40'000U;
 
 /// Result of one second of forged commands: the number of accepted operator commands and the number
-/// of signature checks of forged ones. The receiver has, or has not, received the operator before.
+/// of signature checks of forged ones. `was_heard`: the receiver has verified the operator before.
 struct Flooded {
   int heard = 0;
   int verified = 0;

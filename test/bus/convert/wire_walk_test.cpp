@@ -49,8 +49,9 @@ template <class Message>
 class Decoding : public ::testing::Test {};
 TYPED_TEST_SUITE(Decoding, test::MessageTypes);
 
-// 3 000 mutations of each of 11 types. The walk must accept exactly what lcm-gen's decoder consumes
-// completely, and from_wire must validate the result; the sanitizers detect errors of either.
+// Decodes 3 000 mutations of each of 11 types. The walk must accept exactly the messages that
+// lcm-gen's decoder consumes completely. from_wire must handle all of them; sanitizers detect
+// errors.
 TYPED_TEST(Decoding, AgreesWithTheGeneratedDecoderOnMutatedMessages) {
   using Wire = WireOf<TypeParam>;
   const WireSchema* schema = find_wire_schema(Wire::getTypeName());

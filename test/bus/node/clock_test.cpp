@@ -22,7 +22,7 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 /// A machine with a monotonic clock and a wall clock that the test can set.
 struct Machine {
   Duration since_boot = hours(5);
-  Duration set{};  ///< by how much its wall clock was set since its start
+  Duration set{};  ///< total change of its wall clock by setting
   SteadyClock clock{[this] { return std::chrono::nanoseconds(since_boot).count(); },
                     [this] { return kStart + since_boot - hours(5) + set; }};
   void pass(Duration duration) { since_boot += duration; }

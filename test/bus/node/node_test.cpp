@@ -182,8 +182,8 @@ TEST_F(RunNode, WaitsForADeviceUntilTheNextTickOnly) {
   EXPECT_FALSE(node.has_spoken());
 }
 
-// The loop must also not wait less than until the next tick: otherwise the node would poll
-// thousands of times per second.
+// The loop must wait until the next tick: otherwise the node would poll thousands of times per
+// second.
 TEST_F(RunNode, TicksOnTimeWithASilentDevice) {
   TickerWithADevice node(start_ + milliseconds(20), milliseconds(20));
   node.start();
@@ -313,8 +313,8 @@ TEST_F(Health, IsPublishedAtOnceAndDegradedAfterADrop) {
   EXPECT_EQ(loop(milliseconds(2'500)), 5U) << "nothing is wrong with resting";
 }
 
-// Health is published at most ten times per second, to the microsecond, and one second after the
-// last report of a full second.
+// Health is published at most ten times per second, to the microsecond. The periodic report follows
+// one second after the last periodic report.
 TEST_F(Health, IsPublishedAtMostTenTimesPerSecond) {
   HealthReporter reporter(bus_, node_);
   const auto reports = [&](Duration at) {

@@ -87,7 +87,7 @@ TEST(ReplayQueue, MeasuresWaitsFromTheArrival) {
   for (int i = 0; i < 15; ++i) {
     player.queue.tick();
   }
-  player.work();  // 1 is reproduced, and nothing waits
+  player.work();  // reproduces 1; then the queue is empty
   player.queue.add(7);
   for (int i = 0; i < 19; ++i) {
     player.queue.tick();

@@ -245,8 +245,8 @@ TEST(StreamMonitor, AcceptsALargeGapAfterTenConsecutiveMessages) {
   refuse(50'000, 9);
   EXPECT_EQ(monitor.judge(stamp(1)), Arrival::kFresh);
   refuse(50'009, 9);  // an accepted message in between restarts the count
-  refuse(50'017, 9);  // a repeated number restarts it too
-  refuse(60'026, 9);  // and so does a step that is one too long
+  refuse(50'017, 9);  // a repeated number also restarts the count
+  refuse(60'026, 9);  // a step that is one too long also restarts the count
   refuse(40'000, 9);
   EXPECT_EQ(monitor.judge(stamp(40'008 + StreamMonitor::kStepMax)), Arrival::kFresh)
       << "the tenth, just near enough";
@@ -376,7 +376,8 @@ TEST(SharedStreamMonitor, DropsTheLongestSilentOf33Runs) {
   EXPECT_EQ(counts.runs, 35);
 }
 
-// Compared with a set of all received numbers; gaps are small enough for the monitor to store them.
+// Compares the monitor with a set of all received numbers. Gaps are small enough for the monitor to
+// store them.
 TEST(StreamMonitor, EqualsAReferenceOnShuffledStreams) {
   std::mt19937_64 rng(7);
   for (int trial = 0; trial < 50; ++trial) {

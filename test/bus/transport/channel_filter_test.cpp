@@ -75,8 +75,8 @@ std::vector<std::string> texts(std::size_t length_max) {
   return out;
 }
 
-// Brute force: all pairs of patterns of up to five letters, exact and as prefix, with all channels
-// of up to six letters, without payload and with a payload that continues the name.
+// Tests all pairs of patterns of up to five letters, exact and as prefix, by brute force. The
+// channels have up to six letters; the payload is empty or continues the name.
 TEST(ChannelFilter, PassesExactlyTheMatchingChannels) {
   const std::vector<std::string> channels = texts(6);
   std::vector<std::string> patterns;

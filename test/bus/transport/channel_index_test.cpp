@@ -37,7 +37,8 @@ TEST(ChannelIndex, EqualsALinearSearch) {
   }
 }
 
-// Compared with a plain list of subscriptions while names and patterns are added and removed.
+// Compares the index with a plain list of subscriptions while names and patterns are added and
+// removed.
 TEST(ChannelIndex, EqualsALinearSearchWhileEntriesChange) {
   std::mt19937_64 rng(6);
   const std::vector<std::string> patterns = {"A", "AB", "A*", "*", "PLAN_Q1", "PLAN_*"};

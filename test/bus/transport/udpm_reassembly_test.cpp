@@ -273,8 +273,8 @@ TEST(Reassembler, LimitsEachSenderToItsShare) {
 }
 
 // Up to 16 incomplete messages are stored. When another arrives, the two that grew last are kept.
-// Of the other 14, the one with the fewest bytes is dropped; of equal ones, the oldest. Compared
-// with a plain list.
+// Of the other 14, the one with the fewest bytes is dropped; of equal ones, the oldest. The result
+// is compared with a plain list.
 TEST(Reassembler, DropsTheLeastCompleteMessageExceptTheNewestEighth) {
   struct Held {
     std::uint32_t sequence;
