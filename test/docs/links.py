@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""links.py FOLDER | links.py --install CMAKE BUILD_DIR: every relative link of the pages (*.md) below
-FOLDER leads to a file or folder in it, and to a heading if it names one; --install checks the installed
-documentation in the same way.
+"""links.py FOLDER | links.py --install CMAKE BUILD_DIR: checks that every relative link of the pages
+(*.md) below FOLDER leads to a file or folder in FOLDER, and to a heading if the link names one.
+--install checks the installed documentation in the same way.
 """
 import pathlib
 import re

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""run_commands.py PROGRAMS SOURCE_DIR: the commands that README.md and docs/*.md show work after
+"""run_commands.py PROGRAMS SOURCE_DIR: checks that the commands in README.md and docs/*.md work after
 tools/demo. PROGRAMS lists the files that the target built by that script leaves, one per line; no other
 programs are available.
 
@@ -90,7 +90,7 @@ def run_block(text, folder, environment):
 
 
 def run_for(line, span_s, folder, environment, source):
-    """Runs a command until it is told to end; returns the complaints."""
+    """Runs a command until it is signalled to end; returns the problems found."""
     network = source / "test/integration/in_network.sh"
     with subprocess.Popen([network, "sh", "-c", "exec " + line], cwd=folder, env=environment,
                           text=True, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
