@@ -1,4 +1,4 @@
-// The dangerous properties of the firmware, which the emulated vehicle has: the driver must not
+// Dangerous reactions of the firmware, which the emulated vehicle reproduces. The driver must not
 // cause any of them.
 
 #include <cmath>

@@ -209,7 +209,7 @@ TEST_F(CrazyflieRadio, PortReportsLossAndLatency) {
   port->write(packet, now);
   std::array<std::uint8_t, 64> buffer{};
   bool is_reported = false;
-  // Bounded by the number of reads; the port's thread answers within milliseconds.
+  // The number of reads is bounded; the port's thread answers within milliseconds.
   for (int i = 0; i < 10'000'000 && !is_reported; ++i) {
     static_cast<void>(port->read(buffer, now));
     const auto counts = port->counters();

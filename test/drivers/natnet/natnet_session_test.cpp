@@ -82,7 +82,8 @@ TEST(NatNetSession, UsesNewNamesFromTheFirstFrameAfterAChange) {
   EXPECT_EQ(bench.frames.back().find("BODY0"), nullptr) << "it no longer exists";
 }
 
-// The capture time is that of the exposure by the server's clock, whatever the clocks' zeros are.
+// The capture time is the time of exposure by the server's clock, for any offset between the
+// clocks.
 TEST(NatNetSession, StampsFramesAtTheExposure) {
   for (const Duration offset : {Duration{1'000'000}, Duration{std::chrono::hours(24 * 365)}}) {
     NatNetBench bench;

@@ -22,7 +22,7 @@ struct Server {
   }
 };
 
-/// Asks at `own_s`; the request takes `up_s`, the answer `down_s`.
+/// Sends a request at `own_s`, which takes `up_s`; its answer takes `down_s`.
 void ask(TickClock& clock, const Server& server, double own_s, double up_s, double down_s) {
   clock.on_echo(from_seconds(own_s), from_seconds(own_s + up_s + down_s),
                 server.ticks_at(own_s + up_s));
@@ -62,8 +62,8 @@ TEST(TickClock, IsWithinHalfOfAShortRoundTrip) {
   }
 }
 
-// All answers wait for 2 s in the queue of the frames. A frame must not appear newer than it is by
-// more than the request's share.
+// All answers wait for 2 s in the same queue as the frames. A frame must not appear newer than it
+// is by more than the travel time of a request.
 TEST(TickClock, ShowsTheDelayOfAConstantQueue) {
   TickClock clock;
   clock.restart(kTicksPerSecond);

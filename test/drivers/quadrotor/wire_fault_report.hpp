@@ -9,7 +9,7 @@
 namespace vantage::test {
 
 /// Returns the faults of the catalogue that device bytes can carry, with the reason, counter, final
-/// state and limits that hold on the wire for an autopilot of `dialect`.
+/// state and limits that apply on the wire for an autopilot of `dialect`.
 ///
 /// Limits are 0.1 s longer than in the catalogue, since a report of the autopilot is up to 0.1 s
 /// older than a tick. For messages at 1 Hz they are 1.1 s longer.

@@ -56,7 +56,7 @@ TEST(QtmSession, UsesNewNamesFromTheFirstFrameAfterAnEvent) {
   EXPECT_EQ(bench.driver.frame_counts().poses_outlying, 0);
 }
 
-// The stamps of QTM begin at zero. A frame that waited in a queue is older by its wait.
+// The stamps of QTM begin at zero. A frame that waited in a queue is older by the waiting time.
 TEST(QtmSession, AddsTheTimeInAQueueToTheAge) {
   QtmBench bench;
   bench.run(300, 2);

@@ -21,8 +21,8 @@ constexpr double kLiftM = 0.2;
 double asked_m(const OneVehicle& one) { return one.out.setpoint.position_world_m.z(); }
 
 // The vehicle climbs at 0.5 m/s to 0.2 m, where its identity is verified, and then to 1 m.
-// Set-points lead by 0.1 s. Plans are refused until the vehicle is within 0.15 m of 1 m. All this
-// also holds in a second flight.
+// Set-points lead by 0.1 s. Plans are refused until the vehicle is within 0.15 m of 1 m. A second
+// flight gives the same result.
 TEST(GuardClimb, ReachesLiftHeightThenFlightHeight) {
   OneVehicle one;
   for (int flight = 0; flight < 2; ++flight) {

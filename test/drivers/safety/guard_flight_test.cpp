@@ -266,8 +266,8 @@ TEST(GuardInTheAir, SendsFiniteSetpointsWithoutElapsedTime) {
   EXPECT_LT(q1.out.setpoint.velocity_world_mps.z(), 0.0);
 }
 
-// The commanded vertical velocity stays within the limits. This holds even if the vehicle is pushed
-// up during a landing, and if the climb and descent limits differ.
+// The commanded vertical velocity stays within the limits. This also applies if the vehicle is
+// pushed up during a landing, and if the climb and descent limits differ.
 TEST(GuardInTheAir, LimitsItsVerticalSpeed) {
   OneVehicle lifted(kHigh);
   hover(lifted);

@@ -13,8 +13,8 @@ namespace {
 using models::FlightState;
 
 // A vehicle is found flying if its motors run without an order of this guard and it is more than
-// 0.15 m above the last position where its motors were off. It must be seen, or have been unseen
-// for long while its autopilot reports the position.
+// 0.15 m above the last position where its motors were off. The vehicle must be visible; if it has
+// been unseen for long, its autopilot must report the position.
 struct Found {
   const char* what;
   void (*set)(OneVehicle&);

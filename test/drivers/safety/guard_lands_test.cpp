@@ -75,8 +75,8 @@ TEST(Landing, StartsAtTheLowerOfPositionAndSetpoint) {
   }
 }
 
-// A vehicle that is pushed up while its landing waits keeps its set-point height. This also holds
-// after an earlier landing without a wait.
+// A vehicle that is pushed up while its landing waits keeps its set-point height. An earlier
+// landing without a wait changes nothing.
 TEST(Landing, WaitsAtTheSetpointHeightAfterAPushUp) {
   OneVehicle one;
   one.begin_landing_at({0.0, 0.0, 1.5});

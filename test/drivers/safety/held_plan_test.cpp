@@ -126,7 +126,7 @@ TEST(PointAt, IsStationaryBeforeStartAndAfterEnd) {
 }
 
 // Treating a slow turn as straight causes an error of at most 2 mm after 60 s at 1 m/s. The exact
-// chord is v t sinc(ω t / 2), in the mean of the first and last heading.
+// chord is v t sinc(ω t / 2), in the direction of the mean heading.
 TEST(PointAt, ComputesSlowTurnsToTwoMillimetres) {
   HeldPlan plan;
   plan.count = 1;

@@ -101,12 +101,12 @@ TEST_F(StepLadder, StaysArmedInALandingWithAnEstimatedHeight) {
   }
 }
 
-// A condition must hold, or be gone, for an uninterrupted time. Each such time is measured
+// A condition must be true, or false, for an uninterrupted time. Each such time is measured
 // separately.
 TEST_F(StepLadder, TimesConditionsSeparately) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
-    for (int burst = 0; burst < 3; ++burst) {  // "tracking" must hold for 0.1 s
+    for (int burst = 0; burst < 3; ++burst) {  // "tracking" must be true for 0.1 s
       d.in.tracking_error_m = d.lim.tracking_hold_m + 0.01;
       EXPECT_EQ(d.wait(0.09), FlightState::kFollow) << "burst " << burst;
       d.in.tracking_error_m = d.lim.tracking_hold_m;
@@ -114,7 +114,7 @@ TEST_F(StepLadder, TimesConditionsSeparately) {
     }
     d.in.tracking_error_m = d.lim.tracking_hold_m + 0.01;
     EXPECT_EQ(d.wait(0.12), FlightState::kHold);
-    for (int burst = 0; burst < 3; ++burst) {  // the condition must be gone for clear_s
+    for (int burst = 0; burst < 3; ++burst) {  // the condition must be false for clear_s
       d.in.tracking_error_m = 0.0;
       EXPECT_EQ(d.wait(0.45), FlightState::kHold) << "gone " << burst;
       d.in.tracking_error_m = d.lim.tracking_hold_m + 0.01;
@@ -190,8 +190,8 @@ TEST_F(StepLadder, ArmsWhenNothingForbidsIt) {
     d.wait(0.04);
     EXPECT_TRUE(d.ladder.wants_armed);
   }
-  // A condition that comes and goes does not hold for arm_wait_s without interruption, so it does
-  // not delete the order.
+  // An intermittent condition is never true for arm_wait_s without interruption, so it does not
+  // delete the order.
   for (int time = 0; time < 4; ++time) {
     d.in.pose_age_s = d.lim.pose_age_hold_s + 0.01;
     d.wait(0.6 * d.lim.arm_wait_s);
@@ -280,8 +280,8 @@ TEST_F(StepLadder, KillsABlindVehicleOnlyNearTheFloorOrOutside) {
   EXPECT_EQ(d.step(), FlightState::kKilled);
 }
 
-// For random inputs around their limits, the state has the severity of the worst condition that
-// held.
+// For random inputs around their limits, the state has the severity of the worst condition that was
+// true.
 TEST_F(StepLadder, IsAsSevereAsItsWorstCondition) {
   test::Random random(11);
   for (int trial = 0; trial < 3000; ++trial) {

@@ -206,9 +206,9 @@ TEST_F(FromTheScenario, KeepsDefaultsOtherwise) {
   EXPECT_EQ(is.reaction_s, 0.20);
 }
 
-// See "When a driver dies in motion" in docs/explanation/safety.md. The budget holds for each
-// vehicle that arms, because arming is refused with a longer time-out
-// (Parameters.LongerThanTheStopWasBudgetedFor...).
+// See "When a driver dies in motion" in docs/explanation/safety.md. The budget covers each vehicle
+// that arms, because a longer time-out forbids arming
+// (Parameters.ForbidArmingWithATimeOutBeyondTheBudget).
 TEST_F(FromTheScenario, BudgetsReactionAndTimeOutPerDialect) {
   using models::AutopilotDialect;
   struct Budget {

@@ -395,8 +395,8 @@ HeldPlan hover(double start_s, double x_m, double y_m) {
   return held(way);
 }
 
-// Every path is checked to its end, to the centimetre, for any start times. This also holds if a
-// teammate has been at rest for a long time.
+// Every path is checked to its end, to the centimetre, for any start times. A teammate may have
+// been at rest for a long time.
 TEST(CheckPath, ChecksEveryPathToItsEnd) {
   SafetyLimits lim = open_limits();
   lim.plan_separation_m = 0.5;

@@ -213,8 +213,8 @@ TEST(CheckPath, FindsThinConflicts) {
 struct Scene {
   HeldPlan plan;
   Time now{};
-  std::array<HeldPlan, 2> plans;        // of the teammates
-  std::vector<Eigen::Vector3d> bodies;  // of bodies without a plan
+  std::array<HeldPlan, 2> plans;        // plans of the teammates
+  std::vector<Eigen::Vector3d> bodies;  // bodies without a plan
   SafetyLimits limits;
 
   [[nodiscard]] PlanVerdict verdict() const {

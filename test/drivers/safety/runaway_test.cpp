@@ -1,5 +1,5 @@
-// A vehicle moves against its commands, also upwards. Its poses must be accepted, and it must be
-// held, landed and stopped.
+// Tests of a vehicle that moves against its commands, also upwards. Its poses must be accepted; the
+// vehicle must hold, then land, then stop its motors.
 
 #include <algorithm>
 #include <cmath>

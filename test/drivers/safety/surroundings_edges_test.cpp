@@ -101,7 +101,7 @@ TEST(ComputeSurroundings, FindsTheLeastSeparationToHalfAMillimetre) {
 }
 
 // On a straight path in a convex room, the least distance to walls and ceiling is at one end of the
-// path. The same holds with an additional wall across the room.
+// path. The same applies with an additional wall across the room.
 TEST(ComputeSurroundings, FindsTheLeastDistanceToWallsAtAnEnd) {
   SafetyLimits limits = limits_in({{-8.0, 3.0}, {4.5, 9.0}});
   limits.fence.ceiling_m = 2.6;

@@ -34,7 +34,7 @@ TEST(ClearSpot, IsClearAndNearOrEmptyWhenAlreadyClear) {
     const auto spot_m = clear_spot(hover_m, {}, limits);
     if (before_m >= limits.hover_clearance_m) {
       EXPECT_FALSE(spot_m.has_value());
-    } else if (before_m > -0.25) {  // m; at most 0.4 m to move, of the 0.6 m that are searched
+    } else if (before_m > -0.25) {  // m; needs a move of 0.4 m at most; the search reaches 0.6 m
       ASSERT_TRUE(spot_m.has_value()) << hover_m.transpose();
       EXPECT_GE(clearance_m(*spot_m, limits), limits.hover_clearance_m + 0.05);
       EXPECT_LE((*spot_m - hover_m).norm(), 0.6 + 1e-9);

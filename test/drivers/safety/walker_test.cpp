@@ -26,7 +26,7 @@ constexpr double kMeetS = 3.0;    // s; from the start of a case until both woul
 /// Behaviour of a person that walks towards the future position of the vehicle.
 enum class Person {
   kWalksOn,
-  kStops,      ///< 1.2 m in front of the vehicle
+  kStops,      ///< stops 1.2 m in front of the vehicle
   kTurnsToUs,  ///< would pass at 1.3 m, but turns towards the vehicle at a distance of 1.8 m
 };
 
