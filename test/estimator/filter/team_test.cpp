@@ -140,7 +140,7 @@ TEST(Team, IsNeverMoreCertainThanTheCentralFilter) {
                                          {truth[1], Eigen::Matrix2d::Identity()}};
     Team team(model, sensors, kTargets, 8.0);
     team.start(start);
-    std::vector<Eigen::Matrix2d> central(kTargets, Eigen::Matrix2d::Identity());  // Ω
+    std::vector<Eigen::Matrix2d> central(kTargets, Eigen::Matrix2d::Identity());  // Ω by target
     double least = 1.0;
     for (int k = 1; k <= 200; ++k) {
       std::vector<models::Viewpoint> from;

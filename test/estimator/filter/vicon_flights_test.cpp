@@ -26,10 +26,10 @@ constexpr double kLook_s = 0.1;
 /// intersect.
 constexpr double kNearest_m = 0.3;
 constexpr unsigned kSeeds = 40;                // draws of the measurement noise
-constexpr double kNees95 = 5.991464547107979;  // χ²₂
+constexpr double kNees95 = 5.991464547107979;  // 95 % quantile of χ²₂
 constexpr double kBand95 = 2.05;               // Student's t, about 29 degrees of freedom
 
-using Track3 = std::vector<std::vector<double>>;  // t x y z qw qx qy qz
+using Track3 = std::vector<std::vector<double>>;  // rows of t x y z qw qx qy qz
 
 Pose3 pose_of(const std::vector<double>& row) {
   return {{row[1], row[2], row[3]},
@@ -172,7 +172,7 @@ TEST_P(ViconFlights, ErrorsMatchTheFiltersCovariance) {
   // The noise is drawn forty times, but each flight exists only once. The uncertainty of the mean
   // NEES is therefore estimated from the differences between flight sections.
   std::vector<double> over_seeds(stretches.front().size());
-  std::vector<double> off;  // by seed, in standard errors
+  std::vector<double> off;  // deviation of each seed, in standard errors
   for (const std::vector<double>& of : stretches) {
     ASSERT_EQ(of.size(), over_seeds.size());
     for (std::size_t s = 0; s < of.size(); ++s) {

@@ -126,7 +126,7 @@ TEST(Confinement, AppliesToATeammatesBeliefOfTheLastStep) {
     spec.estimator.samples = samples;
     spec.communication_range_m = 100.0;
     Gaussian leaving{Eigen::Vector4d(19.75, 0.0, 0.8, 0.0), Eigen::Matrix4d::Zero()};
-    leaving.covariance.diagonal() << 0.0025, 0.0025, 0.04, 0.04;  // after a step 1/12 is inside
+    leaving.covariance.diagonal() << 0.0025, 0.0025, 0.04, 0.04;  // 1/12 stays inside
     DistributedFilter filter(spec);
     filter.rebase(test::prior(test::instant(0), {leaving}));
     models::RobotBelief of_before = test::prior(test::instant(0), {leaving});
@@ -215,7 +215,7 @@ TEST(Reflection, EqualsTheFoldedNormalAtAWall) {
   }
 }
 
-// A belief entirely beyond a wall is mirrored, including its velocity correlations. This holds at
+// A belief entirely beyond a wall is mirrored, including its velocity correlations. This applies at
 // each wall, in the corners, and over several reflections.
 TEST(Reflection, MirrorsABeliefBeyondAWall) {
   std::mt19937_64 rng(17);
@@ -292,7 +292,7 @@ TEST(Inset, IsTheSpaceForTheCentreOfADisc) {
   EXPECT_EQ(room.bounds.max_m, Eigen::Vector2d(3.8, 1.8));
   EXPECT_EQ(room.obstacles.front().footprint.min_m, Eigen::Vector2d(0.8, -0.2));
   EXPECT_EQ(room.obstacles.front().footprint.max_m, Eigen::Vector2d(2.2, 1.2));
-  EXPECT_EQ(inset(world, 2.0).bounds.max_m, world.bounds.max_m);  // unchanged without space
+  EXPECT_EQ(inset(world, 2.0).bounds.max_m, world.bounds.max_m);  // unchanged: no space is left
 }
 
 // A target is reflected when its edge touches the wall, with its centre one radius before the wall.

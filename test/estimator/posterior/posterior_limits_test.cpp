@@ -98,7 +98,7 @@ TEST_P(AtLimits, IgnoresContradictedLimits) {
   }
 }
 
-/// Compares the moments with a limit about 0.1 m before the prior mean with brute force.
+/// Compares the moments with brute force, for a limit about 0.1 m before the prior mean.
 void expect_as_by_brute_force(SensorKind kind, const Case& each, int dim, double noise_times,
                               int points, double tolerance) {
   const SensorModel open = open_sensor(kind);

@@ -146,7 +146,7 @@ TEST(FitRanges, RefusesInvalidRecordings) {
   EXPECT_THROW(fit_ranges(broken, beacons), UsageError);
 }
 
-/// Returns ranges to two beacons, equal except for what a case changes.
+/// Returns ranges to two beacons, with the change that a test case makes.
 std::vector<TakenRange> ranges_of(const std::function<TakenRange(int)>& range) {
   std::vector<TakenRange> out;
   for (int k = 0; k < 40; ++k) {

@@ -143,8 +143,8 @@ RangeOnlySpec keeping_all(int hypotheses) {
   return spec;
 }
 
-/// Returns the posterior of a hypothesis: the combined moments of two cases, an outlier and an
-/// inlier; for the inlier, the hypothesis is updated by the textbook second-order Kalman filter.
+/// Returns the posterior of a hypothesis. It combines the moments of two cases, outlier and inlier.
+/// For an inlier, a textbook second-order Kalman filter updates the hypothesis.
 BeaconHypothesis posterior_of(const BeaconHypothesis& prior, const RangeOnlySpec& spec,
                               const Eigen::Vector2d& robot_m, double range_m) {
   const double s = spec.calibration.range_scale;

@@ -290,9 +290,9 @@ TEST(FitAt, CountsCorrelatedErrorsOnceAtAnyPosition) {
   }
 }
 
-/// Returns 64 errors of ±0.3 m, one per position in a row. The number of equal neighbours minus
-/// that of unequal neighbours is more_alike. Errors at a greater distance are not positively
-/// correlated.
+/// Returns 64 errors of ±0.3 m, one per position in a row. `more_alike` is the number of equal
+/// neighbour pairs minus the number of unequal ones. Errors at a greater distance are not
+/// positively correlated.
 std::vector<double> errors_of_places(int more_alike, std::mt19937_64& rng) {
   constexpr int kRow = 64;
   const int changes = (kRow - 1 - more_alike) / 2;

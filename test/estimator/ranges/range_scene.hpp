@@ -22,7 +22,7 @@ struct RangeSceneSpec {
   int ranges_of_beacon = 150;
   double range_sigma_m = 0.5;
   double outlier_share_max = 0.3;
-  double correlation = 0.0;  ///< between successive errors of one beacon
+  double correlation = 0.0;  ///< correlation of successive errors of one beacon
 };
 
 /// Simulates a robot that moves among two to five beacons; scale 0.8 to 1.25, bias −2 to 2 m.

@@ -10,7 +10,7 @@
 #include "models/sensor/law.hpp"
 #include "test/support/near.hpp"
 
-// measure() with a sensor that measures the velocity of its targets.
+// Tests of measure() with a sensor that measures the velocity of its targets.
 
 namespace vantage::estimator {
 namespace {

@@ -14,7 +14,7 @@ namespace {
 
 using Odds = std::vector<std::vector<double>>;
 
-// The reference, which enumerates all associations.
+// Reference that enumerates all associations.
 struct Enumeration {
   explicit Enumeration(const Odds& of)
       : odds(of), chosen(of.size(), -1), marginal(of.size(), std::vector<double>(of[0].size())) {
@@ -173,7 +173,7 @@ TEST(Association, MessagePassingIsExactForEitherLongerSide) {
   test::Random random(6);
   for (const auto& [tracks, detections] : {std::pair(11U, 12U), std::pair(12U, 11U)}) {
     Odds odds(tracks, std::vector<double>(detections));
-    for (std::size_t i = 0; i < tracks; ++i) {  // a chain
+    for (std::size_t i = 0; i < tracks; ++i) {  // the possible pairs form a chain
       for (const std::size_t j : {i, tracks > detections ? i - 1 : i + 1}) {
         if (j < detections) {
           odds[i][j] = random.uniform(0.1, 10.0);
