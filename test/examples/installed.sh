@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# installed.sh CMAKE BUILD SOURCE: the files that BUILD installs can be used by other projects.
-#  - with only Eigen and a compiler: the examples of planner and estimator build and run, and no other
-#    package is searched for, included or linked;
-#  - with any compiler flags they print the same to the last digit, and every type of the public headers
-#    has the same layout;
-#  - the examples of earlier versions build unchanged (test/data/releases);
-#  - examples of bus and logs build with the packages that these components need; a missing component is
+# installed.sh CMAKE BUILD SOURCE: checks that other projects can use the files that BUILD installs.
+# - with only Eigen and a compiler: the examples of planner and estimator build and run, and no
+# other
+#    package is searched for, included or linked;  - with any compiler flags they print the same to
+# the last digit, and every type of the public headers
+#    has the same layout;  - the examples of earlier versions build unchanged (test/data/releases);
+# - examples of bus and logs build with the packages that these components need; a missing component
+# is
 #    named.
 set -euo pipefail
 cmake=$1 build=$2 source=$3
@@ -67,7 +68,7 @@ if ldd "$work/plain/plan_a_path" | grep -vE 'linux-vdso|ld-linux|libstdc|libm\.|
   fail "a planner needs other libraries than the compiler's"
 fi
 
-# All components with the packages that they need; and components that are missing.
+# Builds all components with the packages that they need; then requests missing components.
 if pkg-config --exists lcm; then
   configure everything "-O2" -DWITH_BUS=ON
   make everything
@@ -93,7 +94,7 @@ cmake_minimum_required(VERSION 3.25)
 project(wrong LANGUAGES CXX)
 find_package(vantage REQUIRED COMPONENTS ${COMPONENT})
 END
-# refused COMPONENT WORDS [ARGUMENTS…]
+# refused COMPONENT WORDS [ARGUMENTS…]: expects that configuring fails with WORDS.
 refused() {
   local component=$1 words=$2
   shift 2

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# subproject.sh CMAKE BUILD SOURCE: the tree as a part of another project, with only Eigen and a compiler: a
-# program on component models, with several sets of flags, and the first example on planner.
+# subproject.sh CMAKE BUILD SOURCE: builds the tree as a part of another project, with only Eigen
+# and a compiler. The project has a program that uses the component models, with several sets of
+# flags, and the first example of the component planner.
 set -euo pipefail
 cmake=$1 source=$3
 work=$(mktemp -d)
