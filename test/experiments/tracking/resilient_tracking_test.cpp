@@ -19,7 +19,8 @@ TEST(TrackUnderAttack, IsEqualForBothPlannersWithoutAttack) {
   ASSERT_EQ(cd.rmse_m.size(), 30U);
 }
 
-// Errors of each target over time and their consistency with the covariance, without attacks.
+// Checks the errors of each target over time and their consistency with the covariance, without
+// attacks.
 TEST(TrackUnderAttack, TracksEveryTargetWithoutAttack) {
   const TrackingSetting setting{
       .robots = 8, .targets = {.count = 4}, .attacks = 0, .task_steps = 250};
