@@ -39,7 +39,8 @@ struct Harness {
   const char* name = "";
   std::function<void(std::span<const std::uint8_t>)> run;
   std::function<std::vector<Bytes>()> samples;
-  std::function<std::int64_t(std::span<const std::uint8_t>)> datagrams = nullptr;  ///< per input
+  /// Returns the number of datagrams in an input.
+  std::function<std::int64_t(std::span<const std::uint8_t>)> datagrams = nullptr;
 };
 
 std::int64_t datagrams_of(std::span<const std::uint8_t> input) {

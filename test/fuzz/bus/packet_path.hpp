@@ -7,9 +7,9 @@
 namespace vantage::test {
 
 /// Passes `input`, a sequence of datagrams of up to 16 senders, through the whole path from socket
-/// to subscriber: packet parser, reassembly, decoder of every wire type, log. Calls abort() when a
-/// promise is broken. Each datagram has a control byte (sender and elapsed time), its length
-/// (big-endian, 2 bytes) and its bytes; the last one may be cut short.
+/// to subscriber: packet parser, reassembly, decoder of every wire type, log. Calls abort() if a
+/// check fails. Each datagram has a control byte (sender and elapsed time), its length (big-endian,
+/// 2 bytes) and its bytes; the last one may be cut short.
 void fuzz_packet_path(std::span<const std::uint8_t> input);
 
 /// Returns the initial inputs: each wire type in one datagram, in fragments in and out of order,

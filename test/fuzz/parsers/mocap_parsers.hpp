@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-// Harnesses of the decoders of mocap protocols, as those of stream_parsers.hpp.
+// Harnesses of the decoders of mocap protocols; they work like those of stream_parsers.hpp.
 
 namespace vantage::test {
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-// Harnesses of parsers of untrusted bytes. Each calls abort() when a promise is broken; the
-// function below it returns its initial inputs.
+// Harnesses of parsers of untrusted bytes. Each harness calls abort() if a check fails. The
+// function below each harness returns its initial inputs.
 
 namespace vantage::test {
 

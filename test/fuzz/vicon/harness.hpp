@@ -9,8 +9,8 @@
 namespace vantage::test {
 
 /// Passes `input` to a driver as the bytes of a server, cut into pieces according to its first
-/// byte. Calls abort() when a promise is broken: a value that is not finite or a body without a
-/// name is published, or memory grows.
+/// byte. Calls abort() if a value that is not finite or a body without a name is published, or if
+/// memory grows.
 void fuzz_client(scenario::MocapProtocol protocol, wire::vicon::Bytes input);
 
 /// Passes `input` to the emulated server as the bytes of a client. Not for object streams, which
