@@ -4,11 +4,11 @@
   guard.py --bin BUILD/bin                 compares with table.json; prints each difference, exit code 1
   guard.py --bin BUILD/bin --record        writes table.json again: after a decision in docs/decisions
 
-Plans: forty problems of both families (drawn here, by seed) by every algorithm within a budget of
-nodes: cost, bound, nodes and controls. Trials: scenarios of config and of test/guard/scenarios (in which
-no two robots are alike), two seeds each, and the lab by every algorithm: the summary, and a digest of
-all messages and of the picture. The sample log as the log tools show it. Experiments, shortened: a digest
-of each table. The sample log's exact replay and the fault table have separate tests.
+Plans: cost, bound, nodes and controls of every algorithm for forty random problems of both families, within
+a budget of nodes. Trials: the summary, and a digest of all messages and of the picture. The trials fly the
+scenarios of config and of test/guard/scenarios (in which no two robots are alike) with two seeds each, and
+the lab with every algorithm. Log tools: their output for the sample log. Experiments, shortened: a digest of
+each table. The sample log's exact replay and the fault table have separate tests.
 """
 
 import argparse
@@ -51,7 +51,8 @@ def tracking(seed):
 
 
 def landmarks(seed):
-    """Returns a 10 m world with boxes and stationary landmarks, with ranges all round or a field of view."""
+    """Returns a 10 m world with boxes and stationary landmarks. The range sensor sees all round or has a limited
+    field of view."""
     draw = random.Random(f"landmarks {seed}")
     boxes = [[x, y, x + 1.5, y + 1.5] for x, y in ((2.0, 2.0), (2.0, 6.0), (6.5, 2.5), (6.0, 6.5)) if draw.random() < 0.8]
     targets = [[draw.uniform(0.3, 9.7), draw.uniform(0.3, 1.7)] for _ in range(3 + seed % 5)]
