@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""console.py BIN_DIR TYPES SCENARIO: what an operator types into `vantage console`, and which commands
-vehicles then receive.
+"""console.py BIN_DIR TYPES SCENARIO: tests which commands vehicles receive when an operator types into
+`vantage console`.
 
-At a terminal: arrows, Home, End, F2 and Delete are no orders, although each sequence ends in the letter
-of one; SPACE stops all vehicles whatever is selected; a robot is selected by its name. A terminal that
+At a terminal: arrows, Home, End, F2 and Delete are not orders, although each sequence ends in the letter
+of an order; SPACE stops all vehicles whatever is selected; a robot is selected by its name. A terminal that
 is stopped by Ctrl-S, or that nothing reads, ends neither the heartbeat nor the emergency stop, nor the
 heartbeat of `vantage up SCENARIO --fly`; Ctrl-Z and Ctrl-\\ do nothing. From a pipe: orders for a robot
-that was not received yet are sent to that robot, in their order; a line that is no order, or that names
+that was not received yet are sent to that robot, in their order; a line that is not an order, or that names
 an unknown robot, gives exit code 1. TYPES is the folder of the .lcm files. To be run in its own network.
 """
 
@@ -137,7 +137,7 @@ class Foreground:
 
 
 def beats_within(count, seconds):
-    """True if that many heartbeats arrive within that time."""
+    """Returns True if at least `count` heartbeats arrive within `seconds`."""
     give_up, beats = time.monotonic() + seconds, 0
     receiver.settimeout(0.05)
     while beats < count and time.monotonic() < give_up:
@@ -150,7 +150,7 @@ def beats_within(count, seconds):
 
 
 def check_terminal(keys, is_full, words, stops):
-    """Checks that heartbeats go on after `keys`, and that SPACE still stops (if `stops`)."""
+    """Checks that heartbeats continue after `keys`, and that SPACE still stops (if `stops`)."""
     forget()
     program = Foreground(*words, is_full=is_full)
     try:

@@ -1,8 +1,9 @@
 #!/bin/sh
-# in_network.sh [--no-route] [--first] [--root] BINARY [ARGS…]: runs BINARY in its own network namespace,
-# where lo is up and carries multicast (unless --no-route). --first: at a higher priority (nice) where
-# this is permitted, as in a flight. --root: without a user namespace, so that root's right to set
-# real-time priorities is kept. Nothing reaches or survives outside. Exit code 77: not possible here.
+# in_network.sh [--no-route] [--first] [--root] BINARY [ARGS…]: runs BINARY in its own network
+# namespace, where lo is up and carries multicast (unless --no-route). --first: at a higher priority
+# (nice) where this is permitted, as in a flight. --root: without a user namespace, so that root's
+# right to set real-time priorities is kept. No packet and no process leaves the namespace. Exit
+# code 77: not possible here.
 route='ip route add 224.0.0.0/4 dev lo' first= namespaces=-rn
 while :; do
   case $1 in

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""record.py BIN_DIR: `vantage log record` against everything that ends or harms loggers: signals, kill -9, a
-full disk, a read-only disk, a limit on files, names that exist, datagrams that end lcm-logger. It is also
-compared with lcm-logger, whose log must have the same content. To be run in its own network, as root
-there: in_network.sh record.py ...
+"""record.py BIN_DIR: `vantage log record` against everything that ends or harms loggers: signals, kill
+-9, a full disk, a read-only disk, a limit on files, existing files, datagrams that end lcm-logger. It is
+also compared with lcm-logger, whose log must have the same content. To be run in its own network, as
+root there: in_network.sh record.py ...
 """
 import os
 import pathlib
@@ -102,7 +102,7 @@ class Recorder:
         return self
 
     def is_waiting(self):
-        """True if none of its threads is running or ready to run: it has done all its work so far."""
+        """True if no thread of the recorder is running or ready to run, so its work so far is done."""
         stats = pathlib.Path(f"/proc/{self.process.pid}/task").glob("*/stat")
         return all(stat.read_text().rpartition(")")[2].split()[0] == "S" for stat in stats)
 
@@ -169,7 +169,7 @@ def small_disk(name, options):
 
 
 def hears_refusal(port=PORT):
-    """Returns a function that is true once HEALTH_RECORDER has reported that the log is not written."""
+    """Returns a function that is true once HEALTH_RECORDER has reported that it cannot write the log."""
     ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     ear.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     ear.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
