@@ -20,7 +20,7 @@ struct Options {
 };
 
 struct Outcome {
-  double rmse_m = 0.0;  ///< of all robots after 20 s
+  double rmse_m = 0.0;  ///< error over all robots after 20 s
   int placed = 0;
   std::vector<Pose2> poses;
   std::vector<InputCounts> counts;
