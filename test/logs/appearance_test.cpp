@@ -44,7 +44,7 @@ constexpr std::array<std::array<Colour, 3>, 3> kEyes = {{
       {-0.011820, 0.042940, 0.968881}}},
 }};
 
-// Source: Ottosson 2020, OKLab.
+// Returns the OKLab coordinates of a linear colour. Source: Ottosson 2020.
 Colour oklab(const Colour& rgb) {
   const auto cone = [&](double r, double g, double b) {
     return std::cbrt(r * rgb[0] + g * rgb[1] + b * rgb[2]);

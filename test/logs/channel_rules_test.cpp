@@ -26,7 +26,7 @@ TEST(ChannelFilter, AppliesIncludesAndExcludes) {
   EXPECT_TRUE(all.takes("VICON"));
   ChannelFilter some({"PLAN_.*", "VICON"}, {".*_Q2", "X"});
   ChannelFilter others({}, {".*_Q2", "X"});
-  for (int time = 0; time < 2; ++time) {  // the second time as it is known
+  for (int time = 0; time < 2; ++time) {  // the second result comes from the cache
     EXPECT_TRUE(some.takes("PLAN_Q1"));
     EXPECT_TRUE(some.takes("VICON"));
     EXPECT_FALSE(some.takes("PLAN_Q2"));

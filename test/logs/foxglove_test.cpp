@@ -256,7 +256,7 @@ TEST(HealthStory, ReportsStartAndEndOfTrouble) {
   const auto begun = story.on(health_at(10, ProcessState::kDegraded));
   ASSERT_TRUE(begun);
   EXPECT_EQ(begun->level, LogLevel::kWarning);
-  for (int at_s = 11; at_s <= 40; ++at_s) {  // by turns, each second
+  for (int at_s = 11; at_s <= 40; ++at_s) {  // alternately, once per second
     EXPECT_FALSE(story.on(
         health_at(at_s, at_s % 2 == 0 ? ProcessState::kDegraded : ProcessState::kRunning)));
   }

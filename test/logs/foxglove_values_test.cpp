@@ -264,7 +264,7 @@ TEST(TeamJson, DescribesTheNewestEvaluatedStep) {
 }
 
 TEST(LogJson, IsTheEventWithItsLevel) {
-  const int levels[] = {1, 2, 3, 4, 5};  // of foxglove.Log
+  const int levels[] = {1, 2, 3, 4, 5};  // levels of foxglove.Log
   const LogLevel named[] = {LogLevel::kDebug, LogLevel::kInfo, LogLevel::kWarning, LogLevel::kError,
                             LogLevel::kFatal};
   for (std::size_t i = 0; i < 5; ++i) {

@@ -55,7 +55,7 @@ class Reader {
 struct Record {
   std::uint8_t opcode = 0;
   std::uint64_t offset = 0;
-  std::uint64_t size = 0;  ///< with its opcode and length
+  std::uint64_t size = 0;  ///< bytes, with opcode and length
   std::string_view content;
 };
 

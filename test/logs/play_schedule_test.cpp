@@ -19,7 +19,7 @@ TEST(PlaySchedule, WaitsUntilResumedAndKeepsItsSpeed) {
     EXPECT_EQ(schedule.speed(), speed);
     EXPECT_EQ(schedule.position(7'000 * kMs), kBegin);
     schedule.resume(1'000 * kMs);
-    schedule.resume(1'300 * kMs);  // it goes already
+    schedule.resume(1'300 * kMs);  // no effect: it is not paused
     EXPECT_FALSE(schedule.is_paused());
     EXPECT_EQ(schedule.position(1'000 * kMs), kBegin);
     EXPECT_EQ(schedule.position(1'400 * kMs), after_ms(static_cast<std::int64_t>(400 * speed)));

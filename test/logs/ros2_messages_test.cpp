@@ -104,7 +104,7 @@ TEST(Cdr, AlignsEachNumberToItsSize) {
   EXPECT_EQ(out.bytes().size(), 4U + 16U + 4U + 3U + 1U + 4U);
 }
 
-// Also for times before 1970, nanoseconds are not negative.
+// Nanoseconds are not negative, even for times before 1970.
 TEST(ToRos2, WritesTransformsOfVisibleBodies) {
   for (const std::int64_t utime : {kUtime, std::int64_t{-1}, std::int64_t{-1'000'000},
                                    std::int64_t{-1'250'000}, std::int64_t{0}}) {
@@ -144,7 +144,7 @@ TEST(ToRos2, WritesPlanarAndSpatialBeliefs) {
   Eigen::Matrix4d root;
   root << 2.0, 0.3, 0.4, 0.1, 0.0, 1.0, 0.2, 0.5, 0.0, 0.0, 1.5, 0.3, 0.0, 0.0, 0.0, 0.7;
   const Eigen::Matrix4d covariance = root * root.transpose();
-  for (const Eigen::Index dim : {2, 3, 4}) {  // four: with velocities, so in the plane
+  for (const Eigen::Index dim : {2, 3, 4}) {  // 4: planar, with velocities
     models::TargetBelief target;
     target.target_id = static_cast<int>(10 + dim);
     target.information = *models::to_information(

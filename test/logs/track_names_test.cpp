@@ -24,7 +24,7 @@ models::TargetBelief track(int label, const Eigen::Vector2d& at_m) {
   return out;
 }
 
-// The assignment is optimal: compared with all assignments of the smaller set to the larger.
+// The assignment is optimal: it is compared with all assignments of the smaller set to the larger.
 TEST(TracksNamedByPosition, UseTheOptimalAssignment) {
   test::Random random(5);
   for (int trial = 0; trial < 100; ++trial) {

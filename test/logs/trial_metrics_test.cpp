@@ -101,8 +101,8 @@ TEST(TrialMetrics, UsesTheBestInformedRobotPerStep) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(2.0));
-  metrics.on_belief(belief("Q1", 0.5, {target(0, 4.0, 0.0, 2.0)}));   // off by 3, vague
-  metrics.on_belief(belief("Q2", 0.5, {target(0, 1.0, 0.25, 0.5)}));  // off by 0.25, certain
+  metrics.on_belief(belief("Q1", 0.5, {target(0, 4.0, 0.0, 2.0)}));   // error 3 m, uncertain
+  metrics.on_belief(belief("Q2", 0.5, {target(0, 1.0, 0.25, 0.5)}));  // error 0.25 m, certain
   const TrialSummary summary = metrics.finish(at_s(2.0));
   EXPECT_NEAR(*summary.rmse_m, 0.25, 1e-9);
   EXPECT_NEAR(summary.entropy_per_target_nats[0], isotropic_entropy_nats(0.5, 2), 1e-9);
@@ -129,8 +129,8 @@ TEST(TrialMetrics, AveragesOverRobotsBeliefs) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(2.0));
-  metrics.on_belief(belief("Q1", 0.5, {target(0, 4.0, 0.0, 2.0)}));   // off by 3
-  metrics.on_belief(belief("Q2", 0.5, {target(0, 1.0, 0.25, 0.5)}));  // off by 0.25
+  metrics.on_belief(belief("Q1", 0.5, {target(0, 4.0, 0.0, 2.0)}));   // error 3 m
+  metrics.on_belief(belief("Q2", 0.5, {target(0, 1.0, 0.25, 0.5)}));  // error 0.25 m
   metrics.on_belief(belief("Q1", 1.0, {target(0, 2.0, 1.0, 2.0), target(1, 5.0, 6.0, 1.0)}));
   metrics.on_belief(belief("Q2", 1.0, {}));
   const RobotMeans means = metrics.finish(at_s(2.0)).per_robot;
@@ -162,8 +162,9 @@ TEST(TrialMetrics, AveragesTheRmseOverTime) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(5.0));
-  metrics.on_belief(belief("Q1", 0.5, {target(0, 1.0, 1.0, 1.0)}));                        // 1
-  metrics.on_belief(belief("Q1", 1.0, {target(0, 2.0, 3.0, 1.0), target(1, 5, 5, 1.0)}));  // 3, 0
+  // The errors are 1 m, then 3 m and 0 m.
+  metrics.on_belief(belief("Q1", 0.5, {target(0, 1.0, 1.0, 1.0)}));
+  metrics.on_belief(belief("Q1", 1.0, {target(0, 2.0, 3.0, 1.0), target(1, 5, 5, 1.0)}));
   const TrialSummary summary = metrics.finish(at_s(5.0));
   EXPECT_NEAR(*summary.rmse_m, 0.5 * (1.0 + std::sqrt(9.0 / 2.0)), 1e-9);
   EXPECT_NEAR(*summary.rmse_per_target_m[0], std::sqrt(5.0), 1e-9);
@@ -173,8 +174,8 @@ TEST(TrialMetrics, ReportsConsistency) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(5.0));
-  metrics.on_belief(belief("Q1", 0.5, {target(0, 1.0, 1.0, 0.5)}));  // off by 2 σ
-  metrics.on_belief(belief("Q1", 1.0, {target(0, 2.0, 3.0, 3.0), target(1, 5, 5, 1.0)}));  // 1, 0
+  metrics.on_belief(belief("Q1", 0.5, {target(0, 1.0, 1.0, 0.5)}));  // error 2 σ
+  metrics.on_belief(belief("Q1", 1.0, {target(0, 2.0, 3.0, 3.0), target(1, 5, 5, 1.0)}));  // 1 σ, 0
   const TrialSummary summary = metrics.finish(at_s(5.0));
   ASSERT_TRUE(summary.position_nees);
   EXPECT_NEAR(*summary.position_nees, (4.0 + 1.0 + 0.0) / 3.0, 1e-9);
@@ -208,9 +209,9 @@ TEST(TrialMetrics, ReportsTheNewestStepPerRobot) {
   EXPECT_FALSE(metrics.step_of_robots().entropy_nats());
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(5.0));
-  models::TargetBelief fresh = target(0, 1.0, 1.0, 0.5);  // off by 1 m, which is 2 σ
+  models::TargetBelief fresh = target(0, 1.0, 1.0, 0.5);  // error 1 m, which is 2 σ
   fresh.last_seen = at_s(0.5);
-  models::TargetBelief old = target(1, 5.0, 8.0, 1.0);  // off by 3 m and 3 σ
+  models::TargetBelief old = target(1, 5.0, 8.0, 1.0);  // error 3 m and 3 σ
   old.last_seen = at_s(-2.5);
   metrics.on_belief(belief("Q1", 0.5, {fresh, old}));
   metrics.on_belief(belief("Q2", 0.5, {fresh}));

@@ -1,6 +1,6 @@
 #!/bin/bash
-# upgrade.sh VANTAGE RELEASES: this version reads the logs of earlier versions in RELEASES, and accepts or
-# refuses their scenario files as RELEASES/README.md describes.
+# upgrade.sh VANTAGE RELEASES: checks that this version reads the logs of earlier versions in
+# RELEASES, and that it accepts or refuses their scenario files as RELEASES/README.md describes.
 set -euo pipefail
 vantage=$1
 releases=$(cd "$2" && pwd)

@@ -14,7 +14,7 @@
 namespace vantage::logs {
 namespace {
 
-constexpr std::int64_t kStart = 17'000'000'000;  // steps
+constexpr std::int64_t kStart = 17'000'000'000;  // a step number
 
 Time instant(std::int64_t step) { return from_utime(100'000 * step); }
 

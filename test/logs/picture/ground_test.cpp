@@ -195,8 +195,8 @@ TEST(DrawGround, DrawsObstaclesAndRegions) {
 }
 
 struct Axes {
-  std::vector<double> below;   ///< numbers
-  std::vector<double> beside;  ///< numbers
+  std::vector<double> below;   ///< numbers below the map
+  std::vector<double> beside;  ///< numbers next to the map
 };
 
 /// Expects that every number of the axes is at its correct position and has a line across the map.

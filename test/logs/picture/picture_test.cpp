@@ -242,7 +242,7 @@ TEST(DrawPicture, AlignsLegendSymbolsAndText) {
   for (const auto& each : elements(svg, "text")) {
     if (number(each, "x") >= number(head, "x") && number(each, "y") > number(head, "y")) {
       rows_px.push_back(number(each, "y") - 4.5);
-      words_px = number(each, "x");  // of the last row, which has one symbol
+      words_px = number(each, "x");  // in the last row, which has one symbol
     }
   }
   int symbols = 0;

@@ -19,7 +19,7 @@ struct Tag {
   std::string name;
   bool is_closing = false;
   bool is_empty = false;
-  bool is_good = false;  ///< name and attributes are as XML wants them
+  bool is_good = false;  ///< name and attributes are well-formed
 };
 
 inline Tag parse_tag(std::string inside) {

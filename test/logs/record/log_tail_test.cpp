@@ -29,7 +29,7 @@ class LogFile : public ::testing::Test {
   void TearDown() override { std::filesystem::remove(path_); }
   void write(const Bytes& bytes) const {
     std::ofstream file(path_, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(bytes.data()),  // NOLINT: bytes are bytes
+    file.write(reinterpret_cast<const char*>(bytes.data()),  // NOLINT: writes bytes
                static_cast<std::streamsize>(bytes.size()));
   }
   const std::string path_ = ::testing::TempDir() + "vantage_log_tail_" +
