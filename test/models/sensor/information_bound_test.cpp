@@ -189,7 +189,7 @@ TEST(InformationBound, IsConstantBeyondTheSensorsRange) {
 }
 
 // On its optical axis a stationary camera has the information (f / (σ d))² at depth d, which equals
-// the bound. This holds at any tilt, for targets on the ground and above it.
+// the bound. This applies at any tilt, for targets on the ground and above it.
 TEST(InformationBound, IsReachedOnCameraAxis) {
   SensorModel sensor;
   sensor.kind = SensorKind::kCamera;
