@@ -61,7 +61,7 @@ TEST_F(EscapeTurn, TurnsAwayFromTooNearTeammate) {
   std::uniform_real_distribution<double> place(-5.0, 5.0);
   for (int i = 0; i < 200; ++i) {
     const Pose2 start{place(rng), place(rng), any(rng)};
-    const double off_rad = any(rng);  // rad; of the direction away, from ahead
+    const double off_rad = any(rng);  // rad; direction away from the teammate, from straight ahead
     const auto at = [&](double bearing_rad, double distance_m) {
       return Eigen::Vector2d(start.x_m + distance_m * std::cos(bearing_rad),
                              start.y_m + distance_m * std::sin(bearing_rad));

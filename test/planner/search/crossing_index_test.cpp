@@ -49,8 +49,8 @@ std::vector<NodeId> near(const CrossingIndex& index, const Pose2& pose) {
   return out;
 }
 
-// Poses within δ are visited once; poses beyond 3 δ are not. This holds on all sides of the origin,
-// after a reset and for other widths.
+// Poses within δ are visited once; poses beyond 3 δ are not. This applies on all sides of the
+// origin, after a reset and for other widths.
 TEST(CrossingIndex, VisitsNearPosesAndNoFarOnes) {
   std::mt19937_64 rng(71);
   CrossingIndex index(600);

@@ -18,7 +18,7 @@ namespace vantage::test {
 struct OracleState {
   Pose2 world_from_body;
   int depth = 0;
-  std::vector<models::Gaussian> beliefs;  ///< of each target, at `depth`
+  std::vector<models::Gaussian> beliefs;  ///< beliefs at `depth`, per target
   std::vector<std::uint16_t> measured;    ///< targets that the robot has measured, ascending
 };
 

@@ -296,8 +296,8 @@ TEST_F(InformationHeuristicTest, CountsFromFirstStepInRange) {
           }
           expected += models::log_det(belief.covariance);
         }
-        // A target with measurements of its own is not looked up in the distance table, so its
-        // distance is exact.
+        // The target is in the list of targets with a separate belief. It is therefore not looked
+        // up in the distance table, and its distance is exact.
         double packed[kMaxPacked];
         pack(beliefs_.layout(0), target.prior.covariance, packed);
         const std::uint16_t touched[] = {0};

@@ -129,8 +129,8 @@ void for_drawn_problems(std::uint64_t count, const Check& check) {
   }
 }
 
-// The linear form is tangent to the cost at the reference and lies below it elsewhere. This holds
-// from every depth, with and without teammates, noise and oscillators.
+// The linear form is tangent to the cost at the reference and lies below it elsewhere. The test
+// covers every depth, with and without teammates, noise and oscillators.
 TEST(LinearisedCost, IsATangentLowerBound) {
   int far = 0;
   for_drawn_problems(

@@ -249,7 +249,7 @@ TEST(ReachLattice, SuccessorsAreTheFourOverlappedCells) {
           const ReachLattice::Row row = ReachLattice::row(plane, j);
           for (int i = row.left; i <= row.right; ++i) {
             for (int corner = 0; corner < 4; ++corner) {
-              const double half = 0.4999;  // of a cell
+              const double half = 0.4999;  // share of a cell
               const Pose2 from{cell_m * (i + (corner % 2 == 0 ? half : -half)),
                                cell_m * (j + (corner < 2 ? half : -half)), n * lattice.unit_rad()};
               const Pose2 to = models::step_unicycle(from, problem.controls[u], problem.step_s);

@@ -157,7 +157,7 @@ class Relaxed {
   int left_ = 0;
   double step_m_ = 0.0;
   std::vector<int> targets_;
-  std::vector<std::vector<std::vector<double>>> costs_;  ///< [i][k][n]
+  std::vector<std::vector<std::vector<double>>> costs_;  ///< indices [i][k][n]
 };
 
 double slack(double cost) { return 1e-7 * std::max(1.0, std::abs(cost)); }

@@ -85,7 +85,7 @@ struct Bounds {
 };
 
 // Tests at least `nodes_min` nodes. No bound of a node or of a control exceeds the cost of the best
-// path through it. This also holds if the bound is cut off after a few states.
+// path through it. The bound may be cut off after a few states.
 void expect_admissible(int states_max, std::int64_t nodes_min, double& gained) {
   InformationHeuristic heuristic(16, 8);
   SequencingBound sequencing(16, 8, states_max);

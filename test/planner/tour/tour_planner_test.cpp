@@ -63,7 +63,8 @@ TEST(TourPlanner, GainsTheSavedCostPerStepOfAStaticTarget) {
   const auto tour = planner.plan(problem, {}, spec_of(80.0));
   ASSERT_EQ(targets_of(tour), std::vector<int>{0});
   EXPECT_DOUBLE_EQ(tour[0].arrival_s, 20.0 / kSpeed_mps);
-  // Two looks of information 4 m⁻² in both directions, prior 4 m²; found within 5 m.
+  // Two measurements of information 4 m⁻² in both directions; prior variance 4 m². The target is
+  // found with the probability that it is within 5 m of its mean.
   const double saved_nats = 2.0 * std::log(1.0 + 2.0 * 4.0 * 4.0);
   const double found = 1.0 - std::exp(-0.5 * 25.0 / 4.0);
   EXPECT_NEAR(tour[0].rate_per_s, found * saved_nats / problem.step_s, 1e-9);

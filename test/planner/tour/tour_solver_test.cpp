@@ -21,8 +21,8 @@ using test::uniform;
 
 constexpr int kSamples = 9;
 
-// Draws robots and stops in a square of 100 m and gains that fall with the time of arrival, of
-// which some first rise.
+// Draws robots and stops in a square of 100 m. Gains fall with the time of arrival; some of them
+// rise first.
 void draw(std::mt19937_64& rng, int stops, int robots, TourProblem& out) {
   out.resize(stops, robots, 10.0, uniform(rng, 0.0, 3.0));
   const auto draw_place = [&] {
