@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The environments: the rules of their interfaces, seeds, threads, baselines, and an independent implementation."""
+"""Tests the environments: the rules of their interfaces, seeds, threads, baselines, and an independent
+implementation."""
 import unittest
 
 import numpy

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Channels of the running system in Python: messages between Python, C++ and other LCM programs, in both
-directions and also signed. To be run in its own network (in_network.sh)."""
+"""Tests channels of the running system in Python: messages between Python, C++ and other LCM programs,
+in both directions and also signed. To be run in its own network (in_network.sh)."""
 import os
 import pathlib
 import signal
@@ -41,7 +41,7 @@ def measurement(robot="Q1"):
 
 
 class Started:
-    """A process that is asked to end and waited for."""
+    """A process that receives SIGTERM at the end of the `with` block, which waits until it has ended."""
 
     def __init__(self, *command, **how):
         self.process = subprocess.Popen(list(map(str, command)), **how)
