@@ -123,7 +123,7 @@ TEST_F(CrazyflieEmulatorTest, StartsArmedOrDisarmedAsConfigured) {
   EXPECT_NEAR(until(info::kArmed, false, 40.0), 30.05, 0.1);
 }
 
-// Fact 1.
+// Without set-points the vehicle keeps its height until the motors lock after 2 s.
 TEST_F(CrazyflieEmulatorTest, LevelsAndThenLocksWithoutSetpoints) {
   hover();
   setpoint->velocity_world_mps.x() = 0.0;
@@ -153,7 +153,7 @@ TEST_F(CrazyflieEmulatorTest, OneSetpointEndsAHighLevelFlight) {
   EXPECT_NEAR(until(info::kLocked, true, 4.0), 2.0, 0.1);
 }
 
-// Fact 2.
+// The firmware reports nothing when poses stop, and the vehicle drifts.
 TEST_F(CrazyflieEmulatorTest, DoesNotReportALostPose) {
   hover();
   const std::uint16_t before = vehicle->info();
@@ -165,7 +165,7 @@ TEST_F(CrazyflieEmulatorTest, DoesNotReportALostPose) {
   EXPECT_NEAR(off_m.norm(), 0.49, 0.1) << "the measured drift";
 }
 
-// Fact 3.
+// A packet of a wrong length or kind ends the firmware.
 TEST_F(CrazyflieEmulatorTest, StopsForeverAfterAMalformedPacket) {
   const auto killed_by = [this](std::uint8_t channel, std::vector<std::uint8_t> bytes,
                                 crtp::Port port = crtp::Port::kSetpoint) {
@@ -217,7 +217,7 @@ TEST_F(CrazyflieEmulatorTest, FallsAfterASetpointWithNan) {
   EXPECT_LT(height_m(), 0.05) << "valid poses do not repair the estimate";
 }
 
-// Fact 4.
+// The message "set-points end" without a landing command stops the motors.
 TEST_F(CrazyflieEmulatorTest, SetpointsEndWithoutALandingStopsTheMotors) {
   hover();
   setpoint.reset();
@@ -252,7 +252,7 @@ TEST_F(CrazyflieEmulatorTest, IgnoresALandingWithoutSetpointsEnd) {
   EXPECT_NEAR(until(info::kLocked, true, 2.0), 0.5, 0.1);
 }
 
-// Fact 5.
+// Only the Mellinger controller uses the velocities of set-points.
 TEST_F(CrazyflieEmulatorTest, OnlyOneControllerUsesVelocities) {
   for (const bool uses_mellinger : {false, true}) {
     restart({});
@@ -280,7 +280,7 @@ TEST_F(CrazyflieEmulatorTest, OnlyOneControllerUsesVelocities) {
   }
 }
 
-// Fact 6.
+// The firmware follows any pose at once.
 TEST_F(CrazyflieEmulatorTest, FollowsAJumpOfThePose) {
   hover();
   pose_error_m.x() = 0.3;
@@ -288,7 +288,7 @@ TEST_F(CrazyflieEmulatorTest, FollowsAJumpOfThePose) {
   EXPECT_NEAR(vehicle->world_from_body().translation_m.x(), -0.3, 0.05);
 }
 
-// Fact 7.
+// The firmware takes off even if it has never received a pose.
 TEST_F(CrazyflieEmulatorTest, ClimbsWithoutAPose) {
   has_pose = false;
   run(1.0);
@@ -298,7 +298,7 @@ TEST_F(CrazyflieEmulatorTest, ClimbsWithoutAPose) {
   EXPECT_GT(height_m(), 10.0);
 }
 
-// Fact 8.
+// A set-point from before arming starts the motors and then locks them.
 TEST_F(CrazyflieEmulatorTest, LocksWhenArmedWithAnOldSetpoint) {
   CrazyflieEmulatorSpec spec;
   spec.arms_itself = false;

@@ -22,8 +22,8 @@ RoverState drive(RoverState state, const RoverCommand& command, double seconds,
   return state;
 }
 
-// Speed rises at 1 m/s² and falls at 2 m/s², and the yaw rate changes at 8 rad/s². This holds from
-// and to any intermediate value.
+// Speed rises at 1 m/s² and falls at 2 m/s², and the yaw rate changes at 8 rad/s². The start and
+// end values are arbitrary.
 TEST(RoverModel, RampsAtTheStatedRates) {
   struct Row {
     double from, wish, after_s, expected;

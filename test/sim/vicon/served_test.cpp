@@ -60,8 +60,8 @@ class Socket {
   const int fd;
 };
 
-// Each client receives each frame, or the frame is counted as skipped for this client. This holds
-// however often the counters are read.
+// Each client receives each frame, or the frame is counted as skipped for this client. The counters
+// may be read at any time.
 TEST(SocketServer, CountsSkippedFramesPerClient) {
   ServerSettings settings;
   settings.backlog_bytes_max = 200'000;
