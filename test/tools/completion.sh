@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# completion.sh COMPLETION VANTAGE: the words that bash completion offers.
+# completion.sh COMPLETION VANTAGE: checks the words that bash completion offers.
 set -euo pipefail
 source "$1"
 offered() {  # offered WORD…: prints the completions that are offered for WORD…; the last WORD may be incomplete

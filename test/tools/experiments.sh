@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# experiments.sh VANTAGE: every experiment runs, as a whole and in shards, and continues after kill -9.
+# experiments.sh VANTAGE: checks that every experiment runs, as a whole and in shards, and continues
+# after kill -9.
 source "$(dirname "$0")/begin.sh"
 
 # Compares all files that must not depend on how the experiment was run.

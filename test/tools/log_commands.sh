@@ -1,6 +1,7 @@
 #!/bin/bash
-# log_commands.sh VANTAGE SAMPLE.xz SCENARIO: every command of `vantage log` as shown in docs/guide/logs.md,
-# on the sample log and on the log of a short trial of SCENARIO, with the expected output.
+# log_commands.sh VANTAGE SAMPLE.xz SCENARIO: runs every command of `vantage log` as shown in
+# docs/guide/logs.md, on the sample log and on the log of a short trial of SCENARIO, with the
+# expected output.
 set -euo pipefail
 vantage=$1 sample=$2 scenario=$3
 dir=$(mktemp -d)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""misuse.py VANTAGE SAMPLE.xz CONFIG_DIR PROBLEM: mistakes of users, as a table.
+"""misuse.py VANTAGE SAMPLE.xz CONFIG_DIR PROBLEM: tests mistakes of users, which are listed in tables.
 
 Every command that reads a file gets one that is missing, a folder, empty, incomplete, of another kind and
 huge. Every command that writes gets an output path in a missing folder, below a file, without write

@@ -1,7 +1,8 @@
 #!/bin/bash
-# one_libm.sh PROGRAM…: no program calls sin, exp, log, … of the C library. Their last bits depend on the
-# library's version and the processor; core/libm replaces them (docs/decisions/0014). If a refused function
-# is needed: call it with double arguments, or add it to core/libm.
+# one_libm.sh PROGRAM…: checks that no program calls sin, exp, log, … of the C library. Their last
+# bits depend on the library's version and the processor; core/libm replaces them
+# (docs/decisions/0014). If a refused function is needed: call it with double arguments, or add it
+# to core/libm.
 set -euo pipefail
 one='sin|cos|tan|sincos|asin|acos|atan|atan2|sinh|cosh|tanh|asinh|acosh|atanh|exp|exp2|exp10|expm1'
 one+='|log|log2|log10|log1p|pow|cbrt|hypot|erf|erfc|tgamma|lgamma|lgamma_r|j0|j1|jn|y0|y1|yn'

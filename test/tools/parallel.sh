@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# parallel.sh VANTAGE: shards run by GNU parallel give the same bytes as one run, as described in
-# docs/guide/experiments.md. Exit code 77: GNU parallel is missing.
+# parallel.sh VANTAGE: checks that shards run by GNU parallel give the same bytes as one run, as
+# described in docs/guide/experiments.md. Exit code 77: GNU parallel is missing.
 set -euo pipefail
 vantage=$1
 parallel --version 2> /dev/null | grep -q '^GNU parallel' || {

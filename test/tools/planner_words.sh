@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# planner_words.sh VANTAGE SCENARIO: --planner accepts all words of planner.algorithm, and a trial is flown
-# with each search.
+# planner_words.sh VANTAGE SCENARIO: checks that --planner accepts all words of planner.algorithm,
+# and flies a trial with each search.
 source "$(dirname "$0")/begin.sh"
 scenario=$2
 

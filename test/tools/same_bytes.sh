@@ -1,6 +1,6 @@
 #!/bin/bash
-# same_bytes.sh SOURCE_DIR: two libraries, built from copies of the sources in folders with names of different
-# length, have the same bytes and contain no folder name of this machine.
+# same_bytes.sh SOURCE_DIR: checks that two libraries, built from copies of the sources in folders
+# with names of different length, have the same bytes and contain no folder name of this machine.
 set -euo pipefail
 source=$1
 dir=$(mktemp -d)

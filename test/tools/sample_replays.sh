@@ -1,5 +1,6 @@
 #!/bin/bash
-# sample_replays.sh VANTAGE SAMPLE.xz: a replay reproduces the sample log's plans and beliefs bit for bit.
+# sample_replays.sh VANTAGE SAMPLE.xz: checks that a replay reproduces the sample log's plans and
+# beliefs bit for bit.
 set -euo pipefail
 vantage=$1 sample=$2
 dir=$(mktemp -d)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""sbom_test.py SOURCE_DIR PROGRAM: tools/dev/sbom lists the components of a program as the package manager
-knows them, with the same bytes each time.
+"""sbom_test.py SOURCE_DIR PROGRAM: checks that tools/dev/sbom lists the components of a program as the
+package manager knows them, with the same bytes each time.
 """
 import json
 import os

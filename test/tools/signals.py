@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""signals.py VANTAGE SAMPLE.xz SCENARIO PROBLEM: SIGINT, SIGTERM and SIGHUP while commands are working.
+"""signals.py VANTAGE SAMPLE.xz SCENARIO PROBLEM: sends SIGINT, SIGTERM and SIGHUP to commands while they work.
 
 Each command soon ends with its results so far and reports this; no output is incomplete. Soon is half a
 second on an idle machine; here it is judged by CPU time, with a limit far below that of the whole work.

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# slurm.sh VANTAGE, within in_slurm.sh: a sweep as an array of jobs: complete, detached, cancelled, continued
-# and refused.
+# slurm.sh VANTAGE, within in_slurm.sh: tests a sweep as an array of jobs: complete, detached,
+# cancelled, continued and refused.
 source "$(dirname "$0")/slurm_support.sh"
 extent=(--smoke)
 
@@ -73,8 +73,8 @@ run 2 refused --slurm --shards 6  # in_slurm.sh allows numbers up to 4
 says "Slurm rejected the job: .*[Ii]nvalid job array"
 [[ -z "$(squeue --noheader)" ]] || fail "a job was submitted"
 
-# The same holds if Slurm accepts the array but not the collecting job. Nothing is submitted if the queue
-# cannot be queried.
+# The same applies if Slurm accepts the array but not the collecting job. Nothing is submitted if
+# the queue cannot be queried.
 mkdir "$work/bin"
 PATH="$work/bin:$PATH"
 # make_fail PROGRAM CASE WORDS: makes PROGRAM fail if CASE is among its arguments.

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# slurm_nodes.sh VANTAGE, within in_slurm.sh --nodes 3: a sweep with shards on three nodes, while a node is
-# cut off, the controller is killed, or a node dies.
+# slurm_nodes.sh VANTAGE, within in_slurm.sh --nodes 3: tests a sweep with shards on three nodes,
+# while a node is cut off, the controller is killed, or a node dies.
 source "$(dirname "$0")/slurm_support.sh"
 extent=(--trials 20 --jobs 2)  # two cores each, so a shard occupies a node
 

@@ -1,5 +1,6 @@
 #!/bin/bash
-# systemd_unit.sh UNIT VANTAGE: systemd accepts the example unit. Exit code 77: systemd-analyze is missing.
+# systemd_unit.sh UNIT VANTAGE: checks that systemd accepts the example unit. Exit code 77:
+# systemd-analyze is missing.
 set -euo pipefail
 command -v systemd-analyze > /dev/null || { echo "skipped: no systemd-analyze"; exit 77; }
 dir=$(mktemp -d)

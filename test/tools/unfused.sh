@@ -1,6 +1,6 @@
 #!/bin/bash
-# unfused.sh PROGRAM…: no program computes a product and a sum with one rounding (docs/decisions/0014).
-# Compilers do so unless they are prevented, at some levels of optimisation and not at others.
+# unfused.sh PROGRAM…: checks that no program computes a product and a sum with one rounding
+# (docs/decisions/0014). Compilers do this at some levels of optimisation unless they are prevented.
 set -euo pipefail
 status=0
 for program in "$@"; do

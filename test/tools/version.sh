@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# version.sh CMAKE SOURCE: the version changes with the content that is built, whether committed or not, and
-# with nothing else. Exit code 77: git is missing.
+# version.sh CMAKE SOURCE: checks that the version changes with the content that is built, whether
+# committed or not, and with nothing else. Exit code 77: git is missing.
 set -euo pipefail
 cmake=$1
 script=$2/cmake/WriteVersion.cmake

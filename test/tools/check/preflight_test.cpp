@@ -42,7 +42,7 @@ TEST(CheckPreflight, ReportsWhetherDetectionsHaveIds) {
 
 TEST(CheckPreflight, RefusesAStartInsideItsMarginOfAWall) {
   scenario::Scenario scenario = lab();
-  scenario.robots[0].start.x_m = scenario.world.bounds.min_m.x() + 0.3;  // m, < 0.25 + 0.1
+  scenario.robots[0].start.x_m = scenario.world.bounds.min_m.x() + 0.3;  // m; less than 0.25 + 0.1
   EXPECT_NE(only_fault(scenario).find("robot Q1"), std::string::npos);
   scenario.robots[0].start.x_m = scenario.world.bounds.min_m.x() + 0.36;
   EXPECT_TRUE(check_preflight(scenario).is_ready());
@@ -174,7 +174,7 @@ TEST(CheckPreflight, NotesPlansThatArriveAfterTheirFirstTurn) {
   scenario.planner.separation_m = 0.9;
   scenario.planner.separation_from_above = true;
   scenario.planner.obstacle_margin_m = 0.4;
-  scenario.planner.publish_margin_s = 0.35;  // 0.1 s for publication, and 1 m/s at 2 m/s² both ways
+  scenario.planner.publish_margin_s = 0.35;  // s; lead 0.1, half window 0.25
   EXPECT_TRUE(check_preflight(scenario).notes.empty());
   scenario.planner.publish_margin_s = 0.34;
   EXPECT_NE(all_of(check_preflight(scenario).notes).find("planner.publish_margin_s to 0.35"),

@@ -25,7 +25,7 @@ TEST(RestartSchedule, DoublesItsBackOffUpToTheCap) {
 }
 
 TEST(RestartSchedule, ResetsAfterAStableRun) {
-  RestartSchedule schedule;  // settled after 10 s
+  RestartSchedule schedule;  // stable after 10 s
   schedule.on_start(0);
   ASSERT_EQ(schedule.on_end(kSecond_ns), kSecond_ns + seconds(0.2));
   schedule.on_start(2 * kSecond_ns);
@@ -64,7 +64,7 @@ TEST(RestartSchedule, AbandonsAProcessThatFailsImmediately) {
 }
 
 TEST(RestartSchedule, KeepsRestartingRareFailures) {
-  RestartSchedule schedule;  // 5 in 60 s
+  RestartSchedule schedule;  // allows 5 restarts in 60 s
   schedule.on_start(0);
   std::int64_t now_ns = 0;
   for (int death = 0; death < 1000; ++death) {
