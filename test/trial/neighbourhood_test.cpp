@@ -48,7 +48,7 @@ struct TrialMessages {
   double farthest_target_m = 0.0;
   std::size_t most_cells = 0;
   std::size_t searched = 0;
-  std::map<std::int64_t, std::set<Time>> slots;  ///< of each round
+  std::map<std::int64_t, std::set<Time>> slots;  ///< start times, by round
 };
 
 template <class Message, class Wire>

@@ -136,7 +136,7 @@ TEST(Trial, IsIndependentOfTheStepLength) {
 TEST(RunTrial, PlansEveryRoundWithoutLoss) {
   const scenario::Scenario scenario = short_lab(1);
   const TrialResult result = run_trial(scenario, trial_recipes(scenario));
-  EXPECT_GE(result.summary.rounds, 5);  // of 1 s each
+  EXPECT_GE(result.summary.rounds, 5);  // rounds of 1 s
   EXPECT_EQ(result.summary.plans_missing, 0);
   EXPECT_EQ(result.summary.messages_lost, 0);
   EXPECT_EQ(result.summary.duration_s, 6.0);

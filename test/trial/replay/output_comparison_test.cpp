@@ -152,7 +152,7 @@ TEST(OutputComparison, ReportsLongerListsAndBitDifferences) {
   OutputComparison last;
   last.add_logged(encoded(plan_of(1)));
   vantage_lcm::plan_t other = plan_of(1);
-  other.inputs[1].sequence += 1;  // its last byte
+  other.inputs[1].sequence += 1;  // changes the last byte
   last.add_replayed(encoded(other));
   ASSERT_TRUE(last.first_difference());
   EXPECT_EQ(last.first_difference()->member, "inputs[1].sequence");
@@ -173,7 +173,7 @@ TEST(OutputComparison, ComparesTheNewestOutputOfEachNumber) {
   OutputComparison comparison;
   vantage_lcm::plan_t plan = plan_of(1);
   comparison.add_logged(encoded(plan));
-  plan.height_m = 2.0;  // its node was restarted
+  plan.height_m = 2.0;  // a restarted node publishes again
   comparison.add_logged(encoded(plan));
   comparison.add_replayed(encoded(plan));
   EXPECT_TRUE(comparison.is_exact());
