@@ -169,7 +169,7 @@ TEST_F(BusStreamCounters, ContinueWhileAnotherSubscriptionMatches) {
   EXPECT_EQ(of("left"), (Counts{0, 0, 0, 0, 0, 0, 0}));
 }
 
-// A malformed message is counted once, whatever the number of matching subscriptions.
+// A malformed message is counted once, for any number of matching subscriptions.
 TEST_F(BusStreamCounters, CountAnUndecodableMessageOnce) {
   for (int i = 0; i < 3; ++i) {
     bus_.subscribe<models::RobotPlan>(plan_channel("A"), [](const auto&) {});

@@ -209,8 +209,8 @@ TEST_F(BusAgainstRawBytes, ReceivesFromAnyNumberOfConsoles) {
   EXPECT_EQ(bus_.messages_lost(), 1);
 }
 
-// A safer command is delivered whatever its sequence number, since a forged number must not
-// suppress a stop; the receiver decides.
+// A safer command is delivered with any sequence number, since a forged number must not suppress a
+// stop. The receiver decides whether to obey.
 TEST_F(BusAgainstRawBytes, DeliversSaferCommandsWithAnySequenceNumber) {
   using models::OperatorAction;
   send(stamped(1, std::int64_t{1} << 40, 10));
