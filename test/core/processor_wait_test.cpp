@@ -13,7 +13,7 @@ Time at(double t_s) { return from_utime(1'700'000'000'000'000) + from_seconds(t_
 
 struct Row {
   const char* what;
-  std::vector<std::pair<double, std::int64_t>> readings;  ///< s; µs
+  std::vector<std::pair<double, std::int64_t>> readings;  ///< time in s; total wait in µs
   double recent_s;
 };
 
