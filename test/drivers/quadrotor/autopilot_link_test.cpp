@@ -394,8 +394,8 @@ TEST(AutopilotLink, SurvivesRandomBytes) {
   }
 }
 
-// According to docs/guide/quadrotors.md, all other modes may run without a pilot, whatever the
-// sub-mode of PX4.
+// According to docs/guide/quadrotors.md, all other modes may run without a pilot, in any sub-mode
+// of PX4.
 TEST(Dialect, ListsTheModesFlownByHand) {
   const std::set<std::uint32_t> px4{1, 2, 3, 5, 7, 8, 11};
   const std::set<std::uint32_t> ardupilot{0, 1, 2, 5, 11, 13, 16, 22};

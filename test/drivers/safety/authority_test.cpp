@@ -250,7 +250,7 @@ TEST_F(Authority, ForgetsTheLongestSilentStation) {
     EXPECT_TRUE(is_known(run)) << run;
   }
   EXPECT_FALSE(is_known(9));
-  admit(OperatorAction::kHeartbeat, 3, 0.9);  // 4 is now silent longest, except 1
+  admit(OperatorAction::kHeartbeat, 3, 0.9);  // station 4 is now silent longest, except station 1
   admit(OperatorAction::kHeartbeat, 2, 0.95);
   for (const std::int64_t newcomer : {9, 10}) {
     admit(OperatorAction::kHeartbeat, newcomer, 0.96 + 0.001 * static_cast<double>(newcomer));

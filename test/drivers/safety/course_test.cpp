@@ -330,8 +330,8 @@ TEST(Course, HasAPlanUntilThePlanEnds) {
   }
 }
 
-// Compared with a numerical integration in small steps: constant velocity during the reaction time,
-// then braking to rest.
+// Compares the braking path with a numerical integration in small steps: constant velocity during
+// the reaction time, then braking to rest.
 TEST(BrakingPath, MatchesTheEquationsOfMotion) {
   test::Random random(7);
   for (int trial = 0; trial < 100; ++trial) {

@@ -178,7 +178,7 @@ TEST(FirstLiftOfThree, SkipsAVehicleThatCannotLift) {
   }
 }
 
-// Take-off orders for Q3 and, shortly afterwards, for Q1.
+// Q3 receives a take-off order, and shortly afterwards Q1.
 TEST(FirstLiftOfThree, LiftsInTheOrderOfCommands) {
   for (const double later_s : {0.02, 0.3, 1.0, 2.0}) {
     FlightBench bench(4);

@@ -96,7 +96,7 @@ TEST(GuardStop, IsStraightAfterALongLoss) {
   one.run(0.3);
   const Eigen::Vector2d seen_m = back(one.position_m.head<2>());
   one.has_mocap = false;
-  one.now += from_seconds(0.6);  // its driver did not run
+  one.now += from_seconds(0.6);  // the driver did not run
   one.tick();
   EXPECT_EQ(one.state(), FlightState::kLand);
   one.run(0.6);

@@ -81,7 +81,7 @@ TEST(IsPathBlocked, CountsBodiesWithPriority) {
   EXPECT_FALSE(is_path_blocked(from_m, to_m, others, limits));
 }
 
-// A stationary robot lands at its position and does not yield, whatever its priority.
+// A stationary robot lands at its position and does not yield, for any priority.
 TEST(IsPathBlocked, CountsStationaryRobotsAtAnyHeight) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);

@@ -146,7 +146,7 @@ TEST(Lift, StepsToTheFreestDiagonalAmongRandomBodies) {
     for (int i = random.integer(0, 2); i > 0; --i) {
       const Eigen::Vector2d apart_m = random.vector<2>(-1.0, 1.0);
       const Eigen::Vector2d corner_m =
-          room.rest_m.head<2>() + apart_m + 0.3 * apart_m.normalized();  // a step cannot reach it
+          room.rest_m.head<2>() + apart_m + 0.3 * apart_m.normalized();  // too far away for a step
       room.limits.fence.obstacles.push_back({{corner_m, corner_m}, 1.0});
     }
     for (int i = random.integer(0, 2); i > 0; --i) {
@@ -250,8 +250,8 @@ TEST(Lift, IsVerifiedOnlyInTheHover) {
   }
 }
 
-// Compared with the nearest of ten thousand points of the path. The body is also beyond both ends
-// and at any height. Before and after the lift the distance is 0.
+// Compares the distance with that of the nearest of ten thousand points of the path. The body is
+// also beyond both ends of the path and at any height. Before and after the lift the distance is 0.
 TEST(Lift, MeasuresItsDistanceFromThePath) {
   Flight f({1.0, -2.0, 0.5}, 0.1);
   EXPECT_EQ(Lift{}.deviation_m({3.0, 3.0, 3.0}), 0.0);

@@ -150,7 +150,7 @@ TEST(MocapClock, EstimatesThePeriodFromAdvancingFrames) {
   }
 }
 
-// A single frame does not define a period, whatever time its clock starts from. All time after it
+// A single frame does not define a period, for any start time of its clock. All time after it
 // counts as latency.
 TEST(MocapClock, HasNoPeriodAfterOneFrame) {
   for (const std::int64_t number : {0, 1, 7, 100, 101}) {

@@ -88,7 +88,7 @@ TEST_F(Source, AcceptsAClockChangeWhenFramesContinue) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 10), Standing::kCandidate);
   std::int64_t number = 10;
   double ahead_s = -kHourS;
-  for (const std::int64_t lost : {std::int64_t{0}, MocapSource::kLostMax}) {  // repeated
+  for (const std::int64_t lost : {std::int64_t{0}, MocapSource::kLostMax}) {
     const std::int64_t far = number + MocapSource::kLostMax + 1;
     EXPECT_EQ(hear(1, 0.1, ahead_s, far), Standing::kRefused) << "too many lost";
     EXPECT_EQ(hear(1, 0.1, ahead_s, number), Standing::kRefused) << "the same number again";

@@ -440,7 +440,7 @@ TEST_F(ShapeEdges, IgnoresTheFlownPartOfThePath) {
   EXPECT_NEAR(since_s, 1.4, 5e-6);
 }
 
-// Each other body is checked, whatever its position in the list.
+// Each other body is checked, at any position in the list.
 TEST_F(ShapeEdges, ChecksEveryBody) {
   const HeldPlan plan = held(kStart, {1.0, -1.0, 0.0}, {});
   for (std::size_t near = 0; near < 4; ++near) {

@@ -152,7 +152,7 @@ TEST(Runaway, DescentInAClimbIsATrackingErrorAfterTheTimeLimit) {
   EXPECT_NEAR(said_s - begin_s, 5.0 + 2.0 * 1.0 / limits.climb_mps, 0.3);
 }
 
-// A vehicle faster than its maximum speed is held.
+// A vehicle faster than its maximum speed changes to HOLD.
 TEST(Runaway, VehicleFasterThanItsLimitHolds) {
   for (const double way : {1.0, -1.0}) {
     FlightBench bench(3);

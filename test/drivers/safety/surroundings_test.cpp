@@ -262,7 +262,7 @@ TEST(ComputeSurroundings, FindsTheLeastDistanceToTheRoomWhileBraking) {
     }
     const Surroundings seen = compute_surroundings(here_m, way, {}, limits);
     EXPECT_NEAR(seen.fence_stop_m, fence_m, 1e-9);
-    EXPECT_NEAR(seen.obstacle_stop_m, obstacle_m, 0.02);  // path sampled every 7 cm, past a corner
+    EXPECT_NEAR(seen.obstacle_stop_m, obstacle_m, 0.02);  // the path is sampled every 7 cm
     const double centre_m = fence_distance_m(limits.fence, here_m.head<2>());
     const double below_m = limits.fence.ceiling_m - here_m.z();
     EXPECT_NEAR(seen.fence_centre_m, std::min(centre_m, below_m), 1e-12);

@@ -138,7 +138,7 @@ TEST_P(ViconSocket, CarriesRecordedFlightsWithoutLoss) {
   // Each frame must arrive before the next is sent, so only 15 s of flight are used.
   for (std::size_t k = 0; k < 1500; ++k) {
     EmulatedFrame frame;
-    // The server clock advances by 10 ms per frame, whatever the real sending rate.
+    // The server clock advances by 10 ms per frame, at any real sending rate.
     frame.captured = test::ViconBench::kEpoch + 10'000 * Duration{bench.number};
     frame.number = bench.number++;
     for (const auto& flight : flights) {
