@@ -139,7 +139,7 @@ TEST(EstimatorReplayNode, FindsInputsWithinBufferCapacity) {
   }
 }
 
-// The replay buffers hold 64 beliefs, 256 scans, and 16 maps of each robot.
+// The replay buffers keep 64 beliefs, 256 scans, and 16 maps of each robot.
 TEST(MapReplayer, FindsInputsWithinBufferCapacity) {
   for (const int robots : {1, 2, 3}) {
     std::vector<std::string> names;

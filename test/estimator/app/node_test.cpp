@@ -198,7 +198,7 @@ TEST_F(NodeTest, CountsUnusableInputs) {
   run_until(kStart + 2s, {&node});
   auto counts = counts_of(node);
   EXPECT_EQ(counts["misaddressed"], 1);
-  EXPECT_EQ(counts["stale_beliefs"], 1);  // not counted once per step
+  EXPECT_EQ(counts["stale_beliefs"], 1);  // counted once, not once per step
   EXPECT_EQ(counts["viewpoint_unknown"], 4);
 }
 

@@ -33,7 +33,7 @@ scenario::EstimatorSpec still_targets() {
   return spec;
 }
 
-/// One robot that moves at random and measures a target that stands still, until it is located.
+/// One robot that moves at random and measures a stationary target until the target is located.
 struct Search {
   std::optional<models::Gaussian> found;
   Eigen::Vector2d truth_m;

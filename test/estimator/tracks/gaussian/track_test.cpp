@@ -226,7 +226,7 @@ TEST_P(MeasureAgainstBruteForce, HasThePosteriorsMoments) {
   RecordProperty("worst_mean_sigma", std::to_string(worst_mean));
   RecordProperty("worst_covariance_share", std::to_string(worst_covariance));
   EXPECT_GE(at_limits, 3);
-  EXPECT_LT(worst_mean, 0.15);  // σ of the posterior
+  EXPECT_LT(worst_mean, 0.15);  // in σ of the posterior
   EXPECT_LT(worst_covariance, 0.25);
 }
 

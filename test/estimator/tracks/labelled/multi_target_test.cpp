@@ -150,8 +150,8 @@ TEST(MultiTargetFilter, IsIndependentOfDetectionOrder) {
   }
 }
 
-// Invariance holds up to the quadrature error of empty scans, as the quadrature points are aligned
-// with the world's axes.
+// The invariance is exact up to the quadrature error of empty scans, as the quadrature points are
+// aligned with the world's axes.
 TEST(MultiTargetFilter, IsInvariantToRotation) {
   const double turn_rad = 0.5 * kPi;  // maps the square world onto itself
   const auto plain = tracked(spec_of(3, {0.9, 1.0}), 0.0, false, 12);

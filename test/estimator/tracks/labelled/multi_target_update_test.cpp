@@ -123,7 +123,8 @@ TEST(MultiTargetUpdate, AgreesWithBayesRuleForOneTrackAndOneDetection) {
     weights += component.weight;
   }
   EXPECT_NEAR(weights, 1.0, 1e-12);
-  // Otherwise the detection belongs to no track: an untracked target or a false alarm.
+  // Otherwise the detection belongs to no track: it comes from an untracked target or is a false
+  // alarm.
   const double nobodys = 1.0 - reported / total;
   const double birth = nobodys * untracked_per_m2 / (untracked_per_m2 + clutter_per_m2);
   ASSERT_GT(birth, 0.01);
@@ -323,7 +324,7 @@ TEST(MultiTargetUpdate, AssignsADetectionToOneTrackByDefault) {
         // The track is certainly in view: r (1 - p) / (1 - r p).
         EXPECT_NEAR(tracks[other].existence, 0.9 * 0.2 / (1.0 - 0.9 * 0.8), 1e-6);
       }
-      if (tracker == Tracker::kNearest) {  // as with a known id, whatever its existence probability
+      if (tracker == Tracker::kNearest) {  // as with a known id, for any existence probability
         auto known = models::to_information(part(1.0, 1.5, 0.1, 0.2).belief).value();
         ASSERT_EQ(measure(known, lab_sensor(), from, z.measurement, 0.0), Use::kUsed);
         EXPECT_TRUE(
