@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""ctrl_c.py BIN_DIR SCENARIO: `vantage up` in its own terminal, ended by the Ctrl-C key.
+"""ctrl_c.py BIN_DIR SCENARIO: ends `vantage up` in its own terminal by the Ctrl-C key.
 
 Pressed once: all processes end by themselves, and the exit code is 0. Pressed again while a stopped
 process keeps the end waiting: that process is killed at once and named, and the exit code is 1. Either

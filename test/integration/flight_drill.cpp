@@ -467,7 +467,7 @@ class Drill {
   std::optional<Time> follow_at_;
   std::string held_;
   std::set<std::string> victims_;
-  std::string round_;  ///< the last event
+  std::string round_;  ///< last event
   std::map<std::string, Time> cut_until_;
   Time next_keep_{};
   std::map<std::string, Time> taken_until_;  ///< robots under control of the other station

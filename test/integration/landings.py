@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""landings.py [--times N] BIN_DIR SCENARIO TYPES EVENT...: whatever ends a trial, its vehicles land first.
+"""landings.py [--times N] BIN_DIR SCENARIO TYPES EVENT...: checks that vehicles land before a trial
+ends, for each EVENT that ends it.
 
 Starts `vantage up` without --fly and an operator's console, which arms the vehicles, lets them take off
 and follow, and stays alive. When all are in the air the EVENT happens:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""record.py BIN_DIR: `vantage log record` against everything that ends or harms loggers: signals, kill
--9, a full disk, a read-only disk, a limit on files, existing files, datagrams that end lcm-logger. It is
-also compared with lcm-logger, whose log must have the same content. To be run in its own network, as
-root there: in_network.sh record.py ...
+"""record.py BIN_DIR: tests `vantage log record` against everything that ends or harms loggers: signals,
+kill -9, a full disk, a read-only disk, a limit on files, existing files, datagrams that end lcm-logger.
+It is also compared with lcm-logger, whose log must have the same content. To be run in its own network,
+as root there: in_network.sh record.py ...
 """
 import os
 import pathlib

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""stranger.py BIN_DIR SCENARIO TYPES: SCENARIO with `security: require`, while a stranger without keys
-publishes in the name of another supervisor and another vehicle, reports collisions, and sends names that
-contain escape sequences. The trial starts and ends well, does not count forged collisions, and reports
-their number; its terminal receives none of the stranger's escape sequences, and the memory of
+"""stranger.py BIN_DIR SCENARIO TYPES: runs SCENARIO with `security: require` while a stranger without
+keys publishes in the name of another supervisor and another vehicle, reports collisions, and sends names
+that contain escape sequences. The trial starts and ends well, does not count forged collisions, and
+reports their number; its terminal receives none of the stranger's escape sequences, and the memory of
 `vantage up` does not grow. To be run in its own network.
 """
 
