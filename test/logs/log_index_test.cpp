@@ -446,7 +446,7 @@ Bytes with_hash(Bytes content) {
   return content;
 }
 
-// An index is a cache: the log can be read whatever its index contains.
+// An index is a cache: the log can be read with any content of its index.
 TEST(IndexedLog, SurvivesACorruptIndexWithAValidHash) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");

@@ -229,9 +229,8 @@ TEST(LogScan, ReadsConcatenatedLogs) {
   EXPECT_EQ(scan.counts().bytes_damaged, 0U);
 }
 
-// Single events with foreign numbers do not change the number range of the log, whatever their
-// number. A log inside the data of such an event is found by the log's own numbers, even at the end
-// of the file.
+// Single events with foreign numbers do not change the number range of the log. A log inside the
+// data of such an event is found by the log's own numbers, even at the end of the file.
 TEST(LogScan, KeepsItsNumberingDespiteScatteredForeignEvents) {
   const Bytes data(10, 7);
   for (const int strangers : {1, 63, 64, 65, 128, 200}) {

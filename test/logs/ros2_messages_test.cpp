@@ -252,8 +252,8 @@ TEST(ToRos2, WritesMapsByHitsMinusPasses) {
   EXPECT_EQ(in.numbers<std::int8_t>(6), (std::vector<std::int8_t>{-1, 100, 0, 100, 0, -1}));
 }
 
-// One pose per step from start to end, and only one for zero duration. The number of poses is
-// limited, whatever a foreign plan requests.
+// A plan has one pose per step from start to end, and a single pose if its duration is zero. The
+// number of poses is limited for any plan.
 TEST(ToRos2, WritesAPlanAsOnePosePerStep) {
   for (const double duration_s : {1.2, 1.0, 0.0, 1e5}) {
     models::RobotPlan plan;

@@ -60,7 +60,7 @@ TEST(SetSums, AreEmptyWithoutTruth) {
   EXPECT_FALSE(sums.means());
 }
 
-// Each robot has the same weight, whatever the number of its beliefs and of its tracked targets.
+// Each robot has the same weight, for any number of beliefs and tracked targets.
 TEST(SetSums, WeightRobotsEqually) {
   SetSums sums(2);
   sums.on_truth(truth(0.0));

@@ -88,7 +88,7 @@ TEST_F(LogNumbers, ReportsTheLatencyOfEachHop) {
   add_frame(0.20, 0.204, 0.212, 2);
   add_look("Q2", 0.45, 0.46, 4);
   add_look("Q1", 0.50, 0.51, 3);
-  add_look("Q1", 0.55, 0.56, 5);  // is an input of no belief
+  add_look("Q1", 0.55, 0.56, 5);  // not an input of any belief
   add_belief("Q1", 0.52, 0.57, 7, {},
              {{"MEASUREMENT_Q1", 11, 3}, {"MEASUREMENT_Q2", 11, 4}, {"MEASUREMENT_Q2", 12, 5}});
   add_belief("Q1", 0.54, 0.58, 8, {});
@@ -169,7 +169,7 @@ TEST_F(LogNumbers, ReportsTheTeamsEntropyOverTime) {
     add_belief("Q2", s, s + 0.2, step, {});
     add_truth(s + 0.25);
   }
-  add_belief("Q1", 1.0, 2.4, 2, {});  // late
+  add_belief("Q1", 1.0, 2.4, 2, {});  // logged late
   const LogAnalysis analysis = analyse();
   ASSERT_EQ(analysis.course.size(), 4U);
   const double prior_nats =
