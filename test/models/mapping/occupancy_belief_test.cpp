@@ -167,8 +167,8 @@ TEST(BeamSensor, HasTheStatedDefaults) {
   EXPECT_EQ(BeamSensor{}.sigma_m, 0.01);
 }
 
-// A ray from outside the grid, or from the last cell outwards, empties the profile, whatever the
-// profile contained.
+// A ray from outside the grid, or from the last cell outwards, empties the profile, for any
+// previous content.
 TEST(TraceBeam, IsEmptyForAnEmptyRay) {
   const OccupancyBelief belief(kGrid, 2.0);
   const BeamSensor sensor{1, 1.0, 0.0, 10.0, 0.01};
