@@ -50,8 +50,8 @@ TEST_F(PlannerNodeTest, WaitsForMessagesFirstOnlyInRealTime) {
   EXPECT_EQ(first_tick(clock_), slot.begin + 1s);
 }
 
-// Whenever a planner is started, each teammate has a slot to publish a plan before its first own
-// slot. A teammate without a plan would be assumed to hover.
+// Whenever a planner is started, each teammate has a slot to publish a plan before the first slot
+// of this planner. A teammate without a plan would be assumed to hover.
 TEST_F(PlannerNodeTest, ReceivesPlanOfEachTeammateBeforeFirstSlot) {
   for (const int attacks : {0, 1}) {
     scenario::Scenario scenario = test::lab_scenario();

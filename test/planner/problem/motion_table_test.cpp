@@ -148,7 +148,7 @@ TEST(IsFree, FieldNeverAcceptsWhatExactDistancesRefuse) {
     motion.reset(problem);
     for (int k = 0; k < 100; ++k) {
       Pose2 from = random_pose(rng);
-      for (int nearer = 0; nearer < 8; ++nearer) {  // along the field until near contact
+      for (int nearer = 0; nearer < 8; ++nearer) {  // moves along the field until near contact
         const Eigen::Vector2d p_m = from.position_m();
         const double spare_m = models::clearance_m(world, p_m) - problem.clearance_m;
         const Eigen::Vector2d dx(1e-6, 0.0);
@@ -358,7 +358,7 @@ TEST(Plans, MoveAwayFromATooNearTeammate) {
     hover.start.x_m *= 2.0;
     hover.start.y_m *= 2.0;
     problem.teammates = {hover};
-    EXPECT_EQ(required_separation_m(problem, 0), problem.separation_m);  // far away: as required
+    EXPECT_EQ(required_separation_m(problem, 0), problem.separation_m);  // far away
   }
 }
 

@@ -94,7 +94,7 @@ TEST(IsFree, AccountsForTurnsWithinATeammatesPiece) {
       MotionTable motion(64, 16, 4);
       motion.reset(problem);
       EXPECT_FALSE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c, 0));
-      if (least_m > 0.6) {  // limits the allowance
+      if (least_m > 0.6) {  // the allowance is below 0.6 m
         problem.separation_m = least_m - 0.6;
         motion.reset(problem);
         EXPECT_TRUE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c, 0));
@@ -203,7 +203,7 @@ TEST(IsFree, AccountsForTheBulgeOfItsArc) {
     problem.separation_m = least_m + 1e-4;
     motion.reset(problem);
     EXPECT_FALSE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), 0, 0)) << i;
-    problem.separation_m = least_m - 0.05;  // limits the allowance
+    problem.separation_m = least_m - 0.05;  // the allowance is usually below 0.05 m
     motion.reset(problem);
     accepted += motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), 0, 0) ? 1 : 0;
   }

@@ -84,7 +84,7 @@ class Round {
   std::vector<std::unique_ptr<RobotPlanner>> planners_;
   std::vector<std::unique_ptr<TeamExchange>> exchanges_;
   std::vector<std::optional<models::TeamProposal>> solutions_;
-  std::vector<std::optional<models::TeamProposal>> bases_;  ///< the base of each of proposals_
+  std::vector<std::optional<models::TeamProposal>> bases_;  ///< base of each of proposals_
   std::vector<models::TeamProposal> proposals_;
   std::map<std::string, models::RobotPlan> plans_;
 };

@@ -292,7 +292,7 @@ TEST(RobotPlanner, KeepsClearOfTeammateThatDoesNotFollowItsPlan) {
           (Eigen::Vector3d(at_m.x(), at_m.y(), scenario.robots[0].height_m) - place_m).norm());
     }
   }
-  EXPECT_LT(nearest_m[models::FlightState::kFollow], asked_m - 0.1);  // through the teammate
+  EXPECT_LT(nearest_m[models::FlightState::kFollow], asked_m - 0.1);  // leads through the teammate
   EXPECT_GE(nearest_m[models::FlightState::kIdle], asked_m - 0.02);
 }
 

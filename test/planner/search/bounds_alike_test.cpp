@@ -312,7 +312,7 @@ TEST(LatticeBound, AtADepthEqualsBoundOfTheRemainingProblem) {
 }
 
 // A lattice uses the frame of its start pose. A rotation and shift of all positions does not change
-// its bound, neither the first one nor those with an improved reference.
+// its first bound or the bounds with an improved reference.
 TEST(LatticeBound, IsInvariantToTheFrame) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);

@@ -378,8 +378,8 @@ TEST(LatticeBound, HasCapacityForItsFinestLattice) {
   }
 }
 
-// A search that is cut off before its end reports that, with or without the output of its path.
-// With one more node it is not cut off.
+// A search that is cut off reports this, with or without the output of its path. With one more node
+// it reaches its end.
 TEST(LatticeBound, ReportsCutOff) {
   LatticeBound lattice(8, 8, 20'000);
   BeliefTable beliefs(8, 8);

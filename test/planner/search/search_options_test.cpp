@@ -199,7 +199,7 @@ TEST(Reduced, ReportsPeakMemory) {
         ++opened[index(node.depth - 1)];
       }
     }
-    const auto most = [&](const std::vector<std::size_t>& of) {  // between the root and the leaves
+    const auto most = [&](const std::vector<std::size_t>& of) {  // excluding root and leaves
       return horizon > 1 ? *std::max_element(of.begin() + 1, of.end() - 1) : 0;
     };
     EXPECT_EQ(result.peak_bytes, search.tree().bytes_used() +

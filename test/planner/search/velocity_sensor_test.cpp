@@ -44,7 +44,7 @@ TEST(VelocitySensor, EverySearchKeepsItsBoundAndAStarIsOptimal) {
     ++solved;
     for (const Algorithm& algorithm : all_algorithms()) {
       if (algorithm.name == "lawn_mower" && problem.world == nullptr) {
-        continue;  // it sweeps a world
+        continue;  // the lawn mower needs a world
       }
       const auto search = algorithm.make(test::small_capacity(), {});
       const SearchResult result = search->plan(problem, Deadline::nodes(200'000));
