@@ -331,7 +331,7 @@ attacks:
     EXPECT_THROW(parse_scenario(changed, "jammed"), StartupError) << by;
   };
   refused("attacks_max: 1", "attacks_max: 2");                       // no robot would be left
-  refused("attacks_max: 1", "attacks_max: 1, algorithm: external");  // no proposals
+  refused("attacks_max: 1", "attacks_max: 1, algorithm: external");  // sends no proposals
   refused("to_s: 20.5", "to_s: 10");                                 // empty time span
   refused("robots: [B]", "robots: [C]");                             // unknown robot
   refused("to_s: 5, robots", "robots");                              // end missing
