@@ -16,7 +16,7 @@ namespace wire = vantage::wire::vicon;
 /// Returns the types of the blocks in a frame for a client that has requested the types `asked`.
 std::set<std::uint32_t> heard_of(const std::vector<std::uint32_t>& asked) {
   DataStreamPeer peer{ServerSettings{}};
-  peer.outgoing.clear();  // the server's greeting
+  peer.outgoing.clear();  // drops the server's greeting
   std::vector<std::uint8_t> bytes;
   wire::PacketWriter packet(bytes);
   append(packet, wire::ObjectEnums{asked});

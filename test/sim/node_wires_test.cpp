@@ -198,7 +198,7 @@ TEST(SimNode, ReportsRealStreamRateAndLatency) {
   packet.finish();
   client.transmit(asked);
   lab.run(1);
-  client.read_reply();  // the server's greeting
+  client.read_reply();  // reads the server's greeting
   const Time capture = run_up_to_a_frame(lab);
   lab.tick_at(capture + Duration{7'000});
   const std::vector<std::uint8_t> received = client.read_reply();
@@ -244,7 +244,7 @@ TEST(SimNode, StampsVrpnWithTheCaptureTime) {
     ASSERT_EQ(framed.state, vicon::Framing::kWhole);
     left = left.subspan(framed.bytes);
     if (header.type < 0) {
-      continue;  // a name
+      continue;  // defines a name
     }
     ++poses;
     EXPECT_EQ(1'000'000 * std::int64_t{header.seconds} + header.microseconds, to_utime(capture));

@@ -59,7 +59,7 @@ struct Pilot {
       step();
     }
   }
-  /// Steps while the condition holds, for a minute at most.
+  /// Steps while the condition is true, for a minute at most.
   template <class Condition>
   void run_while(const Condition& is_so) {
     const Time begin = now;

@@ -249,7 +249,7 @@ class RecordedSilence : public testing::TestWithParam<const char*> {};
 TEST_P(RecordedSilence, SetPointLossStopsArdupilot) {
   const Pair& pair = drill(std::string("ardupilot_setpoints_stop") + GetParam());
   expect_way(pair, "set-points stop", 0.10, 0.10);
-  for (const Recording* recording : {&pair.real, &pair.emulated}) {  // and the mode stays the same
+  for (const Recording* recording : {&pair.real, &pair.emulated}) {  // the mode does not change
     const double stop_s = recording->mark("set-points stop");
     EXPECT_TRUE(recording->order("mode", stop_s, recording->mark("land")).empty());
   }

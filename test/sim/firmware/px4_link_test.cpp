@@ -337,8 +337,8 @@ TEST(Px4Link, OpensSerialLineAtGivenBaudRate) {
   }
 }
 
-// Opening is tried twice per second, however often send() is called. Here the path is a file, which
-// is not a serial line.
+// Opening is tried twice per second, even if send() is called more often. Here the path is a file,
+// which is not a serial line.
 TEST(Px4Link, RetriesAMissingSerialLineTwicePerSecond) {
   const test::TemporaryFolder folder;
   write_file(folder.file("no_line"), "");

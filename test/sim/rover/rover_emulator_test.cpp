@@ -79,7 +79,7 @@ TEST(RoverEmulator, ExecutesCommandsAfterDelay) {
   EXPECT_NEAR(bench.rover.state().yaw_rate_radps, 5 * 0.005 * 8.0, 1e-9) << "the second, in turn";
 }
 
-// Each command takes effect at its own time, however long the steps of the emulator are.
+// Each command takes effect at its own time, for any step length of the emulator.
 TEST(RoverEmulator, IsIndependentOfTheStepLength) {
   RoverEmulatorSpec spec = Bench::exact();
   spec.delay_s = 0.03;
@@ -214,7 +214,7 @@ TEST(RoverEmulator, DropsDelayedCommandsOnStop) {
   RoverEmulatorSpec spec = Bench::exact();
   spec.delay_s = 0.3;
   Bench bench(spec);
-  for (int i = 0; i < 15; ++i) {  // as long as the delay
+  for (int i = 0; i < 15; ++i) {  // lasts as long as the delay
     bench.transmit(bench.drive(0.5F));
     bench.now += Duration{20'000};
     bench.rover.advance_to(bench.now);
