@@ -16,7 +16,7 @@ struct FlightBounds {
   std::set<std::string> may_hold;  ///< robots without a minimum follow share
   double setpoint_error_rms_max_m = 0.10;
   double speed_max_share = 1.15;
-  double turn_max_share = 1.7;  ///< a real ArduCopter overshoots to 1.53, a real PX4 to 1.2
+  double turn_max_share = 1.7;  ///< ArduCopter overshoots to 1.53, PX4 to 1.2
   double outside_max_m = 0.0;
   double setpoint_jump_max_m = 0.1;
   double gap_max_s = 0.5;  ///< s; between status messages, and between TRUTH frames
@@ -25,7 +25,7 @@ struct FlightBounds {
   /// Processors used by all processes together in that second; above it, the flight's own processes
   /// caused the wait.
   double processors_held_up_max = 1.5;
-  double processors_max = 1.0;  ///< mean of all processes together; a spinning process exceeds it
+  double processors_max = 1.0;  ///< mean; a spinning process exceeds it
   bool is_slowed = false;       ///< a sanitizer slows all processes down
 };
 

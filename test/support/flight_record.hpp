@@ -19,30 +19,30 @@ namespace vantage::test {
 /// or the end of the log. Computed from the true positions.
 struct CourseMetrics {
   double airborne_s = 0.0;
-  double follow_share = 0.0;          ///< share of that time in FOLLOW
-  double setpoint_error_rms_m = 0.0;  ///< m, in space, while following
+  double follow_share = 0.0;          ///< share of airborne_s in FOLLOW
+  double setpoint_error_rms_m = 0.0;  ///< m; distance from the set-point in FOLLOW
   double setpoint_error_max_m = 0.0;
-  double hold_error_max_m = 0.0;  ///< m, while holding
-  double speed_max_share = 0.0;   ///< share of the limit, horizontal speed
+  double hold_error_max_m = 0.0;  ///< m; distance from the set-point in HOLD
+  double speed_max_share = 0.0;   ///< greatest horizontal speed / limit
   double outside_max_m = 0.0;     ///< m; centre beyond the bounds or inside an obstacle
   double separation_least_m = 0.0;
-  double turn_max_share = 0.0;  ///< share of the limit, over a tenth of a second
+  double turn_max_share = 0.0;  ///< greatest yaw rate over 0.1 s / limit
   /// m; jump of the set-point between two status messages while following, beyond the distance at
   /// the greatest speed.
   double setpoint_jump_max_m = 0.0;
-  double status_gap_max_s = 0.0;  ///< s, between two status messages
-  double truth_gap_max_s = 0.0;   ///< s, between two observations of its body
+  double status_gap_max_s = 0.0;  ///< s; between two status messages
+  double truth_gap_max_s = 0.0;   ///< s; between two observations of its body
   int runs = 0;                   ///< accepted runs of its driver
   std::int64_t strangers = 0;     ///< status messages of another run while its own was alive
-  std::map<std::string, double> reasons;  ///< s in the air, by reason
+  std::map<std::string, double> reasons;  ///< s; airborne time with each reason
 };
 
 /// The response of a vehicle that followed a plan to one order or condition to stop.
 struct Stop {
   Time begin{};
-  double speed_mps = 0.0;      ///< greatest horizontal speed within 0.2 s
+  double speed_mps = 0.0;      ///< m/s; greatest horizontal speed within 0.2 s
   double distance_m = 0.0;     ///< m; greatest horizontal distance from the start within 2.5 s
-  double still_after_s = 0.0;  ///< s, until permanently slower than 0.1 m/s
+  double still_after_s = 0.0;  ///< s; until permanently slower than 0.1 m/s
   std::string reason;
 };
 
@@ -55,12 +55,12 @@ struct Reaction {
 
 /// The response of a vehicle to an event.
 struct EventResponse {
-  double speed_mps = 0.0;        ///< greatest horizontal speed within 0.2 s
+  double speed_mps = 0.0;        ///< m/s; greatest horizontal speed within 0.2 s
   double distance_m = 0.0;       ///< m; greatest horizontal distance from the start within 3 s
   double outside_m = 0.0;        ///< m; centre beyond the bounds or in an obstacle, within 12 s
   double separation_m = 0.0;     ///< m; least distance from another vehicle in the air, within 12 s
   double off_course_m = 0.0;     ///< m; greatest distance from the set-point within 8 s
-  std::optional<double> down_s;  ///< s, until below 0.15 m; nullopt if not within 30 s
+  std::optional<double> down_s;  ///< s; until below 0.15 m; nullopt if not within 30 s
   std::vector<Reaction> said;    ///< each change of state within 45 s
 };
 
