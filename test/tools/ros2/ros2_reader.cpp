@@ -26,7 +26,7 @@ namespace {
 using namespace vantage;
 
 constexpr double kTolerance = 1e-9;
-constexpr double kX_m = 0.5;  // m; robot, plan and target
+constexpr double kX_m = 0.5;  // m; x of robot, plan and target
 constexpr auto kPatience = std::chrono::seconds(30);
 
 dds_entity_t open_topic(dds_entity_t participant, const dds_topic_descriptor_t& type,

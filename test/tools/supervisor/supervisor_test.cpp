@@ -279,7 +279,7 @@ ProcessSpec driver(const std::string& script) {
   return spec;
 }
 
-// Only heartbeats on the pipe count, whatever is received over the network.
+// Only heartbeats on the pipe count; messages on the network do not.
 TEST(Supervisor, KillsAProcessWithoutHeartbeats) {
   Watched watched;
   watched.supervisor.start(ours("planner Q1", "sign(b'?')\ntime.sleep(1000)"), watched.now_ns);
