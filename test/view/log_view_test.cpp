@@ -223,7 +223,8 @@ TEST_F(SampleLog, StepsWithoutJumpAndRepeatsRequestedInstant) {
   EXPECT_EQ(ask(viewer.begin), (std::pair(1, true)));
 }
 
-// The rate is twenty poses per second anywhere in the log, whatever the server reads for a seek.
+// The rate is twenty poses per second anywhere in the log, and does not include what the server
+// reads for a seek.
 TEST_F(SampleLog, RateUsesCountsAndTimeOfOneMessage) {
   PlayingViewer viewer(log_of_sample());
   const auto go = [&](Time to) {

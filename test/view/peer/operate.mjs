@@ -33,7 +33,7 @@ await until(page, () => /sent follow to Q1; no effect on Q1: /.test(document.que
 await until(page, () => /follow: unconfirmed/.test(document.querySelector('#operator [data-robot="Q1"] .receipt').textContent));
 await shot(page, "in_charge");
 
-// One page at a time operates; another one can stop.
+// Only one page operates at a time; the other page can stop the vehicles.
 const other = await open(1366, 768, "dark", `#operate=${KEY}`, undefined, is_loaded);
 await other.click('#operator [data-act="claim"]');
 await until(other, () => /another page operates/.test(document.querySelector("#operator p").textContent));

@@ -262,7 +262,7 @@ async function check_stage(page) {
     assert.deepEqual(overlaps(names), []);
   }
 
-  // Labels are complete in each view, whatever was drawn before them.
+  // Labels are complete in each view, also after another view was drawn.
   const ascents = async (view) => {
     await page.keyboard.press(view); // redraws all labels
     await page.evaluate(() => picture());
@@ -281,7 +281,7 @@ async function check_stage(page) {
   await page.mouse.click(...robot.pixel);
   const measured = await page.evaluate(() => vantage.measured());
   assert.deepEqual(measured.map(([x, y]) => [x.toFixed(3), y.toFixed(3)]), [target, robot].map(({ at: [x, y] }) => [x.toFixed(3), y.toFixed(3)]));
-  // A ruler of one scale length on bare ground shows one metre.
+  // A ruler as long as the scale bar, on bare ground, shows one metre.
   await page.keyboard.press("l");
   await page.keyboard.press("l");
   const scale = await page.evaluate(() => vantage.scale());
