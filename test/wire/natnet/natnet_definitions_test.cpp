@@ -123,7 +123,7 @@ TEST(NatNetDefinitions, RefusesImpossibleCounts) {
     NatNetBytes body;
     append_body(body, version, "Q", 1, 0);
     body.bytes.resize(body.bytes.size() - 4);
-    body.u32(0xFFFFFFFF);  // markers
+    body.u32(0xFFFFFFFF);  // number of markers
     NatNetBytes payload;
     payload.u32(1).u32(1);
     if (version >= kSizedSince) {

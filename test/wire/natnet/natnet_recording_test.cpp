@@ -42,7 +42,7 @@ std::vector<std::vector<std::uint8_t>> datagrams_of(const std::vector<std::uint8
       break;
     }
     if (type == kEnhancedPacket) {
-      block.take(12);  // interface, time
+      block.take(12);  // skips interface and time
       const std::uint32_t captured = block.u32();
       block.u32();
       const Bytes packet = block.take(captured);
