@@ -190,7 +190,7 @@ TEST(ReplayAttack, SpendsNoBudgetOfTheStation) {
   }
   std::vector<models::NamedCount> counts;
   vehicle->count(counts);
-  ASSERT_EQ(counts.size(), 1U) << "no command is refused for want of budget";
+  ASSERT_EQ(counts.size(), 1U) << "no command is refused because the budget is spent";
   EXPECT_EQ(counts[0].name, "COMMAND.wrong_session");
   EXPECT_EQ(counts[0].count, 1'000);
 }

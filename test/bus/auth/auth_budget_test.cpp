@@ -29,7 +29,7 @@ TEST(Budget, RefillsAtItsRateUpToItsBurst) {
     return out;
   };
   EXPECT_EQ(spend(kNow), 3);
-  EXPECT_EQ(spend(kNow + milliseconds(499)), 0) << "not yet a whole one";
+  EXPECT_EQ(spend(kNow + milliseconds(499)), 0) << "less than one unit has been refilled";
   EXPECT_EQ(spend(kNow + milliseconds(500)), 1);
   EXPECT_EQ(spend(kNow + milliseconds(1'500)), 2);
   EXPECT_EQ(spend(kNow + hours(1)), 3) << "no more than the burst";
@@ -52,7 +52,7 @@ TEST(SignatureBudgets, HostBudgetCoversAllPorts) {
   }
   EXPECT_EQ(orders, 3);
   EXPECT_EQ(stops, 2);
-  EXPECT_TRUE(budgets.take({host(2, 1), 1}, false, kNow)) << "another host's";
+  EXPECT_TRUE(budgets.take({host(2, 1), 1}, false, kNow)) << "another host has a separate budget";
 }
 
 // A sender with a valid signature is identified by address and session together.
@@ -66,8 +66,8 @@ TEST(SignatureBudgets, VerifiedSenderHasOwnBudget) {
   EXPECT_TRUE(budgets.take(known, false, kNow));
   budgets.add_verified(known, kNow);
   EXPECT_TRUE(budgets.take(known, false, kNow));
-  EXPECT_FALSE(budgets.take(known, false, kNow)) << "being right again fills nothing up";
-  EXPECT_TRUE(budgets.take(known, true, kNow)) << "stops have their own";
+  EXPECT_FALSE(budgets.take(known, false, kNow)) << "a valid signature does not refill the budget";
+  EXPECT_TRUE(budgets.take(known, true, kNow)) << "stops have a separate budget";
 }
 
 TEST(SignatureBudgets, ReplacesTheLongestSilentSenderAfterThreeSeconds) {
@@ -79,7 +79,7 @@ TEST(SignatureBudgets, ReplacesTheLongestSilentSenderAfterThreeSeconds) {
   budgets.add_verified(sender(0), kNow + milliseconds(20));
   const Time later = kNow + milliseconds(1) + SignatureBudgets::kKeptFor;
   budgets.add_verified(sender(16), later);
-  EXPECT_FALSE(budgets.take(sender(16), false, later)) << "each was received within 3 s";
+  EXPECT_FALSE(budgets.take(sender(16), false, later)) << "each sender was received within 3 s";
   EXPECT_TRUE(budgets.take(sender(1), false, later));
   budgets.add_verified(sender(16), later + Duration{1});
   EXPECT_FALSE(budgets.take(sender(1), false, later + milliseconds(1)));
@@ -96,12 +96,12 @@ TEST(SignatureBudgets, ReplacesTheLongestSilentHostAfterThreeSeconds) {
   for (std::uint64_t i = 0; i < 64; ++i) {
     EXPECT_TRUE(take(i, static_cast<int>(i)));
   }
-  EXPECT_FALSE(take(0, 70)) << "all are remembered";
+  EXPECT_FALSE(take(0, 70)) << "all hosts are remembered";
   for (int i = 0; i < 3; ++i) {
-    EXPECT_TRUE(take(64, 3'001)) << "has no place: it takes from the budget of all strangers alone";
+    EXPECT_TRUE(take(64, 3'001)) << "the host is not remembered and uses the common budget";
   }
   EXPECT_TRUE(take(64, 3'002));
-  EXPECT_FALSE(take(64, 3'003)) << "has the place of host 1";
+  EXPECT_FALSE(take(64, 3'003)) << "the host has replaced host 1";
   EXPECT_FALSE(take(0, 3'003));
   EXPECT_FALSE(take(2, 3'003));
 }
@@ -132,7 +132,7 @@ TEST(ReplayGuard, EqualsAReferenceThatStoresAllNumbers) {
           newest + rng() % 5 - std::min<std::uint64_t>(rng() % 130, newest);
       const bool is_new = counter > forgotten && !heard.contains(counter);
       ASSERT_EQ(guard.refuses(1, 1, counter), !is_new);
-      ASSERT_EQ(guard.refuses(1, 1, counter), !is_new) << "asking changes nothing";
+      ASSERT_EQ(guard.refuses(1, 1, counter), !is_new) << "a query changes nothing";
       ASSERT_EQ(guard.admit(1, 1, counter), is_new);
       if (is_new) {
         heard.insert(counter);
@@ -143,8 +143,8 @@ TEST(ReplayGuard, EqualsAReferenceThatStoresAllNumbers) {
       }
       newest = std::max(newest, counter);
     }
-    EXPECT_FALSE(guard.refuses(1, 2, 1)) << "of another session";
-    EXPECT_FALSE(guard.refuses(2, 1, 1)) << "of another key";
+    EXPECT_FALSE(guard.refuses(1, 2, 1)) << "another session";
+    EXPECT_FALSE(guard.refuses(2, 1, 1)) << "another key";
     EXPECT_FALSE(guard.knows(2, 1));
     EXPECT_TRUE(guard.knows(1, 1));
   }
@@ -173,7 +173,7 @@ TEST(Verify, AcceptsMessagesWithinTwoSecondsOfNow) {
     };
     EXPECT_EQ(judged(key, "VICON"), row.is_current ? Refusal::kNone : Refusal::kStale)
         << row.off_us;
-    EXPECT_EQ(judged(station, "COMMAND"), Refusal::kNone) << "a station's clock may be wrong";
+    EXPECT_EQ(judged(station, "COMMAND"), Refusal::kNone) << "the clock of a station may be wrong";
   }
 }
 

@@ -157,7 +157,7 @@ TEST_F(SecuredBus, RefusesAForgedFrameWithTheTrueRunAndNumber) {
   EXPECT_EQ(vehicle_.count("VICON.bad_mac"), 1);
   lab_.bus.publish(kVicon, frame());
   hear();
-  EXPECT_EQ(vehicle_.frames.size(), 2U) << "and the true one's place is not taken";
+  EXPECT_EQ(vehicle_.frames.size(), 2U) << "the genuine frame is still accepted";
   EXPECT_EQ(vehicle_.count("VICON.duplicates"), 0);
 }
 
@@ -182,8 +182,9 @@ TEST_F(SecuredBus, RefusesASimulationAndAReplayWithTheSameKeys) {
   lab_.bus.publish(kVicon, frame());
   simulation.hear();
   replay.hear();
-  EXPECT_EQ(simulation.count("VICON.wrong_mode"), 2) << "nor does a simulation take theirs";
-  EXPECT_EQ(replay.frames.size(), 3U) << "a replay takes what was said, whenever that was";
+  EXPECT_EQ(simulation.count("VICON.wrong_mode"), 2)
+      << "a simulation refuses frames of the real lab";
+  EXPECT_EQ(replay.frames.size(), 3U) << "a replay accepts messages of any time";
 }
 
 TEST_F(SecuredBus, RefusesReplayedMessagesAtOnceAndLater) {
@@ -195,7 +196,7 @@ TEST_F(SecuredBus, RefusesReplayedMessagesAtOnceAndLater) {
   Process late(hub_, clock_, 6, test::authenticator(keys_));
   send_again(heard_.at(0));
   late.hear();
-  EXPECT_TRUE(late.frames.empty()) << "it has not heard it before";
+  EXPECT_TRUE(late.frames.empty()) << "this receiver has not received the message before";
   EXPECT_EQ(late.count("VICON.stale"), 1);
 }
 
@@ -282,7 +283,8 @@ TEST_F(SecuredBus, RotatesKeysWhileRunning) {
   late.bus.publish(kVicon, second);
   late.bus.publish(kVicon, second);
   listener.hear();
-  EXPECT_EQ(listener.frames.size(), 2U) << "one of the old key, one of the new (0 was heard)";
+  EXPECT_EQ(listener.frames.size(), 2U)
+      << "one message with the old key, one with the new (message 0 was received earlier)";
 }
 
 // ---- Messages on COMMAND ----
@@ -331,7 +333,7 @@ TEST_F(SecuredBus, RefusesCommandsOfAnEarlierSession) {
 
   vehicle_.bus.renew_session();
   say(OperatorAction::kTakeOff, "Q1");
-  EXPECT_EQ(vehicle_.commands.size(), 2U) << "said before the station could hear of it";
+  EXPECT_EQ(vehicle_.commands.size(), 2U) << "sent before the station had received the status";
   pass(std::chrono::milliseconds(1'100));
   say(OperatorAction::kTakeOff, "Q1");
   EXPECT_EQ(vehicle_.commands.size(), 2U);

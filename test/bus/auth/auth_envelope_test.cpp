@@ -129,7 +129,8 @@ TEST(Verify, RefusesEveryFlippedBit) {
         ASSERT_NE(receiver.judge(channel, message), Refusal::kNone) << name_of(role) << ' ' << bit;
         message[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
       }
-      EXPECT_EQ(receiver.judge(channel, message), Refusal::kNone) << "and none of them counted";
+      EXPECT_EQ(receiver.judge(channel, message), Refusal::kNone)
+          << "no refused message was counted";
     }
   }
 }
@@ -158,12 +159,12 @@ TEST(Verify, ReturnsTheReasonOfARefusal) {
             Refusal::kUnknownKey);
   EXPECT_EQ(receiver.judge("VICON", signed_by(test::key_of(Role::kNode, 5), "VICON", payload)),
             Refusal::kWrongRole)
-      << "an estimator is no camera";
+      << "the role of an estimator may not sign VICON";
   EXPECT_EQ(receiver.judge("VICON", signed_by(mocap, "VICON2", payload)), Refusal::kBadMac)
-      << "said on another channel";
+      << "signed for another channel";
   const Key planner = test::key_of(Role::kPlanner, 2);
   EXPECT_EQ(receiver.judge("PLAN_Q2", signed_by(planner, "PLAN_Q1", payload)), Refusal::kBadMac)
-      << "another robot's plan";
+      << "signed for the plan of another robot";
   for (const TrialMode mode : {TrialMode::kWire, TrialMode::kSimulation, TrialMode::kReplay}) {
     EXPECT_EQ(receiver.judge("VICON", signed_by(mocap, "VICON", payload, kNowCounter, mode)),
               Refusal::kWrongMode)
@@ -198,7 +199,7 @@ TEST(Verify, AcceptsOldAndNewKeyDuringARotation) {
     const Key signing = test::key_of(Role::kMocap, static_cast<std::uint8_t>(first));
     EXPECT_EQ(receiver.judge("VICON", signed_by(signing, "VICON", bytes_of("frame"))),
               Refusal::kNone)
-        << "counters are of each key";
+        << "each key has separate counters";
   }
 }
 
@@ -222,8 +223,8 @@ TEST(ReplayGuard, AcceptsEachMessageOnceWithinWindow) {
     const std::uint64_t session = rng();
     for (std::size_t i = 0; i < order.size(); ++i) {
       ASSERT_TRUE(guard.admit(1, session, order[i]));
-      ASSERT_FALSE(guard.admit(1, session, order[rng() % (i + 1)])) << "heard before";
-      ASSERT_TRUE(guard.admit(2, session, order[i])) << "of another key";
+      ASSERT_FALSE(guard.admit(1, session, order[rng() % (i + 1)])) << "received before";
+      ASSERT_TRUE(guard.admit(2, session, order[i])) << "another key";
     }
     for (const std::uint64_t old : counters) {
       ASSERT_FALSE(guard.admit(1, session, old));
@@ -245,7 +246,8 @@ TEST(ReplayGuard, ReplacesTheLongestSilentSession) {
   for (std::uint64_t session = 1; session < ReplayGuard::kSessionsMax; ++session) {
     ASSERT_TRUE(guard.admit(1, session, 5));
   }
-  ASSERT_FALSE(guard.admit(1, 0, 5)) << "all are remembered; this one spoke last";
+  ASSERT_FALSE(guard.admit(1, 0, 5))
+      << "all sessions are remembered; this one sent the last message";
   ASSERT_TRUE(guard.admit(1, 9'999, 5));
   EXPECT_TRUE(guard.knows(1, 0));
   EXPECT_FALSE(guard.knows(1, 1));
@@ -284,7 +286,7 @@ TEST(SignatureBudgets, LimitTheCostOfForgedCommandsAndKeepStopsPossible) {
     ASSERT_TRUE(refusal == Refusal::kBadSignature || refusal == Refusal::kOverBudget);
     verified += refusal == Refusal::kBadSignature ? 1 : 0;
   }
-  EXPECT_LE(verified, 50 + 200 + 20 + 40 + 2) << "at most 13 ms of work for each";
+  EXPECT_LE(verified, 50 + 200 + 20 + 40 + 2) << "at most 13 ms of work for each message";
   receiver.expectation.is_emergency_stop = true;
   EXPECT_EQ(receiver.judge("COMMAND", signed_by(station, "COMMAND", bytes_of("stop"), ++counter)),
             Refusal::kNone);
@@ -397,7 +399,7 @@ TEST(SignatureBudgets, FloodFromAnotherHostDelaysNoCommand) {
       return attack.send_forged(receiver, is_stop, kAttacker, kSession);
     });
     EXPECT_EQ(out.heard, 10) << is_stop;
-    EXPECT_LE(out.verified, 20 + 20) << "one host's, at most 2 ms of work in a second";
+    EXPECT_LE(out.verified, 20 + 20) << "one host causes at most 2 ms of work per second";
   }
 }
 
@@ -411,7 +413,7 @@ TEST(SignatureBudgets, FloodFromAnyAddressDelaysNoKnownStation) {
     });
     EXPECT_EQ(out.heard, 10) << is_stop;
     EXPECT_LE(out.verified, 50 + 100)
-        << "all strangers' together, at most 7 ms of work in a second";
+        << "all unknown senders cause at most 7 ms of work per second";
   }
 }
 

@@ -141,10 +141,11 @@ TEST_F(KeyFolder, RotationNeverInterruptsVerification) {
   const Keyring after = load_keyring(folder());
   EXPECT_THROW(end_rotation(folder(), std::nullopt), StartupError);
   for (const Role role : kRoles) {
-    EXPECT_EQ(between.signing(role)->id, before.signing(role)->id) << "as others know it";
+    EXPECT_EQ(between.signing(role)->id, before.signing(role)->id) << "other hosts know this key";
     EXPECT_NE(after.signing(role)->id, before.signing(role)->id);
-    EXPECT_NE(between.find(after.signing(role)->id), nullptr) << "who has not turned understands";
-    EXPECT_NE(after.find(before.signing(role)->id), nullptr) << "and is understood";
+    EXPECT_NE(between.find(after.signing(role)->id), nullptr)
+        << "a host without the new key still accepts the message";
+    EXPECT_NE(after.find(before.signing(role)->id), nullptr) << "and its messages are accepted";
     revoke_key(folder(), key_name(*after.find(before.signing(role)->id)));
   }
   const Keyring last = load_keyring(folder());
@@ -181,15 +182,16 @@ TEST_F(KeyFolder, IsRefusedWhenOtherUsersCanWriteToIt) {
     EXPECT_NE(refusal_of(folder()).find("chmod 700"), std::string::npos) << mode;
   }
   ASSERT_EQ(chmod(folder().c_str(), 0755), 0);
-  EXPECT_EQ(refusal_of(folder()), "loaded") << "to look into it is no harm";
+  EXPECT_EQ(refusal_of(folder()), "loaded") << "read permission for others is allowed";
 }
 
 TEST_F(KeyFolder, RotatesRolesIndependently) {
   const Keyring before = load_keyring(folder());
   begin_rotation(folder(), Role::kMocap);
   EXPECT_THROW(begin_rotation(folder(), Role::kMocap), StartupError);
-  EXPECT_THROW(begin_rotation(folder(), std::nullopt), StartupError) << "one is under way";
-  EXPECT_THROW(end_rotation(folder(), Role::kVehicle), StartupError) << "it has no new key";
+  EXPECT_THROW(begin_rotation(folder(), std::nullopt), StartupError)
+      << "a rotation has begun already";
+  EXPECT_THROW(end_rotation(folder(), Role::kVehicle), StartupError) << "this role has no new key";
   begin_rotation(folder(), Role::kPlanner);
   EXPECT_EQ(load_keyring(folder()).keys().size(), kRoles.size() + 2);
   end_rotation(folder(), Role::kMocap);
@@ -206,7 +208,8 @@ TEST_F(KeyFolder, RotatesRolesIndependently) {
               role != Role::kMocap && role != Role::kPlanner)
         << name_of(role);
   }
-  EXPECT_EQ(last.signing(Role::kMocap)->id, after.signing(Role::kMocap)->id) << "not once more";
+  EXPECT_EQ(last.signing(Role::kMocap)->id, after.signing(Role::kMocap)->id)
+      << "a second call does not rotate again";
 }
 
 TEST_F(KeyFolder, RevokesKeysByNameAndNumberWithTheSeed) {
@@ -217,7 +220,7 @@ TEST_F(KeyFolder, RevokesKeysByNameAndNumberWithTheSeed) {
   const std::string name = key_name(*keyring.signing(Role::kOperator));
   EXPECT_EQ(name.substr(0, 9), "operator-");
   revoke_key(folder(), name.substr(9));
-  EXPECT_EQ(files(), 4) << "and its seed is gone";
+  EXPECT_EQ(files(), 4) << "the seed is removed";
   revoke_key(folder(), key_name(*keyring.signing(Role::kNode)));
   EXPECT_EQ(files(), 3);
   EXPECT_THROW(revoke_key(folder(), name), StartupError);
@@ -236,7 +239,7 @@ TEST_F(KeyFolder, DoesNotPrintARefusedSecret) {
   const std::string file = outer_.file("secret");
   const std::vector<std::uint8_t> secret(16, 7);
   write_secret_file(file, secret);
-  EXPECT_THROW(write_secret_file(file, secret), StartupError) << "it is there already";
+  EXPECT_THROW(write_secret_file(file, secret), StartupError) << "the file exists already";
   std::vector<std::uint8_t> out(16, 9);
   read_secret_file(file, out, "secret");
   EXPECT_EQ(out, secret);
@@ -244,7 +247,7 @@ TEST_F(KeyFolder, DoesNotPrintARefusedSecret) {
   EXPECT_THROW(read_secret_file(file, out, "secret"), StartupError);
   EXPECT_EQ(out, std::vector<std::uint8_t>(16, 0));
   ASSERT_EQ(chmod(file.c_str(), 0400), 0);
-  EXPECT_NO_THROW(read_secret_file(file, out, "secret")) << "less is as good";
+  EXPECT_NO_THROW(read_secret_file(file, out, "secret")) << "fewer permissions are accepted";
   for (const std::size_t size : {15U, 17U}) {
     std::vector<std::uint8_t> other(size, 9);
     EXPECT_THROW(read_secret_file(file, other, "secret"), StartupError);
@@ -346,7 +349,7 @@ TEST_F(KeyFolder, LimitsTheNumberOfVehiclesPerCommand) {
   }
   EXPECT_TRUE(faults_of(SecurityMode::kRequire, 65, DeviceSource::kDirect).empty());
   EXPECT_TRUE(faults_of(SecurityMode::kWarn, 65, DeviceSource::kWire).empty())
-      << "what is not echoed is taken all the same";
+      << "in warn mode messages without an echo are accepted";
   EXPECT_TRUE(faults_of(SecurityMode::kOff, 65, DeviceSource::kWire).empty());
 }
 
@@ -363,7 +366,7 @@ TEST_F(KeyFolder, IsReportedByNameWhenMissing) {
   const auto nowhere = scenario_of(SecurityMode::kRequire, "/nowhere", DeviceSource::kWire);
   EXPECT_EQ(security_faults(nowhere).size(), 1U);
   EXPECT_THROW(static_cast<void>(authenticator_for(nowhere)), StartupError);
-  EXPECT_EQ(replay_authenticator_for(nowhere), nullptr) << "a replay elsewhere";
+  EXPECT_EQ(replay_authenticator_for(nowhere), nullptr) << "a replay on another host";
 }
 
 }  // namespace

@@ -60,7 +60,8 @@ TEST(Trailer, ParsesToTheWrittenFields) {
     ASSERT_TRUE(split(trailer).has_value());
     EXPECT_TRUE(split(trailer)->payload.empty());
     EXPECT_FALSE(split(trailer.subspan(1)).has_value());
-    EXPECT_EQ(payload_of(trailer.subspan(1)).size(), trailer.size() - 1) << "taken as it is";
+    EXPECT_EQ(payload_of(trailer.subspan(1)).size(), trailer.size() - 1)
+        << "without a trailer the payload is the complete message";
   }
 }
 
@@ -118,7 +119,7 @@ TEST(Roles, HaveTheNamesOfTheirKeys) {
   const std::vector<std::string> names{"mocap", "planner", "vehicle", "operator", "node"};
   for (std::size_t i = 0; i < kRoles.size(); ++i) {
     EXPECT_EQ(name_of(kRoles[i]), names[i]);
-    EXPECT_EQ(static_cast<std::size_t>(kRoles[i]), i + 1) << "as it travels";
+    EXPECT_EQ(static_cast<std::size_t>(kRoles[i]), i + 1) << "value in the message";
   }
 }
 
@@ -133,7 +134,8 @@ TEST(RefusalCounts, CoverEveryReason) {
       EXPECT_EQ(count->reason, reason);
     }
   }
-  EXPECT_STREQ(name_of(static_cast<Refusal>(kRefusals)), "unknown") << "that was the last";
+  EXPECT_STREQ(name_of(static_cast<Refusal>(kRefusals)), "unknown")
+      << "all refusals have been named";
   EXPECT_TRUE(parse_refusal("VICON.no_key").has_value());
   EXPECT_FALSE(parse_refusal("no_key").has_value());
   EXPECT_FALSE(parse_refusal("VICON.unsigned.").has_value());

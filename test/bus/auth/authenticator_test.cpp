@@ -53,7 +53,8 @@ TEST(Authenticator, EchoesTheDestinationOrAllReceivedVehicles) {
     EXPECT_EQ(parts_of(to_all).echo_for(destination_of(robot)), session) << robot;
   }
   EXPECT_EQ(parts_of(said(*station, "COMMAND", kNow, "Q9")).echoes.size(), 0U);
-  EXPECT_EQ(parts_of(said(*station, "PLAN_Q1", kNow)).echoes.size(), 0U) << "that is no command";
+  EXPECT_EQ(parts_of(said(*station, "PLAN_Q1", kNow)).echoes.size(), 0U)
+      << "a plan is not a command";
 }
 
 TEST(Authenticator, EchoesAtMostSixtyFourVehicles) {
@@ -85,10 +86,10 @@ TEST(Authenticator, EchoesNewVehiclesInsteadOfSilentOnes) {
   }
   const Time later = kNow + Authenticator::kNonceLease;
   hear_at(64, later);
-  EXPECT_FALSE(echoes(64, later)) << "all of them may still be there";
+  EXPECT_FALSE(echoes(64, later)) << "any of the known vehicles may still exist";
   hear_at(64, later + milliseconds(1));
   EXPECT_TRUE(echoes(64, later + milliseconds(1)));
-  EXPECT_FALSE(echoes(0, later + milliseconds(1))) << "it was heard before all others";
+  EXPECT_FALSE(echoes(0, later + milliseconds(1))) << "this vehicle has been silent longest";
   for (int i = 1; i < 64; ++i) {
     EXPECT_TRUE(echoes(i, later + milliseconds(1))) << i;
   }
@@ -102,7 +103,7 @@ TEST(Authenticator, NumbersIncreaseWithTheClockAndNeverDecrease) {
     const std::uint64_t counter = parts_of(said(*node, "MAP_Q1", now)).foot.counter;
     EXPECT_GE(counter, static_cast<std::uint64_t>(to_utime(now)));
     EXPECT_GT(counter, last);
-    EXPECT_LE(counter, static_cast<std::uint64_t>(to_utime(kNow)) + 6'000) << "and no further";
+    EXPECT_LE(counter, static_cast<std::uint64_t>(to_utime(kNow)) + 6'000) << "but not farther";
     last = counter;
   }
   EXPECT_EQ(parts_of(said(*process(), "MAP_Q1", from_utime(-5))).foot.counter, 1U);
@@ -129,7 +130,8 @@ TEST_F(Nonces, RemainAcceptedForOneSecondAfterANewSession) {
   EXPECT_EQ(command(kNow + seconds(2)), Refusal::kNone);
   EXPECT_EQ(command(kNow + seconds(2) + Duration{1}), Refusal::kWrongSession);
   vehicle_->renew_session(kNow + seconds(3));
-  EXPECT_EQ(command(kNow + seconds(3)), Refusal::kWrongSession) << "that is two sessions ago";
+  EXPECT_EQ(command(kNow + seconds(3)), Refusal::kWrongSession)
+      << "the session before the last one";
 }
 
 TEST_F(Nonces, AreTakenFromTheNewestStatus) {
@@ -147,7 +149,7 @@ TEST_F(Nonces, AreTakenFromTheNewestStatus) {
     hear(*station_, "Q1", status(kNow + milliseconds(at_ms)), kNow + milliseconds(at_ms));
   }
   hear(*station_, "Q1", old, kNow + seconds(2));
-  EXPECT_EQ(echoed_by(*station_, kNow), session) << "older than what was heard";
+  EXPECT_EQ(echoed_by(*station_, kNow), session) << "older than the received status";
   // The last status arrived at 1 s and is stamped 1 s ahead: its nonce is kept for two seconds.
   for (const bool is_over : {false, true}) {
     const auto station = test::authenticator(test::keys_of_a_trial());
@@ -190,9 +192,8 @@ TEST(Authenticator, CountsRefusalsOf1024ChannelsByName) {
   EXPECT_FALSE(node->refuse("PLAN_3", Refusal::kStale));
   EXPECT_EQ(counts()["PLAN_3.stale"], 1);
   EXPECT_FALSE(node->judge("VICON", unsigned_message, kNow).may_pass);
-  EXPECT_EQ(counts()["VICON.unsigned"], 1) << "invented names take no place from a fixed one";
-  EXPECT_TRUE(node->judge("CAMERA", unsigned_message, kNow).may_pass)
-      << "what only shows needs no key";
+  EXPECT_EQ(counts()["VICON.unsigned"], 1) << "unknown names do not replace a fixed channel name";
+  EXPECT_TRUE(node->judge("CAMERA", unsigned_message, kNow).may_pass) << "a display needs no key";
   EXPECT_EQ(counts().count("CAMERA.unsigned"), 0U);
 }
 

@@ -48,7 +48,7 @@ TEST(FromWireScan, RefusesInvalidValues) {
   expect_refused(to_wire(scan), spoils);
   scan.jammed = true;
   scan.ranges_m.clear();
-  EXPECT_TRUE(from_wire(to_wire(scan)).has_value()) << "it has no beams then";
+  EXPECT_TRUE(from_wire(to_wire(scan)).has_value()) << "a jammed scan has no beams";
 }
 
 TEST(FromWireMap, RefusesInvalidValues) {
@@ -71,7 +71,7 @@ TEST(ToWireMap, LargestMapFitsTheSocketBuffer) {
   map.grid = {{0.0, 0.0}, 0.2, 250, 200};
   map.own_looks.assign(50'000, -3);
   map.team_looks = map.own_looks;
-  EXPECT_LE(to_wire(map).getEncodedSize(), 212'992) << "Linux's usual rmem_max";
+  EXPECT_LE(to_wire(map).getEncodedSize(), 212'992) << "default value of rmem_max in Linux";
 }
 
 }  // namespace

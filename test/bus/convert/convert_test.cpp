@@ -73,7 +73,7 @@ WireOf<Message> rich_wire(const HasEnough& has_enough) {
 /// Checks that `good` is accepted, and that it is refused after `spoil` has changed it.
 template <class Wire>
 void expect_refused(const Wire& good, void (*spoil)(Wire&), const char* what) {
-  ASSERT_TRUE(from_wire(good).has_value()) << "before: " << what;
+  ASSERT_TRUE(from_wire(good).has_value()) << "before the change: " << what;
   Wire bad = good;
   spoil(bad);
   EXPECT_FALSE(from_wire(bad).has_value()) << what;

@@ -126,7 +126,7 @@ TEST(IsWellFormed, RefusesLengthsThatCrashTheGeneratedDecoder) {
   EXPECT_FALSE(is_attack_well_formed(0xFFFFFFFF, one_name)) << "count -1";
   EXPECT_FALSE(is_attack_well_formed(0x7FFFFFFF, one_name)) << "count 2^31-1";
   EXPECT_FALSE(is_attack_well_formed(2, one_name)) << "one too many";
-  EXPECT_FALSE(is_attack_well_formed(0, one_name)) << "left over";
+  EXPECT_FALSE(is_attack_well_formed(0, one_name)) << "bytes are left over";
   EXPECT_FALSE(is_attack_well_formed(1, {0, 0, 0, 0})) << "string length 0";
   EXPECT_FALSE(is_attack_well_formed(1, {0x80, 0, 0, 0, 0})) << "string length INT_MIN";
   EXPECT_FALSE(is_attack_well_formed(1, {0xFF, 0xFF, 0xFF, 0xFF, 0})) << "string length -1";

@@ -65,7 +65,7 @@ TEST(BusCounters, NameEachTransportCounter) {
                                                  {"transport.kernel_drops", 9},
                                                  {"transport.receive_buffer_short_bytes", 11}}));
   stats = {};
-  EXPECT_TRUE(bus.counters().empty()) << "zeros are not told";
+  EXPECT_TRUE(bus.counters().empty()) << "counters of 0 are not reported";
 }
 
 /// A bus that receives the plans that `say` publishes.
@@ -124,7 +124,7 @@ TEST_F(BusStreamCounters, AreSummedByKindBeyond256Streams) {
     say("OTHER_" + std::to_string(i), 1, 0, 10);
   }
   say("ALONE", 1, 0, 10);
-  EXPECT_EQ(of("PLAN_A"), (Counts{3, 3, 1, 1, 1, 1, 1})) << "256 in all";
+  EXPECT_EQ(of("PLAN_A"), (Counts{3, 3, 1, 1, 1, 1, 1})) << "256 streams in total";
   EXPECT_EQ(of("PLAN_*"), (Counts{0, 0, 0, 0, 0, 0, 0}));
   say("OTHER_252", 1, 0, 10);
   EXPECT_EQ(of("PLAN_A"), (Counts{0, 0, 0, 0, 0, 0, 0}));
@@ -182,7 +182,7 @@ TEST_F(BusStreamCounters, CountAnUndecodableMessageOnce) {
   impossible.step_s = -1.0;
   raw_->publish("PLAN_A", test::encoded(impossible));
   bus_.handle(kNow);
-  EXPECT_EQ(bus_.undecoded(), 2) << "the third is of a type of ours";
+  EXPECT_EQ(bus_.undecoded(), 2) << "the third message has a known type";
   EXPECT_EQ(counters_of(bus_)["PLAN_A.decode_errors"], 2);
   EXPECT_EQ(counters_of(bus_)["PLAN_A.refused"], 1);
 }
@@ -204,7 +204,7 @@ TEST(BusCounters, CountUndecodableMessagesOf1024Channels) {
   spoil(1024);
   spoil(7);
   EXPECT_EQ(counters_of(bus)["(other).decode_errors"], 1);
-  EXPECT_EQ(counters_of(bus)["C7.decode_errors"], 2) << "those that are known go on";
+  EXPECT_EQ(counters_of(bus)["C7.decode_errors"], 2) << "known streams are still counted";
 }
 
 // The result is at least the time measured inside the handlers, and less than the total time.
@@ -237,7 +237,7 @@ TEST(BusSecurity, IsOffByDefault) {
   net.own.subscribe<models::OperatorCommand>(kCommand, [&](const auto&) { ++heard; });
   net.other.publish(kCommand, {{}, models::OperatorAction::kArm, "Q2"});
   net.own.handle(kNow);
-  EXPECT_EQ(heard, 1) << "who does not judge hears all";
+  EXPECT_EQ(heard, 1) << "a bus without this check delivers every message";
   EXPECT_FALSE(net.own.receives_signed());
 }
 

@@ -227,7 +227,7 @@ TEST_F(BusAgainstRawBytes, DeliversSaferCommandsWithAnySequenceNumber) {
   models::OperatorCommand follow = stamped(1, 4, 9);
   follow.action = OperatorAction::kFollow;
   send(follow);
-  EXPECT_EQ(heard_.size(), 13U) << "and nothing else";
+  EXPECT_EQ(heard_.size(), 13U) << "no other message was received";
 }
 
 /// Checks a channel with a single publisher: messages of run 2 are delivered while it publishes,
@@ -261,7 +261,7 @@ void expect_first_is_kept(const Channel<Message>& channel, Message message) {
   EXPECT_EQ(received, std::vector<std::int64_t>(200, 2));
   received.clear();
   run(2.0, false);
-  EXPECT_EQ(received, std::vector<std::int64_t>(151, 3)) << "once it is silent";
+  EXPECT_EQ(received, std::vector<std::int64_t>(151, 3)) << "once the publisher is silent";
 }
 
 TEST(Bus, KeepsTheFirstMocapWhileItPublishes) {
@@ -317,7 +317,7 @@ TEST_F(BusAgainstRawBytes, SumsTheCountsOfManyStreams) {
   EXPECT_EQ(count_of(bus_, "PLAN_*.fresh"), 603);
   EXPECT_EQ(count_of(bus_, "PLAN_*.duplicates"), 300);
   EXPECT_EQ(count_of(bus_, "PLAN_*.restarts"), 3);
-  EXPECT_EQ(count_of(bus_, "PLAN_7.fresh"), 0) << "each by itself would be too many";
+  EXPECT_EQ(count_of(bus_, "PLAN_7.fresh"), 0) << "streams are only counted by kind";
 }
 
 TEST_F(BusAgainstRawBytes, StaysBoundedUnderAFloodOfChannelNames) {
@@ -328,9 +328,9 @@ TEST_F(BusAgainstRawBytes, StaysBoundedUnderAFloodOfChannelNames) {
   }
   EXPECT_EQ(count_of(bus_, "bus.streams_refused"), 20'000 - 16'383);
   send(stamped(1, 0, 10));
-  EXPECT_EQ(heard_.size(), 1U) << "asked for by name";
+  EXPECT_EQ(heard_.size(), 1U) << "this channel was subscribed to by name";
   EXPECT_EQ(count_of(bus_, "(other).decode_errors"), 20'000 - 1'024);
-  EXPECT_LT(bus_.counters().size(), 10'000U) << "HEALTH can still carry them";
+  EXPECT_LT(bus_.counters().size(), 10'000U) << "HEALTH can still contain all counters";
 }
 
 TEST_F(BusAgainstRawBytes, IsUsableAfterAHandlerThrew) {

@@ -77,7 +77,7 @@ TEST(SteadyClock, ApproachesAtTheStatedRateAndRange) {
       Machine machine;
       machine.set = sign * milliseconds(apart_ms);
       machine.pass(milliseconds(20));
-      EXPECT_EQ(machine.clock.now(), kStart + milliseconds(20)) << "from then on";
+      EXPECT_EQ(machine.clock.now(), kStart + milliseconds(20)) << "slews from now on";
       machine.pass(seconds(4));
       const Duration drawn = sign * milliseconds(std::min(apart_ms, 4 * 5));
       EXPECT_EQ(machine.clock.now(), kStart + milliseconds(20) + seconds(4) + drawn) << apart_ms;
@@ -155,7 +155,7 @@ TEST(SteadyClock, ContinuesFromAPassedOffset) {
   EXPECT_LE(now, after);
   ASSERT_EQ(::setenv(SteadyClock::kOffsetVariable, "soon", 1), 0);
   EXPECT_LE(std::abs(to_seconds(SteadyClock().wall_offset())), 0.5)
-      << "what is no number is ignored";
+      << "a text that is not a number is ignored";
   ASSERT_EQ(::unsetenv(SteadyClock::kOffsetVariable), 0);
 }
 

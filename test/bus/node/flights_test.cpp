@@ -41,7 +41,7 @@ TEST(EndAfterFlights, DelaysTheFirstRequestUntilTheLanding) {
   EndAfterFlights end;
   EXPECT_EQ(end.requests(0, true, kStart), 0);
   EXPECT_EQ(end.requests(1, true, kStart + seconds(10)), 0);
-  EXPECT_EQ(end.requests(1, true, kStart + seconds(70)), 0) << "a minute from the request on";
+  EXPECT_EQ(end.requests(1, true, kStart + seconds(70)), 0) << "a minute counts from the request";
   EXPECT_EQ(end.requests(1, false, kStart + seconds(70)), 1);
 }
 

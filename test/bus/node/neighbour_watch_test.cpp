@@ -54,9 +54,9 @@ TEST_F(NeighbourSubscriptions, SubscribesToNearRobotsOnly) {
   NeighbourWatch near = watch(scenario);
   EXPECT_EQ(to, Names{});
   near.on_frame(frame_of(scenario, kStart, 0.0));
-  EXPECT_EQ(to, (Names{"Q2", "Q3"})) << "20 m is near";
+  EXPECT_EQ(to, (Names{"Q2", "Q3"})) << "20 m counts as near";
   near.on_frame(frame_of(scenario, kStart + kStep / 2, 630.0));
-  EXPECT_EQ(to, (Names{"Q2", "Q3"})) << "it looks once a step";
+  EXPECT_EQ(to, (Names{"Q2", "Q3"})) << "evaluated once per step";
   near.on_frame(frame_of(scenario, kStart + kStep, 630.0));
   EXPECT_EQ(to, (Names{"Q62", "Q63", "Q64", "Q65"}));
 }
@@ -72,7 +72,7 @@ TEST_F(NeighbourSubscriptions, ContinuesAfterAFutureFrame) {
     near.on_frame(frame_of(scenario, kStart + kStep, 80.0));
     EXPECT_EQ(to, (Names{"Q7", "Q8", "Q9"}));
     near.on_frame(frame_of(scenario, kStart + kStep - Duration{1}, 0.0));
-    EXPECT_EQ(to, (Names{"Q7", "Q8", "Q9"})) << "one that was overtaken";
+    EXPECT_EQ(to, (Names{"Q7", "Q8", "Q9"})) << "an overtaken frame is ignored";
     near.on_frame(frame_of(scenario, kStart + kStep + kStep, 80.0));
   }
 }
@@ -110,7 +110,7 @@ TEST_F(NeighbourSubscriptions, UpdatesOncePerStep) {
   EXPECT_FALSE(listens_at(250, 30.0));
   EXPECT_FALSE(listens_at(499, 0.0));
   EXPECT_TRUE(listens_at(600, 0.0));
-  EXPECT_TRUE(listens_at(849, 30.0)) << "a step after it looked last";
+  EXPECT_TRUE(listens_at(849, 30.0)) << "one step after the last evaluation";
   EXPECT_FALSE(listens_at(850, 30.0));
 }
 
@@ -126,7 +126,7 @@ TEST_F(NeighbourSubscriptions, KeepsUnseenRobots) {
   models::MocapFrame blind = frame_of(scenario, kStart + 2 * kStep, 1e3);
   blind.bodies[0].occluded = true;
   near.on_frame(blind);
-  EXPECT_EQ(to, (Names{"Q2", "Q3"})) << "where it is itself it does not know";
+  EXPECT_EQ(to, (Names{"Q2", "Q3"})) << "its own position is unknown";
 }
 
 }  // namespace

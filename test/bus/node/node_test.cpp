@@ -134,7 +134,8 @@ TEST_F(RunNode, ReportsTheProcessorWaitBeforeEachTick) {
       bus_, uncounted, clock_, [&] { return clock_.now() >= start_ + seconds(6); }, {}, nullptr,
       [] { return std::optional<std::int64_t>(); });
   run_node(bus_, uncounted, clock_, [&] { return clock_.now() >= start_ + seconds(7); });
-  EXPECT_TRUE(uncounted.waits_s.empty()) << "the kernel does not count, or nobody reads";
+  EXPECT_TRUE(uncounted.waits_s.empty())
+      << "the kernel does not count waits, or no device reads them";
 }
 
 TEST_F(RunNode, ChecksForStopDuringLongWaits) {
@@ -197,11 +198,11 @@ TEST_F(RunNode, TicksWhenItsDeviceHasData) {
   TickerWithADevice node(start_ + seconds(1'000), seconds(1));
   int asked = 0;
   run_node(bus_, node, clock_, [&] { return ++asked > 1; });
-  EXPECT_TRUE(node.ticks.empty()) << "it says nothing";
+  EXPECT_TRUE(node.ticks.empty()) << "the device sends nothing";
   node.speak();
   asked = 0;
   run_node(bus_, node, clock_, [&] { return ++asked > 3; });
-  EXPECT_EQ(node.ticks, (std::vector<Time>{start_, start_, start_})) << "long before its time";
+  EXPECT_EQ(node.ticks, (std::vector<Time>{start_, start_, start_})) << "before the requested time";
 }
 
 /// A node that needs time to stop, like the driver of a vehicle that must land.
@@ -226,7 +227,7 @@ TEST_F(RunNode, RunsUntilTheNodeMayEndAndReportsEachRequestOnce) {
   });
   using Asked = std::vector<std::pair<int, Time>>;
   EXPECT_EQ(node.asked, (Asked{{1, start_ + seconds(1)}, {2, start_ + seconds(2)}}));
-  EXPECT_EQ(node.ticks.size(), 150U) << "it flies on until it has landed";
+  EXPECT_EQ(node.ticks.size(), 150U) << "the node continues until the vehicle has landed";
 }
 
 TEST_F(RunNode, SendsHeartbeatsAndAFinalFlightState) {
@@ -249,7 +250,7 @@ TEST_F(RunNode, SendsHeartbeatsAndAFinalFlightState) {
       },
       {}, &life);
   take();
-  ASSERT_EQ(signs.size(), 11U) << "ten in the second, and the landing";
+  ASSERT_EQ(signs.size(), 11U) << "ten per second, and one at the landing";
   EXPECT_EQ(signs.front(), InFlight::kYes);
   EXPECT_EQ(signs[9], InFlight::kYes);
   EXPECT_EQ(signs.back(), InFlight::kNo);
@@ -257,7 +258,8 @@ TEST_F(RunNode, SendsHeartbeatsAndAFinalFlightState) {
 
 TEST_F(RunNode, PublishesHealthEverySecond) {
   run_until(start_ + milliseconds(3'500));
-  ASSERT_EQ(health_.size(), 6U) << "starting, at once, three seconds, stopping";
+  ASSERT_EQ(health_.size(), 6U)
+      << "at the start, immediately, after each of three seconds, at the stop";
   EXPECT_EQ(health_.front().state, models::ProcessState::kStarting);
   EXPECT_EQ(health_.back().state, models::ProcessState::kStopping);
   for (std::size_t i = 2; i + 1 < health_.size(); ++i) {
@@ -298,19 +300,19 @@ TEST_F(Health, IsPublishedAtOnceAndDegradedAfterADrop) {
     return health_.size();
   };
   EXPECT_EQ(loop(milliseconds(0)), 1U);
-  EXPECT_EQ(loop(milliseconds(500)), 1U) << "nothing new";
+  EXPECT_EQ(loop(milliseconds(500)), 1U) << "nothing has changed";
   node_.stale_inputs = 3;
   EXPECT_EQ(loop(milliseconds(510)), 2U);
   EXPECT_EQ(health_.back().state, models::ProcessState::kDegraded);
   ++node_.stale_inputs;
-  EXPECT_EQ(loop(milliseconds(520)), 2U) << "not more than ten times a second";
+  EXPECT_EQ(loop(milliseconds(520)), 2U) << "at most ten per second";
   EXPECT_EQ(loop(milliseconds(610)), 3U);
   EXPECT_EQ(loop(milliseconds(1'000)), 4U);
-  EXPECT_EQ(health_.back().state, models::ProcessState::kDegraded) << "in this second";
+  EXPECT_EQ(health_.back().state, models::ProcessState::kDegraded) << "a loss within this second";
   EXPECT_EQ(loop(milliseconds(2'000)), 5U);
-  EXPECT_EQ(health_.back().state, models::ProcessState::kRunning) << "nothing since";
+  EXPECT_EQ(health_.back().state, models::ProcessState::kRunning) << "no loss since then";
   ++node_.rest_rounds;
-  EXPECT_EQ(loop(milliseconds(2'500)), 5U) << "nothing is wrong with resting";
+  EXPECT_EQ(loop(milliseconds(2'500)), 5U) << "an idle loop is not a fault";
 }
 
 // Health is published at most ten times per second, to the microsecond. The periodic report follows
@@ -326,9 +328,9 @@ TEST_F(Health, IsPublishedAtMostTenTimesPerSecond) {
   ++node_.stale_inputs;
   EXPECT_EQ(reports(milliseconds(100) - Duration{1}), 1U);
   EXPECT_EQ(reports(milliseconds(100)), 2U);
-  EXPECT_EQ(reports(milliseconds(300)), 2U) << "that is told";
+  EXPECT_EQ(reports(milliseconds(300)), 2U) << "the loss has been reported";
   EXPECT_EQ(reports(seconds(1) - Duration{1}), 2U);
-  EXPECT_EQ(reports(seconds(1)), 3U) << "of the last full second, whatever came between";
+  EXPECT_EQ(reports(seconds(1)), 3U) << "the periodic report does not depend on reports in between";
   EXPECT_EQ(reports(seconds(2)), 4U);
   EXPECT_EQ(health_.back().stamp.time, start_ + seconds(2));
   EXPECT_EQ(health_.back().process, "TICKER");
@@ -351,17 +353,17 @@ TEST_F(Health, IsDegradedByLossNotByTraffic) {
   say();
   node_.busy_us += 1'000;
   node_.rest_rounds += 1;
-  EXPECT_EQ(state(), models::ProcessState::kRunning) << "heard, worked and rested";
+  EXPECT_EQ(state(), models::ProcessState::kRunning) << "receives, works and rests";
   node_.missed += 2;
   EXPECT_EQ(state(), models::ProcessState::kDegraded);
   EXPECT_EQ(health_.back().deadlines_missed, 2);
-  EXPECT_EQ(state(), models::ProcessState::kRunning) << "two seconds ago";
+  EXPECT_EQ(state(), models::ProcessState::kRunning) << "the loss was two seconds ago";
   bus_.unsubscribe(kAttack.name);
   const auto raw = transport_.hub().connect();
   bus_.subscribe<models::AttackNotice>(kAttack, [](const auto&) {});
   raw->publish(kAttack.name, std::vector<std::uint8_t>{1});
   bus_.handle(std::chrono::microseconds{0});
-  EXPECT_EQ(state(), models::ProcessState::kDegraded) << "something did not decode";
+  EXPECT_EQ(state(), models::ProcessState::kDegraded) << "a message could not be decoded";
 }
 
 // A rejected input is not a loss.
@@ -386,7 +388,7 @@ TEST_F(Health, ReportsItsWorstLoop) {
   ASSERT_EQ(health_.size(), 3U);
   EXPECT_EQ(health_[1].loop_worst_s, 0.007);
   EXPECT_EQ(health_[1].loops, 3);
-  EXPECT_EQ(health_[2].loop_worst_s, 0.0) << "none since";
+  EXPECT_EQ(health_[2].loop_worst_s, 0.0) << "no loop since the last report";
 }
 
 TEST_F(Health, ContainsCountersAndTheWorstLoopSinceTheLastReport) {

@@ -46,18 +46,18 @@ TEST(UsageFromStat, RequiresOnlyTheFieldsThatItReads) {
   const std::string least = kRest.substr(0, kRest.rfind(' '));
   const auto usage = usage_from_stat("77 (x)" + least, 1, 1);
   ASSERT_TRUE(usage);
-  EXPECT_EQ(usage->cpu_us, 300'000'000) << "of ticks of a second";
+  EXPECT_EQ(usage->cpu_us, 300'000'000) << "in ticks of one second";
   EXPECT_EQ(usage->memory_bytes, 1'000);
   EXPECT_EQ(usage->memory_most_bytes, 0);
   EXPECT_FALSE(usage_from_stat("77 (x)" + least.substr(0, least.rfind(' ')), 1, 1));
   EXPECT_FALSE(usage_from_stat("77 (x)" + least, -1, 1));
-  EXPECT_FALSE(usage_from_stat("77 x" + least, 1, 1)) << "no name";
+  EXPECT_FALSE(usage_from_stat("77 x" + least, 1, 1)) << "the name is missing";
 }
 
 TEST(WaitedUsFromSchedstat, ReadsTheSecondNumber) {
   EXPECT_EQ(waited_us_from_schedstat("5000000 1234567 42\n"), 1'234);
   EXPECT_EQ(waited_us_from_schedstat("1 999 1"), 0);
-  EXPECT_EQ(waited_us_from_schedstat("0 5000 0"), 5) << "of a thread that has not run yet";
+  EXPECT_EQ(waited_us_from_schedstat("0 5000 0"), 5) << "a thread that has not run yet";
   EXPECT_EQ(waited_us_from_schedstat("1 0 1"), 0);
 }
 
@@ -101,7 +101,7 @@ std::int64_t waited_us_by_thread() {
 // Threads on one processor take turns: while one thread runs, the others wait.
 TEST(WaitedUsOf, SumsTheWaitsOfAllThreads) {
   if (!waited_us_of(::getpid())) {
-    GTEST_SKIP() << "this kernel does not count it";
+    GTEST_SKIP() << "this kernel does not count waits";
   }
   std::atomic<bool> is_over = false;
   std::vector<std::thread> threads;
@@ -138,11 +138,11 @@ TEST(ThreadWait, ReadsTheCounterOfTheThreadThatOpenedIt) {
   const auto after_us = by_file();
   ASSERT_EQ(read_us.has_value(), before_us.has_value());
   if (!read_us) {
-    GTEST_SKIP() << "this kernel does not count it";
+    GTEST_SKIP() << "this kernel does not count waits";
   }
   EXPECT_GE(*read_us, *before_us);
   EXPECT_LE(*read_us, *after_us);
-  EXPECT_GE(wait.waited_us().value_or(-1), *read_us) << "read again from the beginning";
+  EXPECT_GE(wait.waited_us().value_or(-1), *read_us) << "the file is read from its beginning again";
 }
 
 // The kernel's values read before and after bound the reported values.
@@ -184,7 +184,8 @@ TEST(UsageOf, ReadsThisProcessAndNoEndedOne) {
   const auto counters = usage_counters();
   ASSERT_GE(counters.size(), 3U);
   EXPECT_EQ(counters[0].name, "process.cpu_us");
-  EXPECT_GE(counters[2].count, counters[1].count / 2) << "kernels count the two differently";
+  EXPECT_GE(counters[2].count, counters[1].count / 2)
+      << "the kernel counts the two values differently";
 }
 
 }  // namespace

@@ -123,7 +123,7 @@ TEST(InputStore, FindsTheReferencedMessage) {
   EXPECT_EQ(store.find({"A", 2, 2}), nullptr);
   EXPECT_EQ(store.find({"A", 3, 3}), nullptr);
   store.add("A", numbered(1, 2, "again"));
-  EXPECT_EQ(store.find({"A", 1, 2})->robot, "again") << "the newest of a name";
+  EXPECT_EQ(store.find({"A", 1, 2})->robot, "again") << "the newest of equal names";
 }
 
 TEST(InputStore, DropsTheOldestBeyondItsCapacity) {

@@ -70,8 +70,8 @@ TEST(StreamMonitor, CountsAMessageBeforeTheFirstAsReordered) {
 TEST(StreamMonitor, FollowsARestartAndRefusesTheOldRunAfterwards) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(50, 1, 100)), Arrival::kFresh);
-  EXPECT_EQ(monitor.judge(stamp(0, 2, 100)), Arrival::kFresh) << "not older is enough";
-  EXPECT_EQ(monitor.judge(stamp(51, 1, 900)), Arrival::kOldRun) << "newer content does not help";
+  EXPECT_EQ(monitor.judge(stamp(0, 2, 100)), Arrival::kFresh) << "equal age is sufficient";
+  EXPECT_EQ(monitor.judge(stamp(51, 1, 900)), Arrival::kOldRun) << "an old run stays refused";
   EXPECT_EQ(monitor.judge(stamp(1, 2, 200)), Arrival::kFresh);
   EXPECT_EQ(monitor.counts().old_runs, 1);
   EXPECT_EQ(monitor.counts().runs, 2);
@@ -92,14 +92,14 @@ TEST(StreamMonitor, RefusesAnUnknownRunWithOlderContent) {
   EXPECT_EQ(monitor.judge(stamp(0, 1, 1000)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(7, 2, 999)), Arrival::kOldRun);
   EXPECT_EQ(monitor.judge(stamp(1, 1, 1001)), Arrival::kFresh);
-  EXPECT_EQ(monitor.judge(stamp(9, 2, 1001)), Arrival::kFresh) << "once its content is newer";
+  EXPECT_EQ(monitor.judge(stamp(9, 2, 1001)), Arrival::kFresh) << "its content is newer now";
   EXPECT_EQ(monitor.counts().old_runs, 1);
 }
 
 TEST(StreamMonitor, ComparesANewRunWithTheNewestReceivedContent) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0, 1, 1000)), Arrival::kFresh);
-  EXPECT_EQ(monitor.judge(stamp(1, 1, 500)), Arrival::kFresh) << "times need not ascend";
+  EXPECT_EQ(monitor.judge(stamp(1, 1, 500)), Arrival::kFresh) << "times need not increase";
   EXPECT_EQ(monitor.judge(stamp(0, 2, 700)), Arrival::kOldRun);
 }
 
@@ -108,7 +108,7 @@ TEST(StreamMonitor, StaysBoundedUnderHostileSequenceNumbers) {
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   EXPECT_EQ(monitor.judge(stamp(0, 1)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(kMax, 1)), Arrival::kTooFarAhead);
-  EXPECT_EQ(monitor.judge(stamp(1, 1)), Arrival::kFresh) << "nobody is silenced";
+  EXPECT_EQ(monitor.judge(stamp(1, 1)), Arrival::kFresh) << "no stream is blocked";
   EXPECT_EQ(monitor.judge(stamp(kMax, 2)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(kMax, 2)), Arrival::kDuplicate);
   EXPECT_EQ(monitor.counts().lost, 0);
@@ -145,7 +145,8 @@ TEST(StreamMonitor, ReturnsToTheNumbersBeforeAForgedGap) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(10, 1, 1000)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(9'000, 1, 1005)), Arrival::kFresh);
-  EXPECT_EQ(monitor.judge(stamp(9, 1, 990)), Arrival::kReordered) << "an old one stays old";
+  EXPECT_EQ(monitor.judge(stamp(9, 1, 990)), Arrival::kReordered)
+      << "a missing number is still accepted late";
   EXPECT_EQ(monitor.judge(stamp(11, 1, 1010)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(12, 1, 1020)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(12, 1, 1020)), Arrival::kDuplicate);
@@ -159,13 +160,13 @@ TEST(StreamMonitor, KeepsARunForItsLease) {
                          {from_utime(0) + from_seconds(at_s), milliseconds(500)});
   };
   EXPECT_EQ(judge(1, 7, 1.0, 1.0), Arrival::kFresh);
-  EXPECT_EQ(judge(2, 0, 1.1, 1.1), Arrival::kOldRun) << "a second one beside it";
+  EXPECT_EQ(judge(2, 0, 1.1, 1.1), Arrival::kOldRun) << "a second run while the first publishes";
   EXPECT_EQ(judge(2, 1, 3e8, 1.2), Arrival::kOldRun) << "dated ten years ahead";
   EXPECT_EQ(judge(1, 8, 1.3, 1.3), Arrival::kFresh);
   EXPECT_EQ(judge(2, 9, 2.0, 2.0), Arrival::kFresh);
   EXPECT_EQ(judge(1, 9, 2.1, 2.1), Arrival::kOldRun);
-  EXPECT_EQ(judge(1, 40, 2.7, 2.7), Arrival::kFresh) << "nobody is refused for good";
-  EXPECT_EQ(monitor.counts().lost, 9) << "of the run that began";
+  EXPECT_EQ(judge(1, 40, 2.7, 2.7), Arrival::kFresh) << "no run is refused permanently";
+  EXPECT_EQ(monitor.counts().lost, 9) << "losses of the accepted run";
 }
 
 // A stamp in the far future does not block later runs.
@@ -196,9 +197,10 @@ TEST(StreamMonitor, KeepsTheNewest256NumbersOfAGap) {
                 late < oldest ? Arrival::kDuplicate : Arrival::kReordered)
           << late << " of " << gap;
     }
-    EXPECT_EQ(monitor.counts().lost, oldest - 1) << "stay lost";
+    EXPECT_EQ(monitor.counts().lost, oldest - 1) << "they remain lost";
     if (oldest == 1) {
-      EXPECT_EQ(monitor.judge(stamp(7, 1, 99)), Arrival::kDuplicate) << "it came, however it dates";
+      EXPECT_EQ(monitor.judge(stamp(7, 1, 99)), Arrival::kDuplicate)
+          << "the number was received, with another time";
     }
   }
 }
@@ -223,14 +225,15 @@ TEST(StreamMonitor, RestoresEarlierGapsBeforeAForgedOne) {
   EXPECT_EQ(monitor.judge(stamp(0, 1, 1000)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(4, 1, 1001)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(5'000, 1, 1002)), Arrival::kFresh);
-  EXPECT_EQ(monitor.judge(stamp(4, 1, 1003)), Arrival::kDuplicate) << "the last before it";
+  EXPECT_EQ(monitor.judge(stamp(4, 1, 1003)), Arrival::kDuplicate) << "the number before the gap";
   EXPECT_EQ(monitor.judge(stamp(7, 1, 1002)), Arrival::kDuplicate) << "its time is not newer";
   EXPECT_EQ(monitor.judge(stamp(7, 1, 1003)), Arrival::kFresh);
   EXPECT_EQ(monitor.counts().lost, 5) << "1, 2, 3 and 5, 6";
-  EXPECT_EQ(monitor.judge(stamp(3, 1, 1000)), Arrival::kDuplicate) << "they are forgotten";
+  EXPECT_EQ(monitor.judge(stamp(3, 1, 1000)), Arrival::kDuplicate)
+      << "older numbers are no longer stored";
   EXPECT_EQ(monitor.judge(stamp(6, 1, 1002)), Arrival::kReordered);
-  EXPECT_EQ(monitor.judge(stamp(5'000, 1, 1010)), Arrival::kFresh) << "and once more";
-  EXPECT_EQ(monitor.judge(stamp(4'900, 1, 1011)), Arrival::kReordered) << "that one is missing";
+  EXPECT_EQ(monitor.judge(stamp(5'000, 1, 1010)), Arrival::kFresh) << "a second forged gap";
+  EXPECT_EQ(monitor.judge(stamp(4'900, 1, 1011)), Arrival::kReordered) << "this number was missing";
   EXPECT_EQ(monitor.judge(stamp(8, 1, 1011)), Arrival::kFresh);
 }
 
@@ -296,7 +299,7 @@ TEST(StreamMonitor, RefusesTheLastSixteenReplacedRuns) {
   }
   EXPECT_EQ(monitor.judge(stamp(0, 18, 10)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(1, 2, 10)), Arrival::kOldRun);
-  EXPECT_EQ(monitor.judge(stamp(1, 1, 10)), Arrival::kFresh) << "that is too long ago";
+  EXPECT_EQ(monitor.judge(stamp(1, 1, 10)), Arrival::kFresh) << "too many runs ago";
   EXPECT_EQ(monitor.counts().runs, 19);
   EXPECT_EQ(monitor.counts().old_runs, 17);
 }
@@ -321,7 +324,7 @@ TEST(StreamMonitor, ResetsItsStateForEachRun) {
     EXPECT_EQ(missing.judge(stamp(i, 2)), Arrival::kFresh);
   }
   EXPECT_EQ(missing.judge(stamp(2, 2)), Arrival::kDuplicate);
-  EXPECT_EQ(missing.counts().lost, 4) << "of the first";
+  EXPECT_EQ(missing.counts().lost, 4) << "losses of the first run";
 
   StreamMonitor gap;
   EXPECT_EQ(gap.judge(stamp(0, 1, 10)), Arrival::kFresh);
@@ -361,11 +364,12 @@ TEST(SharedStreamMonitor, DropsTheLongestSilentOf33Runs) {
   for (std::int64_t run = 2; run <= 32; ++run) {
     EXPECT_EQ(monitor.judge(stamp(0, run)), Arrival::kFresh);
   }
-  EXPECT_EQ(monitor.judge(stamp(3, 1)), Arrival::kDuplicate) << "all are known; this spoke last";
+  EXPECT_EQ(monitor.judge(stamp(3, 1)), Arrival::kDuplicate)
+      << "all runs are remembered; this one sent the last message";
   EXPECT_EQ(monitor.judge(stamp(0, 33)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(3, 1)), Arrival::kDuplicate);
   EXPECT_EQ(monitor.judge(stamp(0, 3)), Arrival::kDuplicate);
-  EXPECT_EQ(monitor.judge(stamp(0, 2)), Arrival::kFresh) << "in the place of the fourth";
+  EXPECT_EQ(monitor.judge(stamp(0, 2)), Arrival::kFresh) << "replaces the fourth run";
   EXPECT_EQ(monitor.judge(stamp(0, 4)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(2, 1)), Arrival::kReordered);
   const StreamCounts counts = monitor.counts();

@@ -50,7 +50,7 @@ TEST(ChannelIndex, EqualsALinearSearchWhileEntriesChange) {
     if (rng() % 4 != 0) {
       const std::size_t number = index.add(pattern);
       if (number == held.size()) {
-        EXPECT_EQ(std::count(held.begin(), held.end(), ""), 0) << "one was free";
+        EXPECT_EQ(std::count(held.begin(), held.end(), ""), 0) << "one entry was unused";
         held.emplace_back();
       }
       ASSERT_LT(number, held.size());

@@ -56,7 +56,7 @@ TEST(InProcessHub, DeliversNothingAfterUnsubscribing) {
     a->publish("PQ", Bytes{1});
     a->unsubscribe(name);
     EXPECT_EQ(a->handle(kNow), 1);
-    EXPECT_TRUE(received.empty()) << "though it was in the queue";
+    EXPECT_TRUE(received.empty()) << "the message was still in the queue";
     a->publish("X", Bytes{2});
     a->publish("PQ", Bytes{2});
     EXPECT_EQ(a->handle(kNow), 0);
@@ -140,7 +140,7 @@ TEST(InProcessHub, DeliversNothingToDestroyedEndpoints) {
       next.push_back(hub.connect([&arrivals] { ++arrivals; }));
     }
     speaker->publish("X", Bytes{2});
-    EXPECT_EQ(arrivals, 1) << "they have asked for nothing yet";
+    EXPECT_EQ(arrivals, 1) << "the endpoints have not subscribed yet";
     for (const auto& each : next) {
       each->subscribe(pattern, into(ignored));
     }
@@ -163,20 +163,20 @@ TEST(InProcessHub, DeliversOncePerHandlerOfAnEndpoint) {
   }
   endpoint->publish("XY", Bytes{1});
   endpoint->publish("XZ", Bytes{1});
-  EXPECT_EQ(endpoint->handle(kNow), 2) << "each is one message, whoever hears it";
+  EXPECT_EQ(endpoint->handle(kNow), 2) << "a message counts once for any number of handlers";
   EXPECT_EQ(order, "abcdbc");
   EXPECT_EQ(endpoint->stats().messages_received, 2);
   EXPECT_EQ(endpoint->stats().messages_sent, 2);
   order.clear();
   endpoint->unsubscribe("X*");
   endpoint->publish("XZ", Bytes{1});
-  EXPECT_EQ(endpoint->handle(kNow), 1) << "another pattern is left";
+  EXPECT_EQ(endpoint->handle(kNow), 1) << "the other pattern still matches";
   endpoint->unsubscribe("*");
   endpoint->unsubscribe("*");
   endpoint->publish("XZ", Bytes{1});
   EXPECT_EQ(endpoint->handle(kNow), 0);
   endpoint->publish("XY", Bytes{1});
-  EXPECT_EQ(endpoint->handle(kNow), 1) << "a name is";
+  EXPECT_EQ(endpoint->handle(kNow), 1) << "the name still matches";
   EXPECT_EQ(order, "cad");
   endpoint->unsubscribe("XY");
   endpoint->publish("XY", Bytes{1});
@@ -249,7 +249,7 @@ TEST(ChannelMatches, SupportsNamesAndPrefixes) {
   EXPECT_TRUE(channel_matches("PLAN_*", "PLAN_"));
   EXPECT_FALSE(channel_matches("PLAN_*", "PLAN"));
   EXPECT_TRUE(channel_matches("*", "ANYTHING"));
-  EXPECT_FALSE(channel_matches("P.AN", "PLAN")) << "no regular expressions";
+  EXPECT_FALSE(channel_matches("P.AN", "PLAN")) << "regular expressions are not supported";
 }
 
 }  // namespace

@@ -104,7 +104,7 @@ TEST(LcmTransport, CountsSentAndReceivedMessages) {
   EXPECT_TRUE(transport->publish("Y", Bytes{1}));
   EXPECT_EQ(transport->handle(kNow), 4);
   EXPECT_EQ(transport->stats().messages_sent, 4);
-  EXPECT_EQ(transport->stats().messages_received, 7) << "by two who hear X, and by one";
+  EXPECT_EQ(transport->stats().messages_received, 7) << "two handlers of X and one other";
   EXPECT_EQ(transport->stats().send_errors, 0);
 }
 
@@ -158,7 +158,7 @@ TEST(LcmTransport, WritesALogAndReadsItToItsEnd) {
     handled += std::max(status, 0);
   }
   EXPECT_EQ(handled, 10);
-  EXPECT_EQ(reader->handle(kNow), kSourceEnded) << "and so it stays";
+  EXPECT_EQ(reader->handle(kNow), kSourceEnded) << "the end is permanent";
   std::filesystem::remove(path);
   EXPECT_EQ(status, kSourceEnded);
   EXPECT_EQ(received, (Bytes{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));

@@ -92,8 +92,10 @@ TEST(ParsePacket, RefusesDatagramsThatCrashOtherReceivers) {
 }
 
 TEST(ParsePacket, RefusesImpossibleNumbering) {
-  EXPECT_FALSE(parse_packet(fragment(100, 0, 0, 0, Bytes(1))).has_value()) << "of no fragments";
-  EXPECT_FALSE(parse_packet(fragment(100, 0, 2, 2, Bytes(1))).has_value()) << "number is the count";
+  EXPECT_FALSE(parse_packet(fragment(100, 0, 0, 0, Bytes(1))).has_value())
+      << "the number of fragments is 0";
+  EXPECT_FALSE(parse_packet(fragment(100, 0, 2, 2, Bytes(1))).has_value())
+      << "the fragment number equals the count";
   EXPECT_FALSE(parse_packet(fragment(100, 50, 1, 2, {})).has_value()) << "empty fragment";
   EXPECT_FALSE(parse_packet(fragment(3, 0, 1, 4, Bytes(1))).has_value())
       << "more fragments than bytes";

@@ -73,12 +73,12 @@ TEST(Reassembler, IgnoresDuplicates) {
   const Message message(1, 200, 100);
   EXPECT_FALSE(reassembler.add(1, message.piece(0), 0).has_value());
   EXPECT_FALSE(reassembler.add(1, message.piece(0), 0).has_value())
-      << "the same again is not the other half";
+      << "a repeated fragment does not complete the message";
   const auto whole = reassembler.add(1, message.piece(1), 0);
   ASSERT_TRUE(whole.has_value());
   EXPECT_EQ(whole->payload, message.payload());
   EXPECT_FALSE(reassembler.add(1, message.piece(1), 0).has_value()) << "late duplicate";
-  EXPECT_EQ(reassembler.messages_kept(), 0U) << "which begins no new message";
+  EXPECT_EQ(reassembler.messages_kept(), 0U) << "a late duplicate starts no new message";
   EXPECT_EQ(reassembler.counts().duplicates, 2);
   EXPECT_EQ(reassembler.counts().incomplete, 0);
 }
@@ -149,10 +149,10 @@ TEST(Reassembler, RecognisesDuplicatesOfTheNewest256ForOneSecond) {
     EXPECT_EQ(reassembler.counts().completed, messages);
     if (messages > known) {
       EXPECT_TRUE(reassembler.add(1, Message(messages - known - 1, 50, 50).piece(0), 20))
-          << "the one before those";
+          << "the message before the remembered ones";
     }
     EXPECT_TRUE(reassembler.add(1, Message(messages - 1, 50, 50).piece(0), 11 + kSecondNs))
-        << "another of that number, a second later";
+        << "another message with that number, a second later";
   }
 }
 
@@ -174,7 +174,7 @@ TEST(Reassembler, RefusesFragmentsThatContradictTheirMessage) {
   liar.message_bytes = 300;
   EXPECT_FALSE(reassembler.add(1, liar, 0).has_value());
   EXPECT_EQ(reassembler.counts().conflicting, 1);
-  EXPECT_EQ(reassembler.add(1, message.piece(1), 0)->payload, message.payload()) << "unharmed";
+  EXPECT_EQ(reassembler.add(1, message.piece(1), 0)->payload, message.payload()) << "not affected";
 }
 
 TEST(Reassembler, DistinguishesDuplicatesFromContradictions) {
@@ -229,7 +229,7 @@ TEST(Reassembler, RefusesMessagesAboveTheSizeLimit) {
   EXPECT_EQ(reassembler.counts().oversized, 1);
   EXPECT_EQ(reassembler.bytes_kept(), 0U);
   EXPECT_FALSE(reassembler.add(1, Message(2, 1000, 100).piece(0), 0).has_value());
-  EXPECT_EQ(reassembler.counts().oversized, 1) << "up to the cap";
+  EXPECT_EQ(reassembler.counts().oversized, 1) << "the size limit itself is accepted";
   EXPECT_EQ(reassembler.messages_kept(), 1U);
   EXPECT_FALSE(reassembler.add(1, Message(3, 5'000, 100).piece(0), 0).has_value());
   EXPECT_FALSE(reassembler.add(1, Message(3, 5'000, 100).piece(1), 0).has_value());
@@ -348,7 +348,7 @@ TEST(Reassembler, LimitsAllSendersTogether) {
     EXPECT_FALSE(reassembler.add(source, Message(1, 8'000, 4'000).piece(0), 0).has_value());
     EXPECT_LE(reassembler.bytes_kept(), limits.total_bytes_max);
   }
-  EXPECT_GE(reassembler.messages_kept(), 6U) << "of 4 kB each, and little more";
+  EXPECT_GE(reassembler.messages_kept(), 6U) << "messages of 4 kB each, with little overhead";
 }
 
 // Memory is charged by what arrived: per fragment its bytes and an overhead allowance; per message
@@ -363,7 +363,7 @@ TEST(Reassembler, ChargesFragmentsAndMessageSize) {
     charged.push_back(reassembler.bytes_kept() - before);
     before = reassembler.bytes_kept();
   }
-  EXPECT_EQ(charged[1], 10U + 128U) << "a piece of 64 bytes, in a vector that grows by doubling";
+  EXPECT_EQ(charged[1], 10U + 128U) << "64 bytes, in a vector whose capacity doubles";
   EXPECT_EQ(charged[2], charged[1]);
   EXPECT_EQ(charged[3], charged[1]);
   EXPECT_EQ(charged[0], charged[1] + 256U + message.count() / 8U);
@@ -419,7 +419,7 @@ TEST(Reassembler, SeparatesAMessageFromAForgeryOfItsNumber) {
     const Message shorter(i, 200, 100, 99);
     const Message whole(i, 50, 50, 98);
     EXPECT_FALSE(reassembler.add(7, shorter.piece(0), i).has_value());
-    EXPECT_TRUE(reassembler.add(7, whole.piece(0), i).has_value()) << "a message of its own";
+    EXPECT_TRUE(reassembler.add(7, whole.piece(0), i).has_value()) << "a separate message";
     EXPECT_FALSE(reassembler.add(7, good.piece(0), i).has_value());
     EXPECT_FALSE(reassembler.add(7, good.piece(1), i).has_value());
     const auto message = reassembler.add(7, good.piece(2), i);
@@ -482,7 +482,7 @@ TEST(Reassembler, StaysWithinItsLimitsUnderRandomFragments) {
   EXPECT_GT(counts.incomplete, 0);
   EXPECT_GT(counts.oversized, 0);
   reassembler.expire(std::int64_t{1} << 60);
-  EXPECT_EQ(reassembler.bytes_kept(), 0U) << "nothing leaks from the account";
+  EXPECT_EQ(reassembler.bytes_kept(), 0U) << "all memory has been released";
 }
 
 }  // namespace

@@ -145,7 +145,7 @@ class DefaultUrl {
 TEST(OpenTransport, UsesTheUrlOfTheEnvironmentByDefault) {
   const DefaultUrl memory("memq://");
   EXPECT_NO_THROW(open_transport(""));
-  EXPECT_THROW(open_transport("tcpq://localhost"), StartupError) << "what it is given goes first";
+  EXPECT_THROW(open_transport("tcpq://localhost"), StartupError) << "an explicit URL has priority";
   const DefaultUrl unknown("tcpq://localhost");
   EXPECT_THROW(open_transport(""), StartupError);
   EXPECT_NO_THROW(open_transport("memq://"));
