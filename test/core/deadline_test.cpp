@@ -50,7 +50,8 @@ TEST(Deadline, FractionScalesTimeAndNodes) {
   EXPECT_GE(third.instant_ns(), before_ns + kLeft_ns / 3);
   EXPECT_LE(third.instant_ns(), monotonic_ns() + kLeft_ns / 3);
   EXPECT_EQ(third.budget_nodes(), 10);
-  EXPECT_EQ(Deadline::at(kLongAgo_ns).third().instant_ns(), kLongAgo_ns) << "it has come already";
+  EXPECT_EQ(Deadline::at(kLongAgo_ns).third().instant_ns(), kLongAgo_ns)
+      << "the deadline has passed already";
   for (const Deadline& deadline : {Deadline::nodes(7), Deadline::never()}) {
     EXPECT_EQ(deadline.third().instant_ns(), deadline.instant_ns());
     EXPECT_EQ(deadline.third().budget_nodes(), deadline.budget_nodes());

@@ -80,7 +80,7 @@ TEST(LivenessSender, AcceptsOnlyAPipeFromTheEnvironment) {
     sender.on_loop(kStart, InFlight::kNo);
     EXPECT_EQ(receiver.take().any, each.is_taken) << each.value;
     EXPECT_EQ(std::getenv(LivenessSender::kDescriptorVariable), nullptr)
-        << "nothing it starts has a part in it";
+        << "child processes do not inherit the descriptor";
   }
 }
 

@@ -68,7 +68,7 @@ TEST(GrantsFifo, AgreesWithApply) {
     }
   }).join();
   EXPECT_EQ(is_granted, is_applied);
-  EXPECT_FALSE(grants_fifo(1'000)) << "no such priority";
+  EXPECT_FALSE(grants_fifo(1'000)) << "this priority does not exist";
 }
 
 TEST(RunsInRealTime, IsTrueOnlyWithARealTimePolicy) {
@@ -98,7 +98,7 @@ TEST(ApplyRealTime, ReportsRefusalAndRemedy) {
   real_time.cpu = 1023;  // no existing machine has this CPU
   try {
     apply(real_time);
-    FAIL() << "a CPU that is not there was granted";
+    FAIL() << "a missing CPU was accepted";
   } catch (const StartupError& error) {
     const std::string text = error.what();
     EXPECT_NE(text.find("--cpu 1023"), std::string::npos) << text;

@@ -48,7 +48,7 @@ TEST(Printable, EscapesTerminalControlCharacters) {
        "\\x9B2J\\xFF"}};
   for (const auto& [text, shown] : rows) {
     EXPECT_EQ(printable(text), shown);
-    EXPECT_EQ(printable(shown), shown) << "escaped once";
+    EXPECT_EQ(printable(shown), shown) << "an escaped text is not escaped again";
   }
   EXPECT_EQ(readable("\xC2\x9B\xE2\x80\xAE"), "\\xC2\\x9B\\xE2\\x80\\xAE");
 }
