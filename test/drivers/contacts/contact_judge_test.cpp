@@ -240,7 +240,7 @@ TEST(ContactsNode, PublishesItsContactsNextToThoseOfTheSimulator) {
   judge_bus.handle(std::chrono::microseconds(0));
   while (lab_bus.handle(std::chrono::microseconds(0)) > 0) {
   }
-  ASSERT_EQ(received.size(), 4U) << "neither publisher silences the other";
+  ASSERT_EQ(received.size(), 4U) << "both publishers are received";
   EXPECT_EQ(received[0].kind, CollisionKind::kCollision);
   EXPECT_EQ(received[1].kind, CollisionKind::kNearMiss);
   EXPECT_EQ(received[2].body_a, "Q3");

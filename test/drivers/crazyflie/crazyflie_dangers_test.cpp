@@ -39,7 +39,7 @@ class CrazyflieDangers : public ::testing::Test {
 // 1. Set-points that stop lock the motors after 2 s.
 TEST_F(CrazyflieDangers, SetpointsNeverStopInFlight) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
-  EXPECT_LT(longest_gap_s(10.0), 0.05) << "while it holds";
+  EXPECT_LT(longest_gap_s(10.0), 0.05) << "while the vehicle holds";
   bench.has_mocap = false;
   EXPECT_LT(longest_gap_s(0.3), 0.05) << "without poses";
 }
@@ -52,7 +52,7 @@ TEST_F(CrazyflieDangers, RestartedDriverLandsTheVehicle) {
   bench.has_driver = true;
   ASSERT_TRUE(bench.run_until([this] { return !bench.is_flying(); }, 12.0)) << bench.reasons();
   EXPECT_LT(bench.height_m(), 0.02);
-  EXPECT_LT(bench.descent_max_mps, 0.8) << "it did not fall";
+  EXPECT_LT(bench.descent_max_mps, 0.8) << "the vehicle did not fall";
   EXPECT_TRUE(bench.is_sound());
 }
 
@@ -75,7 +75,7 @@ TEST_F(CrazyflieDangers, LandsWithoutMocap) {
       << bench.reasons();
   ASSERT_TRUE(bench.run_until([this] { return !bench.is_flying(); }, 15.0)) << bench.reasons();
   EXPECT_LT(bench.height_m(), 0.02);
-  EXPECT_LT(bench.descent_max_mps, 0.9) << "it did not fall";
+  EXPECT_LT(bench.descent_max_mps, 0.9) << "the vehicle did not fall";
   EXPECT_TRUE(bench.is_sound());
 }
 

@@ -25,7 +25,7 @@ TEST_P(CrazyflieFlight, TakesOffFollowsAndLands) {
   ASSERT_TRUE(bench.run_until([this] { return bench.state() == FlightState::kIdle; }, 25.0))
       << bench.reasons();
   EXPECT_LT(bench.height_m(), 0.02);
-  EXPECT_LT(bench.descent_max_mps, 0.8) << "it did not fall";
+  EXPECT_LT(bench.descent_max_mps, 0.8) << "the vehicle did not fall";
   EXPECT_FALSE(bench.vehicle->are_motors_running());
   bench.run(5.0);
   EXPECT_TRUE(bench.is_sound());

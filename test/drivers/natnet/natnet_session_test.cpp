@@ -79,7 +79,7 @@ TEST(NatNetSession, UsesNewNamesFromTheFirstFrameAfterAChange) {
   NatNetBench bench;
   bench.run(250, 3);
   test::expect_own_names_after_removal(bench, 3, false);
-  EXPECT_EQ(bench.frames.back().find("BODY0"), nullptr) << "it no longer exists";
+  EXPECT_EQ(bench.frames.back().find("BODY0"), nullptr) << "the body was removed";
 }
 
 // The capture time is the time of exposure by the server's clock, for any offset between the
@@ -131,7 +131,8 @@ TEST(NatNetSession, ReconnectsToClearAConstantQueue) {
   EXPECT_GE(bench.driver.link_counts().backlogs, 1);
   EXPECT_GT(bench.driver.frame_counts().frames_waited, 0);
   for (const models::MocapFrame& frame : bench.frames) {
-    EXPECT_NEAR(to_seconds(frame.arrival - frame.stamp.time), 0.4055, 2e-3) << "no frame looks new";
+    EXPECT_NEAR(to_seconds(frame.arrival - frame.stamp.time), 0.4055, 2e-3)
+        << "no frame appears newer than it is";
   }
 }
 

@@ -73,7 +73,7 @@ TEST(AutopilotLink, SendsHeartbeatsAtFiveHertz) {
       bench.link.tick(kNow + i * Duration{20'000});
     }
     const std::vector<wire::mavlink::Frame> frames = bench.sent();
-    ASSERT_EQ(frames.size(), 50U) << "to a vehicle that is not heard nothing else is sent";
+    ASSERT_EQ(frames.size(), 50U) << "only heartbeats are sent before the vehicle is received";
     const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frames[0]);
     ASSERT_TRUE(heartbeat.has_value());
     const bool is_px4 = dialect == AutopilotDialect::kPx4;
@@ -103,10 +103,10 @@ TEST(AutopilotLink, SendsPosesInTheEstimatorsFormat) {
     const wire::mavlink::Odometry& odometry = poses[0];
     EXPECT_EQ(odometry.frame_id, 20);
     EXPECT_EQ(odometry.child_frame_id, 12);
-    EXPECT_EQ(odometry.estimator_type, 2) << "PX4 never reads type 6";
+    EXPECT_EQ(odometry.estimator_type, 2) << "PX4 never uses type 6";
     EXPECT_EQ(odometry.quality, 100);
     EXPECT_EQ(odometry.reset_counter, 3);
-    EXPECT_EQ(odometry.time_usec, 1'700'000'000'123'456U) << "of the capture";
+    EXPECT_EQ(odometry.time_usec, 1'700'000'000'123'456U) << "time of the capture";
     for (const std::size_t diagonal : {0U, 6U, 11U, 15U, 18U, 20U}) {
       EXPECT_GT(odometry.pose_covariance[diagonal], 0.0F);
       EXPECT_GT(odometry.velocity_covariance[diagonal], 0.0F);
@@ -200,10 +200,10 @@ TEST(AutopilotLink, RequestsStreamsUntilTheyArrive) {
       bench.receive_message(ack, now);
     }
   }
-  EXPECT_EQ(asked.count(32) + asked.count(230), 0U) << "these came by themselves";
+  EXPECT_EQ(asked.count(32) + asked.count(230), 0U) << "these messages arrive without a request";
   for (const int id : {30, 245, 147, 1}) {
     EXPECT_GE(asked[id], 2) << id;
-    EXPECT_LE(asked[id], 4) << id << ": asked again each three seconds, no more";
+    EXPECT_LE(asked[id], 4) << id << ": requested every three seconds at most";
   }
 }
 
@@ -254,7 +254,7 @@ TEST(AutopilotLink, AcceptsTheFirstAutopilotByDefault) {
   receive_message({0, 2, 3, 0, 4, 3}, 17, 0);     // a vehicle may start as component 0
   receive_message({0, 2, 3, 128, 4, 3}, 18, 1);
   EXPECT_TRUE(link.telemetry().heartbeat_time().has_value());
-  EXPECT_FALSE(link.telemetry().is_armed()) << "it listened to the second one";
+  EXPECT_FALSE(link.telemetry().is_armed()) << "the link uses the second component";
 }
 
 // Companion computers and ground stations may send as component 0 or 1 with the system id of the
@@ -360,7 +360,7 @@ TEST(AutopilotLink, JoinsLongTexts) {
   text.severity = 6;
   text.text[0] = 'i';
   bench.receive_message(text, kNow);
-  EXPECT_EQ(bench.warning(), whole) << "information is no warning";
+  EXPECT_EQ(bench.warning(), whole) << "informational text is not a warning";
 }
 
 TEST(AutopilotLink, SurvivesRandomBytes) {

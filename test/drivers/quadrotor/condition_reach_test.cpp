@@ -334,7 +334,7 @@ TEST_P(ConditionReach, ExternalInputsTriggerEveryRowOfTheTable) {
     const auto found = std::find_if(table.begin(), table.end(), [&](const Row& each) {
       return std::string_view(each.name) == row.name;
     });
-    ASSERT_NE(found, table.end()) << "no input is known that reaches this row";
+    ASSERT_NE(found, table.end()) << "no test input triggers this row";
     ReasonBench up(GetParam());
     found->reach(up);
     EXPECT_TRUE(up.reasons_seen.contains(row.name)) << "now: " << up.reasons();

@@ -89,7 +89,7 @@ TEST_P(FlightFaults, IgnoresARejectedPose) {
   EXPECT_LT(sent_offset_m, 0.3);
   bench.alter_frame = nullptr;
   bench.run(0.1);
-  EXPECT_GT(poses, 0) << "its own again";
+  EXPECT_GT(poses, 0) << "poses of the vehicle itself are sent again";
   EXPECT_LT(sent_offset_m, 0.3);
 }
 
@@ -166,7 +166,7 @@ TEST_P(FlightFaults, RepeatedCommandKeepsThePilotInControl) {
   }
   bench.command(OperatorAction::kHold);
   bench.run(1.0);
-  EXPECT_NE(bench.vehicle.controller().mode(), theirs) << "said anew it takes the vehicle back";
+  EXPECT_NE(bench.vehicle.controller().mode(), theirs) << "a new command takes control";
 }
 
 // A pilot flies manually, perhaps because mocap is bad. When mocap loses the vehicle, the state

@@ -36,7 +36,7 @@ struct Bench {
     for (; now < end; now += Duration{20'000}) {
       const ParameterCheck::Due due = check.due(now);
       for (const auto& read : due.reads) {
-        EXPECT_EQ(read.param_index, -1) << "by name";
+        EXPECT_EQ(read.param_index, -1) << "requested by name";
         ++asked[wire::mavlink::parameter_name(read.param_id)];
         if (hears) {
           answer(wire::mavlink::parameter_name(read.param_id));
@@ -56,7 +56,7 @@ struct Bench {
 
 TEST(ParameterCheck, RequestsEachParameterOnce) {
   Bench bench;
-  EXPECT_FALSE(bench.check.is_kept()) << "before anything is known";
+  EXPECT_FALSE(bench.check.is_kept()) << "no value is known yet";
   EXPECT_EQ(bench.check.reasons(),
             std::vector<std::string>{"reading the autopilot's parameters: 0 of 3"});
   bench.run(5.0);
@@ -114,7 +114,7 @@ TEST(ParameterCheck, RefreshesValues) {
   EXPECT_FALSE(bench.check.is_kept());
   bench.known.clear();
   bench.run(2.0 * to_seconds(ParameterCheck::kRefresh));
-  EXPECT_EQ(bench.check.value("GUID_TIMEOUT"), std::nullopt) << "old words do not stay";
+  EXPECT_EQ(bench.check.value("GUID_TIMEOUT"), std::nullopt) << "an old value is dropped";
 }
 
 TEST(ParameterCheck, RestartsAfterALostLink) {
@@ -134,7 +134,7 @@ TEST(ParameterCheck, SetsOnlyDifferingParameters) {
   bench.known["FS_GCS_ENABLE"] = 0.0;
   bench.known.erase("VISO_DELAY_MS");
   bench.run(5.0);
-  EXPECT_TRUE(bench.set.empty()) << "nothing is set unasked";
+  EXPECT_TRUE(bench.set.empty()) << "no parameter is set without a request";
   bench.check.repair();
   EXPECT_FALSE(bench.check.is_complete());
   bench.run(2.0);

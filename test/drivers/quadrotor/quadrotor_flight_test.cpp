@@ -118,7 +118,7 @@ TEST_P(Flight, FollowsAPlanToItsHover) {
   const Pose2 is = flatten(bench.vehicle.world_from_body());
   EXPECT_LT((end.position_m() - is.position_m()).norm(), 0.1);
   EXPECT_LT(std::abs(wrap_to_pi(end.yaw_rad - is.yaw_rad)), 0.1);
-  EXPECT_LT(worst_m, 0.4) << "beyond it flight safety holds";
+  EXPECT_LT(worst_m, 0.4) << "a larger error would cause a hold";
   EXPECT_LT(bench.height_error_m(), 0.1);
   RecordProperty("worst_mm", static_cast<int>(1000.0 * worst_m));
 }
@@ -170,8 +170,8 @@ TEST_P(Flight, StopsWithinTheBudgetedDistance) {
     EXPECT_EQ(bench.state(), FlightState::kHold) << bench.reasons();
     EXPECT_LT(farthest_m, stopping_distance_m(limits, speed_mps) + kRecordedM)
         << "from " << speed_mps;
-    EXPECT_GT(farthest_m, 0.1) << "it was not in motion";
-    EXPECT_LT(back_m, kRecordedM) << "it is thrown";
+    EXPECT_GT(farthest_m, 0.1) << "the vehicle was not in motion";
+    EXPECT_LT(back_m, kRecordedM) << "the vehicle overshoots";
     EXPECT_LT(bench.speed_mps(), 0.1);
   }
   EXPECT_EQ(kinds, std::set<std::uint16_t>{wire::mavlink::mask::kNothingIgnored});
@@ -246,7 +246,7 @@ TEST_P(Flight, YieldsToAPilotUntilCommanded) {
   const bool is_px4 = GetParam() == AutopilotDialect::kPx4;
   bench.vehicle.controller().set_mode(is_px4 ? 3U << 16U : 5U, bench.now);
   bench.run(4.0);
-  EXPECT_NE(bench.vehicle.controller().mode(), ours) << "it fought the pilot";
+  EXPECT_NE(bench.vehicle.controller().mode(), ours) << "the driver fought the pilot";
   EXPECT_EQ(bench.state(), FlightState::kHold);
   EXPECT_TRUE(bench.has_reason("mode; send `hold`, `follow` or `land` to regain control"))
       << bench.reasons();
@@ -330,7 +330,7 @@ TEST_P(Flight, HidesARefusedTakeOffOnceAirborne) {
     has_said = has_said || bench.has_reason("take-off failed");
   };
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
-  EXPECT_EQ(has_said, GetParam() == AutopilotDialect::kArdupilot) << "PX4 takes no such command";
+  EXPECT_EQ(has_said, GetParam() == AutopilotDialect::kArdupilot) << "PX4 accepts no such command";
   EXPECT_FALSE(bench.has_reason("take-off failed")) << bench.reasons();
 }
 

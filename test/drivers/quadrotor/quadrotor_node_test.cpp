@@ -135,7 +135,7 @@ TEST(QuadrotorNode, LeavesTheLandingToTheAutopilotAtTheSecondEndRequest) {
     bench.node.on_stop_request(2, bench.clock.now());
     EXPECT_TRUE(bench.run_to_the_end(2.5));
     EXPECT_EQ(bench.node.end_fault(), "");
-    EXPECT_TRUE(bench.is_armed()) << "it is never dropped";
+    EXPECT_TRUE(bench.is_armed()) << "the vehicle is never dropped";
     // The driver has ended, so the autopilot lands the vehicle by itself.
     EXPECT_TRUE(bench.vehicle.emulator().controller().is_armed());
     for (int i = 0; i < 6'000 && bench.is_armed(); ++i) {
@@ -181,8 +181,9 @@ TEST(QuadrotorNode, CountsFrameLatency) {
     bench.publish_forged(bus::kVicon, dated);
   }
   bench.run(0.1);
-  EXPECT_EQ(counted("frame_setpoint_max_us"), 2'000) << "no way through the stack is that long";
-  EXPECT_EQ(counted("heard_setpoint_max_us"), 0) << "time stands while it answers";
+  EXPECT_EQ(counted("frame_setpoint_max_us"), 2'000) << "longer latencies are not plausible";
+  EXPECT_EQ(counted("heard_setpoint_max_us"), 0)
+      << "virtual time does not advance during an answer";
 }
 
 TEST(QuadrotorNode, RefusesARobotThatHasNoAutopilot) {
@@ -204,7 +205,8 @@ TEST(LoadKey, RequiresExactlyThirtyTwoBytes) {
   std::ofstream(file) << std::string(32, 'k');
   for (const perms open_to : {perms::group_read, perms::group_write, perms::others_read}) {
     std::filesystem::permissions(file, perms::owner_read | perms::owner_write | open_to);
-    EXPECT_THROW(static_cast<void>(load_key(file.string())), StartupError) << "others may use it";
+    EXPECT_THROW(static_cast<void>(load_key(file.string())), StartupError)
+        << "other users may access the file";
   }
   std::filesystem::permissions(file, perms::owner_read | perms::owner_write);
   const auto key = load_key(file.string());
@@ -212,7 +214,8 @@ TEST(LoadKey, RequiresExactlyThirtyTwoBytes) {
   EXPECT_EQ((*key)[31], 'k');
   if (geteuid() == 0) {
     ASSERT_EQ(chown(file.c_str(), 12345, getegid()), 0);
-    EXPECT_THROW(static_cast<void>(load_key(file.string())), StartupError) << "another's";
+    EXPECT_THROW(static_cast<void>(load_key(file.string())), StartupError)
+        << "the file belongs to another user";
     ASSERT_EQ(chown(file.c_str(), 0, getegid()), 0);
   }
   std::ofstream(file) << std::string(31, 'k');

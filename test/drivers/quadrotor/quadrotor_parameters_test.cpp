@@ -70,7 +70,7 @@ TEST_P(Parameters, StopWithinTheBudgetWhenTheDriverDies) {
   bench.run(4.0);
   EXPECT_LT(farthest_m,
             stopping_distance_after_loss_m(limits_for(bench.scenario, "Q1"), speed_mps) + 0.1);
-  EXPECT_GT(farthest_m, 0.3 * speed_mps) << "it was not cut off in motion";
+  EXPECT_GT(farthest_m, 0.3 * speed_mps) << "the vehicle was not in motion";
 }
 
 TEST_P(Parameters, ForbidArmingWhenMissing) {
@@ -98,7 +98,7 @@ TEST_P(Parameters, AreReadAgainAfterALostLink) {
   bench.vehicle.set_parameter(loss_name(), 3.0);
   bench.is_wire_cut = false;
   bench.run(5.0);
-  EXPECT_FALSE(bench.driver->parameters().is_kept()) << "another value answers now";
+  EXPECT_FALSE(bench.driver->parameters().is_kept()) << "the value has changed";
   EXPECT_FALSE(arms_within(10.0));
 }
 
@@ -169,7 +169,7 @@ TEST_P(Battery, IsEstimatedFromVoltageWhenConfigured) {
   EXPECT_EQ(bench->state(), FlightState::kHold) << bench->reasons();
   const double share = bench->driver->telemetry().battery_share().value_or(-1.0);
   EXPECT_GT(share, 0.4);
-  EXPECT_LT(share, 0.95) << "under load its voltage is lower";
+  EXPECT_LT(share, 0.95) << "under load the voltage is lower";
 }
 
 TEST_P(Battery, LandsTheVehicleByItsVoltage) {

@@ -84,7 +84,7 @@ TEST_P(RoverFault, StopsTheRoverWithinTheDocumentedTime) {
   EXPECT_TRUE(bench.has_reason(fault.reason)) << fault.reason;
   const Eigen::Vector2d stood_m = bench.place_m();
   bench.run(1.0);
-  EXPECT_EQ(bench.place_m(), stood_m) << "it goes on standing";
+  EXPECT_EQ(bench.place_m(), stood_m) << "the rover remains stationary";
   if (bench.target_m) {
     EXPECT_GT((stood_m - *bench.target_m).norm(), 2.0 * bench.scenario.robots[0].limits.radius_m);
   }
@@ -155,7 +155,7 @@ TEST_F(RoverUnderWay, ContinuesWithANewPlanWhenMocapReturns) {
   bench.run(0.3);
   bench.mocap_on = true;
   bench.run(0.3);
-  EXPECT_EQ(bench.plan(RoverBench::straight(0.5, 2.0)), PlanVerdict::kNotFollowing) << "too soon";
+  EXPECT_EQ(bench.plan(RoverBench::straight(0.5, 2.0)), PlanVerdict::kNotFollowing) << "too early";
   bench.run(0.5);
   ASSERT_EQ(bench.plan(RoverBench::straight(0.5, 2.0)), PlanVerdict::kAccepted);
   bench.run(1.0);
@@ -193,7 +193,7 @@ TEST(RoverFence, IsNotCrossedWhenSteeringJams) {
   };
   bench.run(6.0);
   EXPECT_TRUE(bench.is_stationary());
-  EXPECT_GT(bench.place_m().y(), 1.8) << "it drove";
+  EXPECT_GT(bench.place_m().y(), 1.8) << "the rover has moved";
   EXPECT_LT(bench.place_m().y(), 3.0 - scenario.robots[0].limits.radius_m);
 }
 

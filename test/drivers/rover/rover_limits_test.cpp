@@ -97,7 +97,7 @@ TEST(RoverLimits, MatchTheDocument) {
     stated.set(inputs, stated.last + stated.step);
     EXPECT_TRUE(row->holds(inputs, limits)) << "just beyond " << stated.last;
   }
-  EXPECT_EQ(limits.clear_s, 0.5) << "after which what ends by itself has ended";
+  EXPECT_EQ(limits.clear_s, 0.5) << "time after which a condition counts as ended";
 }
 
 TEST(RoverLimits, SteeringAndProtocolMatchTheDocument) {

@@ -84,7 +84,7 @@ TEST(RoverNode, HoldsWhileItsProcessWaitsForAProcessor) {
   bench.node.on_processor_wait(0.0);
   bench.run(1.0);
   EXPECT_EQ(bench.statuses.back().state, models::FlightState::kHold)
-      << "after more than 3 s the operator has to say follow";
+      << "after more than 3 s the operator must command follow";
 }
 
 TEST(RoverNode, StopsBeforeItEnds) {

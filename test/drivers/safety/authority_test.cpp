@@ -82,9 +82,9 @@ TEST_F(Authority, RefusesReplayedAndStaleCommands) {
   EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 1, 0.0));
   const auto arm = command(OperatorAction::kArm, 1, 50, 0.1);
   EXPECT_TRUE(authority.admit(arm, kStart + from_seconds(0.1), kSilentS));
-  EXPECT_FALSE(authority.admit(arm, kStart + from_seconds(0.2), kSilentS)) << "twice";
+  EXPECT_FALSE(authority.admit(arm, kStart + from_seconds(0.2), kSilentS)) << "repeated";
   const auto old = command(OperatorAction::kArm, 1, 60, 0.2);
-  EXPECT_FALSE(authority.admit(old, kStart + from_seconds(3.0), kSilentS)) << "2.8 s under way";
+  EXPECT_FALSE(authority.admit(old, kStart + from_seconds(3.0), kSilentS)) << "2.8 s late";
   const auto stop = command(OperatorAction::kEmergencyStop, 9, 0, -3600.0);
   EXPECT_FALSE(authority.admit(stop, kStart + from_seconds(3.0), kSilentS)) << "from an old log";
   const auto own_stop = command(OperatorAction::kEmergencyStop, 1, 20, 0.05);

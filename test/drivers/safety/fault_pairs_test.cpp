@@ -131,7 +131,7 @@ void expect_as_soon(const Fault& fault, const Outcome& alone, const Outcome& out
     const bool waits_for_floor = fault.stages[s].within_s >= kFloorS;
     if (!waits_for_floor && (is_before_other || is_by_the_clock)) {
       EXPECT_LE(outcome.stage_s[s], alone.stage_s[s] + kTicksS + other.delays_s)
-          << fault.name << " comes later to " << name_of(fault.stages[s].state) << " with "
+          << fault.name << " is later in " << name_of(fault.stages[s].state) << " with "
           << other.name;
     }
   }

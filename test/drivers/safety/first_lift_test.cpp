@@ -78,7 +78,7 @@ TEST_P(FirstLift, StaysBelowTheTestHeightIfTheSetupIsWrong) {
   const WorldSetup setup = setups()[GetParam()];
   // Take-off of a single vehicle or of all simultaneously.
   for (const char* whom : {"", "Q1", "Q2"}) {
-    SCOPED_TRACE(std::string("told: ") + (*whom == '\0' ? "all" : whom));
+    SCOPED_TRACE(std::string("commanded: ") + (*whom == '\0' ? "all" : whom));
     FlightBench bench(7);
     bench.wiring() = setup.wiring;
     bench.run(1.0);

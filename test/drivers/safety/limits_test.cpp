@@ -291,13 +291,13 @@ TEST(CheckLimits, RefusesLimitsThatDoNotIncrease) {
     EXPECT_THROW(check_limits(bad), UsageError) << i << ": equal";
     bad = good;
     bad.*low = 0.0;
-    EXPECT_THROW(check_limits(bad), UsageError) << i << ": none";
+    EXPECT_THROW(check_limits(bad), UsageError) << i << ": zero";
     bad = good;
     bad.*low = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(check_limits(bad), UsageError) << i << ": not a number";
     bad = good;
     bad.*high = std::numeric_limits<double>::infinity();
-    EXPECT_THROW(check_limits(bad), UsageError) << i << ": never";
+    EXPECT_THROW(check_limits(bad), UsageError) << i << ": infinite";
   }
 }
 

@@ -94,7 +94,7 @@ TEST(MocapClock, LimitsLatencyAtAClockChange) {
   for (int i = 0; i < 10; ++i) {
     EXPECT_TRUE(clock.on_frame(after(kPeriodS * i), after(kPeriodS * i + 0.005), i));
   }
-  EXPECT_FALSE(clock.on_frame(after(0.10 + 3600.0), after(0.0955), 10)) << "9.5 ms too soon";
+  EXPECT_FALSE(clock.on_frame(after(0.10 + 3600.0), after(0.0955), 10)) << "9.5 ms too early";
   EXPECT_EQ(clock.latency_s(), 0.0);
   EXPECT_TRUE(clock.on_frame(after(0.11 + 3600.0), after(0.1055), 11));
   EXPECT_EQ(clock.latency_s(), 0.0);

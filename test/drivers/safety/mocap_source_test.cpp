@@ -77,10 +77,10 @@ TEST_F(Source, StaysAcceptedAfterAClockChange) {
       EXPECT_EQ(hear(1, at_s, ahead_s), Standing::kAccepted);
     }
   }
-  EXPECT_EQ(hear(1, at_s, -kHourS, 5), Standing::kRefused) << "its own frames of an hour ago";
-  EXPECT_EQ(hear(1, at_s, -3.0, 5), Standing::kAccepted)
-      << "new numbers with the clock that is known";
-  EXPECT_EQ(hear(2, at_s + 1.0, -3.0), Standing::kRefused) << "a new one is held against ours";
+  EXPECT_EQ(hear(1, at_s, -kHourS, 5), Standing::kRefused) << "its frames of an hour ago";
+  EXPECT_EQ(hear(1, at_s, -3.0, 5), Standing::kAccepted) << "new numbers with the known clock";
+  EXPECT_EQ(hear(2, at_s + 1.0, -3.0), Standing::kRefused)
+      << "a new source must agree with the local clock";
   EXPECT_EQ(hear(2, at_s + 1.0), Standing::kCandidate);
 }
 
@@ -91,7 +91,7 @@ TEST_F(Source, AcceptsAClockChangeWhenFramesContinue) {
   for (const std::int64_t lost : {std::int64_t{0}, MocapSource::kLostMax}) {
     const std::int64_t far = number + MocapSource::kLostMax + 1;
     EXPECT_EQ(hear(1, 0.1, ahead_s, far), Standing::kRefused) << "too many lost";
-    EXPECT_EQ(hear(1, 0.1, ahead_s, number), Standing::kRefused) << "the same number again";
+    EXPECT_EQ(hear(1, 0.1, ahead_s, number), Standing::kRefused) << "repeated number";
     number += std::max<std::int64_t>(1, lost);
     EXPECT_EQ(hear(1, 0.1, ahead_s, number), Standing::kAccepted);
     ahead_s = 2.0 * kHourS;
@@ -110,7 +110,7 @@ TEST_F(Source, CountsRefusalsAndTakeovers) {
   EXPECT_EQ(count("mocap.takeovers"), 0) << "the first source is no takeover";
   for (std::int64_t time = 1; time <= 2; ++time) {
     const double begin_s = 10.0 * static_cast<double>(time);
-    EXPECT_EQ(hear(10 * time, begin_s), Standing::kCandidate) << "the one before is silent";
+    EXPECT_EQ(hear(10 * time, begin_s), Standing::kCandidate) << "the previous source is silent";
     EXPECT_EQ(count("mocap.takeovers"), time);
     EXPECT_EQ(hear(1, begin_s + 0.01), Standing::kRefused);
     EXPECT_EQ(count("mocap.other_source"), time);
@@ -180,7 +180,8 @@ TEST_F(Source, RefusesOldDiscontinuousFramesOfTheAcceptedPublisher) {
     EXPECT_TRUE(std::any_of(counts.begin(), counts.end(), [&](const auto& each) {
       return each.name == "mocap.other_time" && each.count == time;
     }));
-    EXPECT_EQ(hear(1, at_s, 0.0, 50), Standing::kAccepted) << "numbered anew, and of now";
+    EXPECT_EQ(hear(1, at_s, 0.0, 50), Standing::kAccepted)
+        << "restarted numbers with a current stamp";
   }
 }
 
@@ -189,12 +190,13 @@ TEST_F(Source, RefusesOldDiscontinuousFramesOfTheAcceptedPublisher) {
 TEST_F(Source, AcceptsOneClockChangeUntilItIsReverted) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
   EXPECT_EQ(hear(1, 0.1, kHourS, 101), Standing::kAccepted);
-  EXPECT_EQ(hear(1, 0.2, kHourS, 5), Standing::kAccepted) << "numbered anew, by that clock";
-  EXPECT_EQ(hear(1, 0.3, 0.0, 3), Standing::kAccepted) << "set back, and numbered anew";
-  EXPECT_EQ(hear(1, 0.4, kHourS, 2), Standing::kRefused) << "which it was";
-  EXPECT_EQ(hear(1, 0.5, kHourS, 7), Standing::kAccepted) << "set again";
+  EXPECT_EQ(hear(1, 0.2, kHourS, 5), Standing::kAccepted)
+      << "restarted numbers with the known clock";
+  EXPECT_EQ(hear(1, 0.3, 0.0, 3), Standing::kAccepted) << "clock set back and numbers restarted";
+  EXPECT_EQ(hear(1, 0.4, kHourS, 2), Standing::kRefused) << "the previous clock";
+  EXPECT_EQ(hear(1, 0.5, kHourS, 7), Standing::kAccepted) << "the clock is set again";
   EXPECT_EQ(hear(2, 1.0), Standing::kCandidate);
-  EXPECT_EQ(hear(2, 1.1, kHourS, 0), Standing::kRefused) << "the clock of the one before it";
+  EXPECT_EQ(hear(2, 1.1, kHourS, 0), Standing::kRefused) << "the clock of the previous source";
 }
 
 TEST_F(Source, AcceptsACandidateAtTimeZero) {

@@ -86,7 +86,7 @@ TEST(CheckPath, AgreesWithSamplesEveryMillisecond) {
                   apart_m - lim.plan_separation_m});
     const bool passes = check_path(plan, kStart, lim, others) == PlanVerdict::kAccepted;
     if (std::abs(least_m) > 0.003) {
-      EXPECT_EQ(passes, least_m > 0.0) << "least room " << least_m;
+      EXPECT_EQ(passes, least_m > 0.0) << "least distance " << least_m;
     }
     refused += passes ? 0 : 1;
   }

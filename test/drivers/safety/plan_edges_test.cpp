@@ -281,31 +281,31 @@ TEST(PlanCheck, IsInvariantUnderSymmetries) {
     const Scene mirrored = seen(
         scene, [](double x, double y) { return Eigen::Vector2d(x, -y); },
         [](double yaw) { return -yaw; }, -1.0);
-    EXPECT_EQ(mirrored.verdict(), verdict) << "left and right, " << i;
+    EXPECT_EQ(mirrored.verdict(), verdict) << "left and right mirrored, " << i;
     const Scene ahead = seen(
         scene, [](double x, double y) { return Eigen::Vector2d(-x, y); },
         [](double yaw) { return kPi - yaw; }, -1.0);
-    EXPECT_EQ(ahead.verdict(), verdict) << "east and west, " << i;
+    EXPECT_EQ(ahead.verdict(), verdict) << "east and west mirrored, " << i;
     const Scene turned = seen(
         scene, [](double x, double y) { return Eigen::Vector2d(-y, x); },
         [](double yaw) { return yaw + 0.5 * kPi; }, 1.0);
-    EXPECT_EQ(turned.verdict(), verdict) << "a quarter turn, " << i;
+    EXPECT_EQ(turned.verdict(), verdict) << "rotated by a quarter turn, " << i;
     const Eigen::Vector2d away_m = random.vector<2>(-50.0, 50.0);
     const Scene elsewhere = seen(
         scene,
         [&](double x, double y) -> Eigen::Vector2d { return away_m + Eigen::Vector2d(x, y); },
         [](double yaw) { return yaw; }, 1.0);
-    EXPECT_EQ(elsewhere.verdict(), verdict) << "elsewhere, " << i;
+    EXPECT_EQ(elsewhere.verdict(), verdict) << "shifted, " << i;
     Scene later = scene;
     const Duration shift = from_seconds(random.uniform(-1000.0, 1000.0));
     later.now += shift;
     later.plan.start_time += shift;
     later.plans[0].start_time += shift;
     later.plans[1].start_time += shift;
-    EXPECT_EQ(later.verdict(), verdict) << "at another time, " << i;
+    EXPECT_EQ(later.verdict(), verdict) << "shifted in time, " << i;
     Scene renamed = scene;
     std::swap(renamed.plans[0], renamed.plans[1]);
-    EXPECT_EQ(renamed.verdict(), verdict) << "others in another order, " << i;
+    EXPECT_EQ(renamed.verdict(), verdict) << "other order of the bodies, " << i;
   }
   for (const PlanVerdict verdict :
        {PlanVerdict::kAccepted, PlanVerdict::kInfeasible, PlanVerdict::kOutsideFence,

@@ -90,7 +90,7 @@ TEST_F(Gate, CountsConsecutiveLatePlans) {
   models::RobotPlan other = news(1.0, 2);
   other.late = true;
   EXPECT_EQ(judge(other, 1.0), PlanVerdict::kNoLease);
-  EXPECT_EQ(report(1.0).plans_late, 1) << "another planner's lateness is not ours";
+  EXPECT_EQ(report(1.0).plans_late, 1) << "late plans of another planner do not count";
 }
 
 TEST_F(Gate, CountsConsecutiveRefusals) {
@@ -113,8 +113,7 @@ TEST_F(Gate, CountsConsecutiveRefusals) {
     may_take = false;
     EXPECT_EQ(judge(news(at_s + 0.4), at_s + 0.4), PlanVerdict::kNotFollowing);
     may_take = true;
-    EXPECT_EQ(report(at_s).plans_refused, 2)
-        << "none of these says anything of our planner's plans";
+    EXPECT_EQ(report(at_s).plans_refused, 2) << "plans of other planners are not counted";
   }
 }
 
@@ -122,7 +121,7 @@ TEST_F(Gate, AcceptsEachPlanOnceInOrderOfStart) {
   for (const double at_s : {0.0, 1.0}) {
     const models::RobotPlan first = news(at_s + 0.2);
     EXPECT_EQ(judge(first, at_s), PlanVerdict::kAccepted);
-    EXPECT_EQ(judge(first, at_s), PlanVerdict::kStale) << "twice";
+    EXPECT_EQ(judge(first, at_s), PlanVerdict::kStale) << "repeated";
     models::RobotPlan before = news(at_s + 0.3);
     before.stamp.sequence = first.stamp.sequence - 1;
     EXPECT_EQ(judge(before, at_s), PlanVerdict::kStale) << "overtaken";
@@ -174,11 +173,12 @@ TEST_F(Gate, RefusesAPlanAfterOneThatHasNotBegun) {
     course.follow(held, after(at_s));
     EXPECT_EQ(judge(news(at_s + 1.5), at_s + 0.1), PlanVerdict::kTooFarAhead);
     EXPECT_EQ(judge(news(at_s + 0.500001), at_s + 0.1), PlanVerdict::kTooFarAhead);
-    EXPECT_EQ(judge(news(at_s + 0.5), at_s + 0.2), PlanVerdict::kAccepted) << "in its stead";
+    EXPECT_EQ(judge(news(at_s + 0.5), at_s + 0.2), PlanVerdict::kAccepted)
+        << "replaces the pending plan";
     EXPECT_EQ(judge(news(at_s + 1.5), at_s + 0.5), PlanVerdict::kAccepted)
         << "the pending plan has begun";
     course.hover({1.0, -1.0, 1.0}, kYawRad, after(at_s + 0.6));
-    EXPECT_EQ(judge(news(at_s + 2.5), at_s + 0.7), PlanVerdict::kAccepted) << "none waits";
+    EXPECT_EQ(judge(news(at_s + 2.5), at_s + 0.7), PlanVerdict::kAccepted) << "no plan is pending";
   }
 }
 
@@ -232,8 +232,8 @@ TEST_F(Gate, ComparesThePoseWithThePlanNowOrAtItsStart) {
   plan.trajectory.segments = {{{1.0, 0.0}, 1.0, 0.0}, {{}, 0.1, 0.0}};
   plan.trajectory.start_time = after(0.6);
   plan.trajectory.start.x_m = 1.0 - 0.6;
-  EXPECT_TRUE(accepts_at_first(plan, 0.0)) << "the course is there by then";
-  EXPECT_TRUE(accepts_at_first(plan, 0.9)) << "both have gone on";
+  EXPECT_TRUE(accepts_at_first(plan, 0.0)) << "the course has reached the plan by then";
+  EXPECT_TRUE(accepts_at_first(plan, 0.9)) << "plan and course have both advanced";
   plan.trajectory.start.x_m = 1.0;
   EXPECT_FALSE(accepts_at_first(plan, 0.0));
 }
@@ -347,7 +347,7 @@ TEST_F(Gate, CountsVerdictsSeparately) {
   }
   std::vector<models::NamedCount> counts;
   gate.count(counts);
-  EXPECT_EQ(counts.size(), kPlanVerdicts - 1) << "of refusals";
+  EXPECT_EQ(counts.size(), kPlanVerdicts - 1) << "one counter per refusal";
   for (const models::NamedCount& count : counts) {
     const auto found = met.find(count.name.substr(std::string("plan.").size()));
     EXPECT_EQ(count.count, found == met.end() ? 0 : found->second) << count.name;

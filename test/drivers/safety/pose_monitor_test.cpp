@@ -55,7 +55,8 @@ TEST_F(Poses, BeginOnlyInsideTheVolume) {
     }
   }
   EXPECT_EQ(see({0.0, 9.0, 1.0}, 1.0, kOnGround), PoseVerdict::kOutside);
-  EXPECT_EQ(see({0.0, 9.0, 1.0}, 2.0), PoseVerdict::kOutside) << "nor jumps there in the air";
+  EXPECT_EQ(see({0.0, 9.0, 1.0}, 2.0), PoseVerdict::kOutside)
+      << "a jump to the outside is refused in the air, too";
 }
 
 // In the air, the pose gate allows for an unknown acceleration of 10 m/s² during the gap. The gate
@@ -178,7 +179,8 @@ TEST_F(Poses, AreStuckAfterTheTimeLimit) {
   }
   stand(here_m);
   for (double t_s = kFrameS; t_s < 3.0; t_s += kFrameS) {
-    EXPECT_EQ(see(here_m, t_s, kOnGround), PoseVerdict::kAccepted) << "on the ground it may rest";
+    EXPECT_EQ(see(here_m, t_s, kOnGround), PoseVerdict::kAccepted)
+        << "on the ground the body may be stationary";
   }
 }
 
@@ -199,7 +201,7 @@ TEST_F(Poses, AreCountedConsecutively) {
     EXPECT_EQ(monitor.accepted_in_row(), 1);
     const Time now = kStart + from_seconds(t_s + kFrameS);
     EXPECT_EQ(monitor.judge(nullptr, kHovers, limits, now), PoseVerdict::kAbsent);
-    EXPECT_EQ(monitor.rejected_in_row(), 0) << "not seen is not wrong";
+    EXPECT_EQ(monitor.rejected_in_row(), 0) << "an unseen body is not a rejected pose";
     EXPECT_EQ(monitor.accepted_in_row(), 0);
   }
 }
@@ -267,7 +269,7 @@ TEST_F(Poses, OutsideTheVolumeNeedAContinuousFlight) {
     }
     monitor = {};
     EXPECT_EQ(see({beyond_m + 0.1, 0.3, 1.0}, 0.0, context), PoseVerdict::kOutside);
-    EXPECT_FALSE(monitor.has_pose()) << "no track begins outside";
+    EXPECT_FALSE(monitor.has_pose()) << "a track cannot begin outside";
   }
 }
 

@@ -476,7 +476,7 @@ TEST(Surroundings, HaveTheStatedMargins) {
     walker.robot = -1;
     walker.velocity_world_mps.setZero();
     EXPECT_NEAR(predicted_distance_m(here_m, {&walker, 1}, 1.0), 1.5, 1e-9)
-        << "no robot waits its turn";
+        << "a robot that waits for its turn does not count";
   }
 }
 

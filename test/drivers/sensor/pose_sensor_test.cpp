@@ -121,7 +121,7 @@ TEST(PoseSensor, DetectsTargetsInRangeViewAndSight) {
     return !sensor.measure(frame_with({x_m, y_m, 0.0}), false)->detections.empty();
   };
   EXPECT_TRUE(sees(2.5, 4.3));
-  EXPECT_FALSE(sees(2.0, 4.5)) << "beside it";
+  EXPECT_FALSE(sees(2.0, 4.5)) << "outside the field of view";
   EXPECT_FALSE(sees(2.8, 4.7)) << "beyond 1 m";
   EXPECT_FALSE(sees(2.8, 4.0)) << "behind a box";
 }

@@ -121,7 +121,7 @@ TEST(SensorNode, InterpolatesToTheExactStepBetweenFrames) {
   Bench bench;
   bench.send_frame(Duration{480'000});
   const models::InputRef before = bench.send_frame(Duration{497'000});
-  EXPECT_TRUE(bench.measured.empty()) << "it must wait for the frame after";
+  EXPECT_TRUE(bench.measured.empty()) << "the node waits for the next frame";
   const models::InputRef after = bench.send_frame(Duration{514'000});
   ASSERT_EQ(bench.measured.size(), 1u);
   EXPECT_EQ(bench.measured[0].stamp.time, kStart + Duration{500'000});
@@ -203,7 +203,7 @@ TEST(SensorNode, ForgetsAnAttackNoticeAfterThreeSeconds) {
   EXPECT_TRUE(measure_at(Duration{6'000'000}));
   EXPECT_FALSE(measure_at(Duration{6'500'000}));
   EXPECT_EQ(bench.measured.back().detections.size(), 1u);
-  EXPECT_EQ(bench.measured.back().inputs.size(), 1u) << "nor is it an input any more";
+  EXPECT_EQ(bench.measured.back().inputs.size(), 1u) << "the old notice is not an input either";
   bench.send_attack({"Q1"});
   EXPECT_TRUE(measure_at(Duration{7'000'000}));
 }
@@ -243,7 +243,7 @@ TEST(SensorNode, ScansInMappingUnlessJammed) {
 
   Bench again(mapping_scenario());
   again.send_frame(Duration{0});
-  EXPECT_EQ(again.scanned.at(0).ranges_m, scan.ranges_m) << "noise of the instant alone";
+  EXPECT_EQ(again.scanned.at(0).ranges_m, scan.ranges_m) << "the noise depends on the instant only";
   Bench tracker;
   tracker.send_frame(Duration{0});
   EXPECT_TRUE(tracker.scanned.empty());

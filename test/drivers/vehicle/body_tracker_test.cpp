@@ -44,7 +44,7 @@ TEST(BodyTracker, FindsTheVelocityOfASteadyFlightInNoise) {
     }
   }
   EXPECT_LT(std::sqrt(squares / 2700.0), 0.06);
-  EXPECT_LT(squares, promised) << "it promises more than it keeps";
+  EXPECT_LT(squares, promised) << "the stated accuracy is too high";
 }
 
 TEST(BodyTracker, RefusesInvalidPoses) {
@@ -99,7 +99,7 @@ TEST(BodyTracker, ContinuesAfterAMocapRestartInFlight) {
     for (int i = 0; i < 10; ++i, now += kFrame) {
       ASSERT_EQ(see(2, other_clock), BodyVerdict::kTaken) << i;
     }
-    EXPECT_EQ(tracker.state()->resets, 0) << "it flew there";
+    EXPECT_EQ(tracker.state()->resets, 0) << "the body moved there";
     // A sudden change of the position counts as a jump.
     EXPECT_EQ(tracker.update(frame_at(now, at(-2.0, 0.0), 3), now, now, false),
               BodyVerdict::kJumped);

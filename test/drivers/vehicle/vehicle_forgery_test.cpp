@@ -142,7 +142,7 @@ TEST_F(Forgery, OfCommandsIsRefusedWithSignatures) {
   EXPECT_EQ(bench.count("COMMAND.replayed"), 3);
   bench.send_command(OperatorAction::kEmergencyStop);
   bench.run(0.05);
-  EXPECT_EQ(bench.state(), FlightState::kKilled) << "the true one's is";
+  EXPECT_EQ(bench.state(), FlightState::kKilled) << "the genuine command is accepted";
 }
 
 TEST_F(Forgery, OfPlansIsRefusedWithSignatures) {
@@ -150,7 +150,8 @@ TEST_F(Forgery, OfPlansIsRefusedWithSignatures) {
   take_off();
   send(channel, bytes_of(plan()));
   bench.run(0.1);
-  EXPECT_EQ(bench.count("plan.not following"), 1) << "judged by who asks for no signature";
+  EXPECT_EQ(bench.count("plan.not following"), 1)
+      << "a guard that requires no signature evaluates the plan";
   bench.secure(test::keys_of_a_trial(), {});
   bench.run(0.5);
   send(channel, bytes_of(plan()));

@@ -31,7 +31,7 @@ TEST_F(VehicleTrust, AcceptsAStopAfterForgedNumbers) {
                        command(OperatorAction::kHeartbeat, kLabRun,
                                std::numeric_limits<std::int64_t>::max(), Duration{1}));
   bench.run(5.0);
-  EXPECT_TRUE(only_hovered()) << "and the true heartbeat goes on counting";
+  EXPECT_TRUE(only_hovered()) << "the genuine heartbeat is still accepted";
   bench.send_command(OperatorAction::kEmergencyStop);
   bench.run(0.05);
   EXPECT_EQ(bench.state(), FlightState::kKilled);
@@ -110,7 +110,7 @@ TEST_F(VehicleTrust, RefusesASecondMocap) {
   bench.run(3.0);
   EXPECT_TRUE(only_hovered());
   EXPECT_GT(bench.count("mocap.other_source"), 100);
-  EXPECT_TRUE(bench.has_reason(kSecondSource)) << "the operator is told";
+  EXPECT_TRUE(bench.has_reason(kSecondSource)) << "reported to the operator";
   bench.each_step = nullptr;
   bench.run(3.0);
   EXPECT_TRUE(only_hovered());
@@ -164,7 +164,8 @@ TEST_F(VehicleTrust, ReturnsToTheFirstMocapAfterItsDropout) {
   bench.each_step = nullptr;
   bench.run(3.0);
   EXPECT_TRUE(hovers()) << words_of(bench.statuses.back().reasons);
-  EXPECT_LT(bench.count("pose.jump"), 60) << "of the second's while the first was silent, no more";
+  EXPECT_LT(bench.count("pose.jump"), 60)
+      << "only poses of the second source while the first was silent";
 }
 
 TEST_F(VehicleTrust, AcceptsARestartedMocap) {
@@ -257,7 +258,8 @@ TEST_F(VehicleTrust, AcceptsAPlannerDespiteStalePlans) {
     bench.run(1.0);
   }
   EXPECT_EQ(bench.count("plan.no lease"), 0);
-  EXPECT_EQ(bench.count("plan.not following"), 5) << "judged, as the vehicle only hovers";
+  EXPECT_EQ(bench.count("plan.not following"), 5)
+      << "evaluated and refused, because the vehicle only hovers";
   EXPECT_GT(bench.count("plan.stale"), 10);
   EXPECT_FALSE(bench.has_reason("two planners"));
 }

@@ -117,7 +117,8 @@ TEST(FrameFilter, CountsGapsRepetitionsAndLateFrames) {
   EXPECT_EQ(bench.filter.counts().server_restarts, 1);
   EXPECT_EQ(bench.filter.counts().frames_lost, 2);
   send(0x7FFF0000);
-  EXPECT_EQ(bench.filter.counts().server_restarts, 2) << "so many frames are not lost at once";
+  EXPECT_EQ(bench.filter.counts().server_restarts, 2)
+      << "such a number of frames is not lost at once";
 }
 
 TEST(FrameFilter, ContinuesWhenFrameNumbersWrap) {

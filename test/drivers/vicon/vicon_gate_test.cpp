@@ -56,7 +56,8 @@ TEST(FrameFilter, RefusesBothBodiesAfterASwap) {
   bench.add("A", bench.moving_pose());
   bench.add("B", b);
   bench.filter.accept(bench.seen);
-  EXPECT_TRUE(bench.out.bodies[0].occluded) << "it went 10 m unseen: five frames to be sure";
+  EXPECT_TRUE(bench.out.bodies[0].occluded)
+      << "after 10 m unseen, five frames must confirm the body";
 }
 
 // Regression: one wrong frame was followed by a gap. During a gap a body can move from the wrong

@@ -60,8 +60,9 @@ TEST_P(ViconLink, BacksOffAndReconnects) {
   bench.is_server_up = false;
   bench.cut();
   bench.pass(std::chrono::seconds(100));
-  EXPECT_GE(bench.driver.link_counts().connections_failed, 48) << "it keeps to 2 s at most";
-  EXPECT_LE(bench.driver.link_counts().connections_failed, 56) << "and waits longer each time";
+  EXPECT_GE(bench.driver.link_counts().connections_failed, 48) << "the pause is at most 2 s";
+  EXPECT_LE(bench.driver.link_counts().connections_failed, 56)
+      << "the pause grows with each attempt";
   EXPECT_NE(bench.driver.status().find("connection refused"), std::string::npos);
   bench.is_server_up = true;
   bench.pass(std::chrono::seconds(2) + Duration{10'000});
@@ -108,7 +109,8 @@ TEST_P(ViconLink, ClosesASilentConnection) {
   } else {
     bench.pass(std::chrono::seconds(4));
     EXPECT_NE(bench.driver.status().find("no data received"), std::string::npos);
-    EXPECT_EQ(bench.driver.link_counts().connections, connections) << "UDP has nothing to reopen";
+    EXPECT_EQ(bench.driver.link_counts().connections, connections)
+        << "UDP has no connection to reopen";
   }
 }
 

@@ -231,7 +231,8 @@ TEST(NatNetSocket, ReceivesTheServersMulticastGroup) {
   }
   EXPECT_EQ(bench.frames.back().bodies.size(), 7u);
   EXPECT_FALSE(bench.frames.back().bodies[0].occluded);
-  EXPECT_EQ(bench.node->driver().frame_counts().frames_repeated, 0) << "not unicast as well";
+  EXPECT_EQ(bench.node->driver().frame_counts().frames_repeated, 0)
+      << "not sent by unicast as well";
   EXPECT_EQ(bench.node->name(), "NATNET");
 }
 

@@ -99,7 +99,7 @@ constexpr Duration ms(std::int64_t count) { return Duration{1'000 * count}; }
 TEST_F(VrpnTrackersOnTheWire, AppearInEveryFrame) {
   run({{"A", ms(10), ms(0)}, {"B", ms(20), ms(3)}, {"C", ms(10), ms(5)}}, ms(3'000));
   const auto settled = frames(ms(200), ms(3'000));
-  EXPECT_NEAR(static_cast<double>(settled.size()), 280.0, 1.0) << "as many as the fastest reports";
+  EXPECT_NEAR(static_cast<double>(settled.size()), 280.0, 1.0) << "the rate of the fastest tracker";
   for (const models::MocapFrame& frame : settled) {
     ASSERT_EQ(frame.bodies.size(), 3U);
     const Duration at = frame.arrival - kEpoch;
