@@ -112,7 +112,7 @@ TEST_F(MapPublisherTest, SumsTheNewestMapOfEachRunOfATeammate) {
   EXPECT_EQ(step(1).team_looks[0], -4);
   const models::InputRef of_second = publish(11, 2, -1);
   const models::RobotMap map = step(2);
-  EXPECT_EQ(map.team_looks[0], -5) << "its estimator has started again";
+  EXPECT_EQ(map.team_looks[0], -5) << "its estimator was restarted";
   for (const models::InputRef& ref : {of_first, of_second}) {
     EXPECT_EQ(std::count(map.inputs.begin(), map.inputs.end(), ref), 1);
   }
@@ -136,7 +136,7 @@ TEST_F(MapPublisherTest, LimitsTheRunsOfATeammate) {
     EXPECT_EQ(std::count(map.inputs.begin(), map.inputs.end(), published[run]), run < 24 ? 0 : 1);
   }
   EXPECT_EQ(map.team_looks[0], -16);
-  EXPECT_EQ(map.inputs.size(), 2 + 16U) << "the belief, the own map before, its maps";
+  EXPECT_EQ(map.inputs.size(), 2 + 16U) << "the belief, the previous own map, and 16 maps";
   EXPECT_EQ(count("map.runs_forgotten"), 24);
 }
 

@@ -97,7 +97,7 @@ TEST(EstimatorNode, BuffersPosesOnlyFromFramesShowingTheRobot) {
   const models::RobotBelief made = node.filter().belief();
   EXPECT_EQ(made.stamp.time, kInstant);
   EXPECT_NEAR(made.viewpoint.world_from_body.x_m, 1.0, 1e-9);
-  EXPECT_TRUE(node.counters().empty()) << "it knows where it is";
+  EXPECT_TRUE(node.counters().empty()) << "its own position is known";
 }
 
 // Inputs of a logged step are found if at most 1024 observations or 64 beliefs of each robot, or

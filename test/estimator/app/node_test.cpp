@@ -269,7 +269,7 @@ TEST_F(NodeTest, KeepsTheNewestInputs) {
     deliver();
   }
   run_until(t1 + 560ms, {&node});
-  EXPECT_EQ(counters()["viewpoint_unknown"], 1) << "256 have come since";
+  EXPECT_EQ(counters()["viewpoint_unknown"], 1) << "256 poses have arrived since then";
 }
 
 // The robot's position at t is that of an observation or pose from the step that ends at t.
@@ -286,19 +286,19 @@ TEST_F(NodeTest, UsesPoseFromInputsOfThisStep) {
   };
   world_.publish(bus::measurement_channel("Q1"), look("Q1", t1, {0.5, 0.0, 0.0}));
   world_.publish(bus::measurement_channel("Q1"), look("Q1", t1 - 100ms, {0.7, 0.0, 0.0}));
-  EXPECT_EQ(x_of_step(0), 0.5) << "the newest of two, whichever came last";
+  EXPECT_EQ(x_of_step(0), 0.5) << "the newest of two, in any order of arrival";
   world_.publish(bus::measurement_channel("Q1"), look("Q1", t1, {0.6, 0.0, 0.0}));
   world_.publish(bus::kVicon, frame_at(t1 + Duration{1}, {{"Q1", {1.0, 0.0, 0.0}}}));
-  EXPECT_NEAR(x_of_step(1), 1.0, 1e-9) << "a look of the step before is too old";
+  EXPECT_NEAR(x_of_step(1), 1.0, 1e-9) << "an observation of the previous step is too old";
   world_.publish(bus::measurement_channel("Q1"),
                  look("Q1", t1 + 500ms + Duration{1}, {0.8, 0.0, 0.0}));
   world_.publish(bus::kVicon, frame_at(t1 + 990ms, {{"Q1", {2.0, 0.0, 0.0}}}));
-  EXPECT_EQ(x_of_step(2), 0.8) << "and one after it is not";
+  EXPECT_EQ(x_of_step(2), 0.8) << "an observation after the step is not used";
   world_.publish(bus::kVicon, frame_at(t1 + 1000ms, {{"Q1", {3.0, 0.0, 0.0}}}));
   auto hidden = frame_at(t1 + 1400ms, {{"Q1", {4.0, 0.0, 0.0}}});
   hidden.bodies[0].occluded = true;
   world_.publish(bus::kVicon, hidden);
-  EXPECT_EQ(x_of_step(3), 0.8) << "it is where it was";
+  EXPECT_EQ(x_of_step(3), 0.8) << "the last position";
   EXPECT_EQ(node.counters().back().name, "viewpoint_unknown");
   EXPECT_EQ(node.counters().back().count, 1);
 }
@@ -328,7 +328,7 @@ TEST_F(NodeTest, PublishesTheConfiguredBeliefs) {
   ASSERT_EQ(received[0].targets.size(), 1u);
   EXPECT_EQ(received[0].targets[0].target_id, 2);
   ASSERT_EQ(node.counters().size(), 1U);
-  EXPECT_EQ(node.counters()[0].name, "misaddressed") << "who speaks for another";
+  EXPECT_EQ(node.counters()[0].name, "misaddressed") << "the robot name does not match the channel";
   EXPECT_EQ(received[0].inputs.size(), 1U);
 }
 

@@ -100,8 +100,8 @@ TEST(OwnPose, IsTheVisiblePoseOfTheRobot) {
     EXPECT_EQ(pose->time, instant(2));
     EXPECT_NEAR(pose->viewpoint.world_from_body.y_m, 2.0, 1e-12);
     EXPECT_NEAR(pose->viewpoint.height_m, 1.5, 1e-12);
-    EXPECT_FALSE(own_pose(frame, "Q2", hint)) << "hidden";
-    EXPECT_FALSE(own_pose(frame, "Q3", hint)) << "not there";
+    EXPECT_FALSE(own_pose(frame, "Q2", hint)) << "occluded";
+    EXPECT_FALSE(own_pose(frame, "Q3", hint)) << "not in the frame";
   }
 }
 
@@ -147,7 +147,7 @@ TEST(MakeStep, UsesTheLastViewpoint) {
   EXPECT_EQ(made.step, 7);
   EXPECT_EQ(made.stamp.time, instant(3));
   EXPECT_EQ(made.inputs.size(), 5U);
-  EXPECT_FALSE(mixture_of(filter, made)) << "nothing to say";
+  EXPECT_FALSE(mixture_of(filter, made)) << "no mixture to publish";
 }
 
 scenario::Scenario lone_robot() {

@@ -312,12 +312,13 @@ TEST(Rebase, CountsBeliefsOfAnotherFilter) {
   EXPECT_EQ(filter.belief().targets[0].target_id, 1);
   EXPECT_EQ(filter.counters().unknown_ids, 2);
   EXPECT_EQ(filter.counters().malformed_beliefs, 1);
-  EXPECT_EQ(filter.counters().grid_mismatches, 0) << "it says nothing of the ground";
+  EXPECT_EQ(filter.counters().grid_mismatches, 0) << "the belief has no grid";
   before.targets.clear();
   before.grid = filter.grid().geometry();
   before.last_seen_utime.assign(filter.grid().last_seen_utime().size() + 1, 7);
   filter.rebase(before);
-  EXPECT_EQ(filter.counters().grid_mismatches, 1) << "not as many stamps as cells";
+  EXPECT_EQ(filter.counters().grid_mismatches, 1)
+      << "the number of stamps differs from the number of cells";
   before.last_seen_utime.pop_back();
   before.grid.origin_m.x() += 1.0;
   filter.rebase(before);
@@ -364,7 +365,7 @@ TEST(FilterSpec, IsReadFromTheScenario) {
   }
   EXPECT_EQ(spec.estimator.gate_sigma, 3.5);
   EXPECT_EQ(spec.world.bounds.max_m, scenario.world.bounds.max_m);
-  EXPECT_EQ(spec.target_count, 3) << "whichever is named last";
+  EXPECT_EQ(spec.target_count, 3) << "the last one in the list";
   EXPECT_EQ(spec.target_radius_m, 0.2) << "the smallest";
   EXPECT_EQ(spec.step_s, 0.25);
   EXPECT_EQ(spec.communication_range_m, 7.0);

@@ -310,16 +310,16 @@ TEST(KnownIds, ReduceTheErrorBelowTheBoundForUnknownIds) {
     const double known_m = of_known.known_ids.rmse_m();
     same_looks.add(of_known.oracle.rmse_m() / known_m);
     own_looks.add(of_oracle.oracle.rmse_m() / known_m);
-    std::cout << seed << ": known ids " << known_m << " m, oracle on the same looks "
-              << of_known.oracle.rmse_m() << " m, on looks of its own " << of_oracle.oracle.rmse_m()
-              << " m; believed over true variance "
+    std::cout << seed << ": known ids " << known_m << " m, oracle with the same observations "
+              << of_known.oracle.rmse_m() << " m, oracle with separate observations "
+              << of_oracle.oracle.rmse_m() << " m; believed over true variance "
               << of_known.known_ids.believed_m2 / of_known.known_ids.squared_m2 << ", "
               << of_known.oracle.believed_m2 / of_known.oracle.squared_m2 << ", "
               << of_oracle.oracle.believed_m2 / of_oracle.oracle.squared_m2 << std::endl;
   }
-  std::cout << "ratio on the same looks " << same_looks.mean() << ", standard error "
-            << same_looks.standard_error() << "; on looks of its own " << own_looks.mean() << ", "
-            << own_looks.standard_error() << "\n";
+  std::cout << "ratio with the same observations " << same_looks.mean() << ", standard error "
+            << same_looks.standard_error() << "; with separate observations " << own_looks.mean()
+            << ", " << own_looks.standard_error() << "\n";
   EXPECT_GT(same_looks.mean(), 1.15);
   EXPECT_GT(own_looks.mean(), 1.15);
 }

@@ -66,7 +66,7 @@ TEST(NeighbourhoodFilter, EqualsTheFullFilterInItsNeighbourhood) {
         EXPECT_EQ(found->information.matrix, target.information.matrix);
       }
     }
-    EXPECT_LE(told.grid.size(), 23 * 23) << "2.5 neighbourhoods in 2 m";
+    EXPECT_LE(told.grid.size(), 23 * 23) << "2.5 neighbourhoods in cells of 2 m";
     for (int index = 0; index < whole.grid.size(); ++index) {
       const int there = told.grid.index_of(whole.grid.centre_m(index));
       const bool is_near =

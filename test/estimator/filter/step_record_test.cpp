@@ -43,7 +43,7 @@ TEST(StepRecord, OrdersMeasurementsByTimeAndRobot) {
       Observation& look = record.insert(time, source);
       EXPECT_EQ(look.time, time);
       EXPECT_EQ(look.source, source);
-      EXPECT_TRUE(look.detections.empty()) << "of one that was there before";
+      EXPECT_TRUE(look.detections.empty()) << "no detection of an earlier record";
       EXPECT_FALSE(look.counted);
       look.detections.emplace_back();
       look.counted = true;
@@ -82,7 +82,7 @@ TEST(StepRecord, HasCapacityForASmallTeam) {
   };
   EXPECT_EQ(room_of(10, 8), 80U);
   EXPECT_EQ(room_of(64, 8), StepRecord::kDetectionsReserved);
-  EXPECT_EQ(room_of(1000, 8), StepRecord::kDetectionsReserved) << "a large team costs no more";
+  EXPECT_EQ(room_of(1000, 8), StepRecord::kDetectionsReserved) << "a large team reserves no more";
   EXPECT_EQ(room_of(5, 0), 0U);
   EXPECT_GE(StepRecord::kDetectionsReserved, 512U);
 }

@@ -85,7 +85,7 @@ TEST(TeamMap, SumsAllScansInAnyOrder) {
     EXPECT_EQ(of_1.team_looks, all.own_looks);
     EXPECT_EQ(of_1.entropy_nats, all.entropy_nats);
   }
-  EXPECT_LT(all.entropy_nats, 0.7 * 1200 * std::log(2.0)) << "they told something";
+  EXPECT_LT(all.entropy_nats, 0.7 * 1200 * std::log(2.0)) << "the scans have information";
 }
 
 TEST(TeamMap, CountsATeammateOnce) {
@@ -99,7 +99,7 @@ TEST(TeamMap, CountsATeammateOnce) {
   EXPECT_EQ(thrice.team_looks, once.team_looks);
   EXPECT_EQ(once.team_looks, of_2.own_looks);
   EXPECT_EQ(once.own_looks, models::CellCounts(once.own_looks.size(), 0))
-      << "nobody passes on others'";
+      << "observations of teammates are not passed on";
 }
 
 // A robot that hovers for hours saturates the observation counts of its cells.
@@ -146,12 +146,12 @@ TEST(TeamMap, MergesNearCurrentMapsOfTheSameGrid) {
   EXPECT_TRUE(q1.accepts(belief_at(0), theirs)) << "3 m";
   EXPECT_FALSE(q1.accepts(belief_at(0, {-0.1, 0.0, 0.0}), theirs)) << "3.1 m";
   EXPECT_TRUE(q1.accepts(belief_at(3), theirs));
-  EXPECT_FALSE(q1.accepts(belief_at(4), theirs)) << "of four steps ago";
+  EXPECT_FALSE(q1.accepts(belief_at(4), theirs)) << "four steps old";
   theirs.stamp.time += Duration{1};
-  EXPECT_FALSE(q1.accepts(belief_at(0), theirs)) << "of the future";
+  EXPECT_FALSE(q1.accepts(belief_at(0), theirs)) << "a future time";
   EXPECT_TRUE(q1.accepts(belief_at(1), theirs));
   theirs.grid.resolution_m *= 2.0;
-  EXPECT_FALSE(q1.accepts(belief_at(1), theirs)) << "of another grid";
+  EXPECT_FALSE(q1.accepts(belief_at(1), theirs)) << "another grid";
   EXPECT_THROW(TeamMap(scenario, "Q9"), UsageError);
 }
 

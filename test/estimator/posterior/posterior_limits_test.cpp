@@ -119,7 +119,7 @@ void expect_as_by_brute_force(SensorKind kind, const Case& each, int dim, double
       std::string(kind.name()) + " " + each.limit + " " + std::to_string(noise_times);
   EXPECT_LT(d.mean_sigma, tolerance) << what;
   EXPECT_LT(d.covariance_share, 2.0 * tolerance) << what;
-  EXPECT_GT(much.mean_sigma, 0.3) << what << ": it matters";
+  EXPECT_GT(much.mean_sigma, 0.3) << what << ": the limit matters";
   EXPECT_EQ(found->mahalanobis2, without->mahalanobis2) << what;
 }
 

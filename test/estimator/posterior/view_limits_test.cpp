@@ -183,7 +183,7 @@ TEST(ViewProbability, IsOneFarFromLimits) {
   EXPECT_NEAR(view_probability(sensor, soft, 6.0, 0.0, 0.0, kNoDepth_m), 0.0, 1e-12);
   sensor.range_min_m = 0.0;
   EXPECT_EQ(at_range(5.0), 1.0);
-  EXPECT_NEAR(at_range(0.0), 0.5, 1e-6) << "right there it may be on any side";
+  EXPECT_NEAR(at_range(0.0), 0.5, 1e-6) << "at range 0 the direction is undefined";
   sensor.depth_min_m = -1.0;
   EXPECT_EQ(view_probability(sensor, soft, 5.0, 5.0, 0.0, 0.0), 0.0);
   EXPECT_EQ(view_probability(sensor, soft, 5.0, 5.0, 0.0, -0.3), 0.0);

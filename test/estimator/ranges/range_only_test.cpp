@@ -246,7 +246,8 @@ TEST(RangeOnlyFilter, StartsWithAUniformRingAsWideAsTheNoise) {
       EXPECT_NEAR(h.weight, 1.0 / 48.0, 1e-15);
       const Eigen::Vector2d out = (h.mean_m - robot_m).normalized();
       const Eigen::Vector2d along(-out.y(), out.x());
-      EXPECT_NEAR(out.dot(h.covariance_m2 * along), 0.0, 1e-12) << "along the ring or across it";
+      EXPECT_NEAR(out.dot(h.covariance_m2 * along), 0.0, 1e-12)
+          << "principal axes along and across the ring";
       // The radial spread consists of the noise and the depth of the arc over 1σ along it.
       const double along_m2 = along.dot(h.covariance_m2 * along);
       const double depth_m = distance_m * (1.0 - std::cos(std::sqrt(along_m2) / distance_m));
@@ -368,7 +369,7 @@ TEST(RangeOnlyFilter, RestartsAfterAWindowOfUnexplainedRanges) {
     EXPECT_EQ(filter.restarts(), 1);
     filter.update(robot_m, 1e4);
   }
-  EXPECT_EQ(filter.restarts(), 2) << "and once more";
+  EXPECT_EQ(filter.restarts(), 2) << "a second restart";
 }
 
 TEST(RangeOnlyFilter, RestartsOnAnUnexplainedRangeWithoutOutliers) {

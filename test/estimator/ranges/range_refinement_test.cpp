@@ -111,8 +111,8 @@ TEST(GuessNoise, UsesTheMedianResidualPerBeacon) {
   ASSERT_EQ(state.noise.size(), 4U);
   EXPECT_NEAR(state.noise[0].width_m, 1.4826 * 2.0, 1e-9);
   EXPECT_NEAR(state.noise[1].width_m, 1.4826 * 1.0, 1e-9);
-  EXPECT_EQ(state.noise[2].width_m, 0.01) << "no sensor is better than that";
-  EXPECT_EQ(state.noise[3].width_m, RangeNoise{}.width_m) << "nothing is known of it";
+  EXPECT_EQ(state.noise[2].width_m, 0.01) << "lower limit of the noise";
+  EXPECT_EQ(state.noise[3].width_m, RangeNoise{}.width_m) << "without data the default applies";
   EXPECT_EQ(state.noise[0].outlier_share, RangeNoise{}.outlier_share);
 }
 
@@ -417,7 +417,7 @@ TEST(FitAt, UsesTheCommonNoiseForABeaconWithFewRanges) {
   for (int b = 0; b < 2; ++b) {
     EXPECT_NEAR(refined.noise[index(b)].width_m,
                 std::sqrt((squares_m2[b] + 20.0 * widths_m2) / (counts[b] + 20.0)), 1e-9);
-    EXPECT_EQ(refined.noise[index(b)].outlier_share, 1e-3) << "a few more may be, always";
+    EXPECT_EQ(refined.noise[index(b)].outlier_share, 1e-3) << "lower limit of the outlier share";
   }
 }
 

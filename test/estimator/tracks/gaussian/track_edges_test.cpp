@@ -217,7 +217,7 @@ TEST(CentralFilter, AppliesMissesBeforeDetections) {
       EXPECT_EQ(filter.is_seen()[m], 1);
     }
     filter.update(sensor, {looks.data() + 1, 2});
-    EXPECT_EQ(filter.is_seen()[0], 0) << "not by the last looks";
+    EXPECT_EQ(filter.is_seen()[0], 0) << "not seen in the last scans";
     EXPECT_EQ(filter.is_seen()[1], 1);
   }
 }

@@ -296,7 +296,7 @@ TEST(TracksByCounts, AreConfirmedAndDeletedByHitsAndMisses) {
       filter.update(tracks, {instant(k), 0, from, {}}, lab_sensor());
       EXPECT_EQ(tracks[0].existence, 0.0);
       EXPECT_EQ(filter.counters().deaths, 1);
-      EXPECT_FALSE(filter.is_confirmed(tracks[0])) << "whatever its hits";
+      EXPECT_FALSE(filter.is_confirmed(tracks[0])) << "for any number of hits";
     }
   }
 }
@@ -351,7 +351,7 @@ TEST(MultiTargetUpdate, LabelsBirthsByDistance) {
         const double range_m = moments(tracks[i].mixture).mean.norm();
         const double nearest_first[] = {1.0, 2.0, 2.5};
         EXPECT_EQ(tracks[i].label, first_label(instant(1), 0) + static_cast<int>(i));
-        EXPECT_NEAR(range_m, nearest_first[i], 0.1) << "the nearest is the first";
+        EXPECT_NEAR(range_m, nearest_first[i], 0.1) << "the nearest detection is first";
         EXPECT_EQ(tracks[i].hits, 1);
         EXPECT_EQ(tracks[i].mixture.at(0).weight, 1.0);
         EXPECT_EQ(tracks[i].existence == 1.0, tracker != Tracker::kLabelled);
@@ -375,7 +375,8 @@ TEST(MultiTargetUpdate, CountsMalformedDetections) {
   EXPECT_EQ(malformed([](models::Measurement& z) { z.z = z.z.head(1).eval(); }), 1);
   EXPECT_EQ(malformed([](models::Measurement& z) { z.V = z.V.topRows(1).eval(); }), 1);
   EXPECT_EQ(malformed([](models::Measurement& z) { z.V = z.V.leftCols(1).eval(); }), 1);
-  EXPECT_EQ(malformed([](models::Measurement& z) { z.V.setZero(); }), 1) << "explained by nothing";
+  EXPECT_EQ(malformed([](models::Measurement& z) { z.V.setZero(); }), 1)
+      << "the measurement cannot be explained";
 }
 
 // Components within 1σ of a heavier one are merged; those with a weight below 0.001 are removed.

@@ -87,7 +87,7 @@ TEST(Reconcile, KeepsTheOlderLabelOnBothSides) {
   std::vector<ReceivedLabel> received = {theirs(kOld, at_m(1.2, 1, 0.2))};
   EXPECT_EQ(reconcile(one, received).relabelled, 1);
   EXPECT_EQ(labels_of(one), std::vector{kOld});
-  EXPECT_GE(one[0].existence, 0.5) << "what a teammate has confirmed and is here is told of";
+  EXPECT_GE(one[0].existence, 0.5) << "a track that a teammate has confirmed is published";
 
   std::vector<LabelledTrack> other = {own(kOld, at_m(1.2, 1, 0.2))};
   received = {theirs(kYoung, at_m(1, 1, 0.2))};
@@ -131,7 +131,7 @@ TEST(Reconcile, AdoptsAClearlyMoreCertainBelief) {
   EXPECT_EQ(moments(tracks[0].mixture).mean, sure.mean);
   EXPECT_EQ(moments(tracks[0].mixture).covariance, sure.covariance);
   received = {theirs(kOld, sure)};
-  EXPECT_EQ(reconcile(tracks, received).taken_over, 0) << "the same again tells nothing";
+  EXPECT_EQ(reconcile(tracks, received).taken_over, 0) << "a repeated belief changes nothing";
   received = {theirs(kOld, vague)};
   EXPECT_EQ(reconcile(tracks, received).taken_over, 0);
   EXPECT_EQ(moments(tracks[0].mixture).covariance, sure.covariance);
@@ -142,7 +142,8 @@ TEST(TrackLabels, AreAtLeastTwoToThePower30) {
   EXPECT_EQ(first_label(from_utime(0), 0), models::kTrackLabelMin);
   EXPECT_EQ(first_label(last, kLabelledRobots - 1) + kLabelledDetections - 1,
             std::numeric_limits<int>::max());
-  EXPECT_EQ(first_label(last + kLabelTick, 0), models::kTrackLabelMin) << "and begin anew";
+  EXPECT_EQ(first_label(last + kLabelTick, 0), models::kTrackLabelMin)
+      << "labels restart at the minimum";
   const Time tick = from_utime(1000 * kLabelTick.count());
   EXPECT_EQ(first_label(tick + kLabelTick - Duration{1}, 3), first_label(tick, 3));
   EXPECT_NE(first_label(tick - Duration{1}, 3), first_label(tick, 3));
@@ -183,7 +184,7 @@ TEST(Reconcile, ComparesTracksAboveTenPercentExistence) {
     std::vector<ReceivedLabel> received = {theirs(kOld, at_m(1.1, 1, 0.2))};
     const Reconciled done = reconcile(tracks, received);
     EXPECT_EQ(done.relabelled, is_compared ? 1 : 0);
-    EXPECT_EQ(tracks[0].label, kOld) << "joined, or adopted in its place";
+    EXPECT_EQ(tracks[0].label, kOld) << "merged, or adopted instead";
     EXPECT_EQ(tracks[0].existence, is_compared ? 0.5 : 0.9);
   }
 }
@@ -285,7 +286,7 @@ TEST(SentTracks, AreConfirmedAndOrderedByLabel) {
   tracks[1].mixture = {{1.0 + 1e-15, at_m(1, 0, 0.1)}};
   tracks[0].mixture = {{0.75, at_m(3, 0, 0.2)}, {0.25, at_m(3.4, 0, 0.2)}};
   const std::vector<models::TargetBelief> beliefs = confirmed_beliefs(filter, tracks);
-  ASSERT_EQ(beliefs.size(), 2U) << "a label counts once, and only of what is a Gaussian";
+  ASSERT_EQ(beliefs.size(), 2U) << "each label once, and only Gaussian tracks";
   EXPECT_EQ(beliefs[0].target_id, kOld);
   EXPECT_EQ(beliefs[1].target_id, kYoung);
   EXPECT_EQ(beliefs[1].last_seen, instant(3)) << "the first of two";
@@ -295,7 +296,7 @@ TEST(SentTracks, AreConfirmedAndOrderedByLabel) {
   const std::vector<models::TargetMixture> mixtures = confirmed_mixtures(filter, tracks);
   ASSERT_EQ(mixtures.size(), 2U);
   EXPECT_EQ(mixtures[0].target_id, kOld);
-  EXPECT_EQ(mixtures[0].existence, 1.0) << "no more than surely";
+  EXPECT_EQ(mixtures[0].existence, 1.0) << "at most 1";
   EXPECT_EQ(mixtures[0].components[0].weight, 1.0);
   EXPECT_EQ(mixtures[1].target_id, kYoung);
   EXPECT_EQ(mixtures[1].existence, 0.95);

@@ -261,7 +261,7 @@ TEST(UnnamedTeam, ReportsExistenceProbabilities) {
     for (std::size_t i = 0; i < mixture.targets.size(); ++i) {
       const models::TargetMixture& target = mixture.targets[i];
       EXPECT_EQ(target.target_id, belief.targets[i].target_id);
-      EXPECT_GT(target.existence, 0.5) << "it is told";
+      EXPECT_GT(target.existence, 0.5) << "the track is published";
       EXPECT_LE(target.existence, 1.0);
       for (const Component& component : target.components) {
         EXPECT_GT(component.weight, 0.0);

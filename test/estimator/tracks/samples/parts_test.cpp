@@ -107,7 +107,7 @@ TEST(Parts, AvoidEmptyObservedAreas) {
 
 TEST(MixtureOfAFilter, ContainsUnseenWideTargets) {
   DistributedFilter filter = test::knows(test::kNearACorner);
-  EXPECT_TRUE(filter.mixture().targets.empty()) << "a Gaussian, as it was told";
+  EXPECT_TRUE(filter.mixture().targets.empty()) << "a Gaussian, as received";
   for (int k = 1; k <= 40; ++k) {
     const models::Viewpoint from = test::beside(test::kNearACorner, k);
     take_step(filter, instant(k), from, {test::look_of("Q1", k, from)});
@@ -129,7 +129,7 @@ TEST(MixtureOfAFilter, ContainsUnseenWideTargets) {
   models::RobotMeasurement look = test::look_of("Q1", 41, from);
   look.detections.push_back({0, test::seen(from, truth_m)});
   take_step(filter, instant(41), from, {look});
-  EXPECT_TRUE(filter.mixture().targets.empty()) << "it has been seen";
+  EXPECT_TRUE(filter.mixture().targets.empty()) << "the target has been seen";
 }
 
 // Beliefs wider than a fifth of the sensor's range, 2 m, are split: narrower ones are covered by
