@@ -20,7 +20,7 @@ TEST(Heterogeneous, ValueIsInformationMinusPricedEnergy) {
         energy_of_all += energy;
       }
     }
-    EXPECT_GT(energy_of_all, 0.0) << "nobody moved";
+    EXPECT_GT(energy_of_all, 0.0) << "no robot moved";
   }
 }
 

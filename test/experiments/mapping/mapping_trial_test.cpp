@@ -139,8 +139,9 @@ TEST(MappingWorlds, AreConnectedForARobot) {
     EXPECT_GT(models::clearance_m(world, {8.0, 8.0}), 0.5);
     EXPECT_GT(models::clearance_m(world, {15.2, 15.2}), 0.5);
   }
-  EXPECT_GT(models::clearance_m(corridor_world(24.0), {13.6, 6.43}), 0.8) << "a room's door";
-  EXPECT_GT(models::clearance_m(corridor_world(24.0), {10.4, 17.53}), 0.8) << "the other's";
+  EXPECT_GT(models::clearance_m(corridor_world(24.0), {13.6, 6.43}), 0.8) << "door of one room";
+  EXPECT_GT(models::clearance_m(corridor_world(24.0), {10.4, 17.53}), 0.8)
+      << "door of the other room";
 }
 
 }  // namespace

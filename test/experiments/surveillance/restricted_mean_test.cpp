@@ -55,7 +55,7 @@ TEST(RestrictedMean, IsUnbiasedForExponentialWaits) {
       const double expected = (1.0 - std::pow(1.0 - p, kUntil)) / p;
       EXPECT_NEAR(restricted_mean(waits, kUntil), expected, 0.02 * expected) << p << " " << c;
       if (c >= 0.2) {
-        EXPECT_LT(plain, 0.8 * expected) << "their plain mean is far too short";
+        EXPECT_LT(plain, 0.8 * expected) << "the plain mean of the waits is too small";
       }
     }
   }

@@ -156,9 +156,9 @@ TEST_F(Sweeps, RunOnlyNamedSettings) {
   EXPECT_EQ(runs_, 8);
   EXPECT_FALSE(outcome.is_stopped);
   EXPECT_TRUE(fs::exists(dir("some") + "/values.csv"));
-  EXPECT_FALSE(fs::exists(dir("some") + "/summary.csv")) << "a summary is of all settings";
+  EXPECT_FALSE(fs::exists(dir("some") + "/summary.csv")) << "a summary needs all settings";
   run("some");
-  EXPECT_EQ(runs_, kUnits) << "what is there is not run again";
+  EXPECT_EQ(runs_, kUnits) << "existing units are not run again";
   run("whole");
   EXPECT_EQ(results_in(dir("whole")), results_in(dir("some")));
 }

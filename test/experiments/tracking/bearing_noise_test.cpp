@@ -56,7 +56,7 @@ TEST(BearingNoise, GrowsWithTheBearingOnly) {
                                 Eigen::Vector2d(of_range_m2, full_rad2), 1e-9));
       EXPECT_TRUE(test::is_near(variances(range_m, side * radians(1.0)),
                                 Eigen::Vector2d(of_range_m2, 0.1 * full_rad2), 1e-12))
-          << "the floor";
+          << "minimum noise";
     }
   }
 }
