@@ -66,7 +66,7 @@ TEST(UdpmInterop, SharesThePortWithLiblcm) {
   test::handle_until(*first, [&] { return !at_first.empty(); });
   test::handle_until(*second, [&] { return !at_second.empty(); });
   theirs.handle_until(1);
-  EXPECT_EQ(at_first.size(), 1U) << "the sender hears itself";
+  EXPECT_EQ(at_first.size(), 1U) << "the sender receives its own message";
   EXPECT_EQ(at_second.size(), 1U);
   EXPECT_EQ(theirs.heard().size(), 1U);
 }

@@ -83,10 +83,11 @@ TEST(UdpmLink, ReturnsDuringAFlood) {
   }
   const int first = receiver->handle(std::chrono::microseconds{0});
   EXPECT_GT(first, 0);
-  EXPECT_LE(first, 6) << "5 ms beyond what the caller gave it";
+  EXPECT_LE(first, 6) << "5 ms more than the given time";
   while (receiver->handle(std::chrono::microseconds{0}) > 0) {
   }
-  EXPECT_EQ(received + receiver->stats().kernel_drops, kSent) << "the rest waits, nothing is lost";
+  EXPECT_EQ(received + receiver->stats().kernel_drops, kSent)
+      << "the rest is waiting; nothing is lost";
 }
 
 // Each handler call publishes ten new messages, so the queue grows by nine per handled message. The
@@ -130,7 +131,7 @@ TEST(UdpmLink, ReportsAReducedReceiveBuffer) {
   const bus::TransportStats stats = greedy->stats();
   EXPECT_GT(stats.receive_buffer_bytes, 0);
   EXPECT_EQ(stats.receive_buffer_bytes + stats.receive_buffer_short_bytes, kAsked);
-  EXPECT_GT(stats.receive_buffer_short_bytes, 0) << "nobody is granted 1 GiB";
+  EXPECT_GT(stats.receive_buffer_short_bytes, 0) << "the kernel does not grant 1 GiB";
   const auto modest = bus::open_transport("udpm://?recv_buf_size=65536");
   EXPECT_EQ(modest->stats().receive_buffer_short_bytes, 0);
 }
@@ -190,7 +191,7 @@ TEST_F(UdpmCards, TransmitOverTheirCable) {
   // The kernel otherwise refuses packets from outside with this host's own address.
   if (std::system("for key in accept_local=1 rp_filter=0; do for card in all va1 vb1; do"
                   " sysctl -qw net.ipv4.conf.$card.$key || exit 1; done; done") != 0) {
-    GTEST_SKIP() << "these settings are not ours to make";
+    GTEST_SKIP() << "these settings cannot be changed here";
   }
   Listener far_a("ttl=1&interface=va1");
   Listener far_b("ttl=1&interface=vb1");
