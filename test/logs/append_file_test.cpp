@@ -32,7 +32,7 @@ TEST(OpenAppendFile, AppendsOverwritesOrRefuses) {
   for (const Existing existing : {Existing::kRefuse, Existing::kAppend, Existing::kReplace}) {
     std::filesystem::remove(path);
     const auto fresh = opened(path, existing);
-    EXPECT_EQ(fresh->size_bytes(), 0U) << "all of them make one where none is";
+    EXPECT_EQ(fresh->size_bytes(), 0U) << "each mode creates a missing file";
   }
   test::write_file(path, {1, 2, 3});
   const auto refused = open_append_file(path, Existing::kRefuse);
@@ -43,9 +43,9 @@ TEST(OpenAppendFile, AppendsOverwritesOrRefuses) {
     EXPECT_EQ(file->size_bytes(), 3U);
     EXPECT_EQ(file->append(Bytes{4, 5}).value(), 2U);
     EXPECT_EQ(file->size_bytes(), 5U);
-    EXPECT_EQ(test::read_file(path), (Bytes{1, 2, 3, 4, 5})) << "not kept back";
+    EXPECT_EQ(test::read_file(path), (Bytes{1, 2, 3, 4, 5})) << "data is not buffered";
     EXPECT_FALSE(file->sync());
-    EXPECT_FALSE(file->sync()) << "and once more";
+    EXPECT_FALSE(file->sync()) << "a second error is reported, too";
     EXPECT_FALSE(file->cut(4));
     EXPECT_EQ(file->size_bytes(), 4U);
     EXPECT_EQ(file->append(Bytes{6}).value(), 1U);

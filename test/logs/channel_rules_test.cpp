@@ -58,10 +58,10 @@ TEST(ChannelFilter, NamesAnInvalidExpression) {
 TEST(ChannelRenames, ApplyTheFirstMatchingRule) {
   const ChannelRenames names({"A=B", "A*=C_*", "AB=D", "X*=*"});
   EXPECT_EQ(names.rename("A"), "B");
-  EXPECT_EQ(names.rename("AB"), "C_B") << "the second rule fits, too, and comes first";
+  EXPECT_EQ(names.rename("AB"), "C_B") << "the second rule also matches and has priority";
   EXPECT_EQ(names.rename("BA"), "BA");
   EXPECT_EQ(names.rename("XYZ"), "YZ");
-  EXPECT_EQ(names.rename("X"), std::nullopt) << "nothing would be left";
+  EXPECT_EQ(names.rename("X"), std::nullopt) << "the name would be empty";
   EXPECT_EQ(ChannelRenames().rename("A"), "A");
 }
 

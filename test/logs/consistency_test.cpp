@@ -113,7 +113,7 @@ TEST(RobotSums, IgnoreUnknownTargets) {
   EXPECT_FALSE(empty.entropy_nats());
   EXPECT_FALSE(empty.rmse_m());
   EXPECT_EQ(without.means(10.0).entropy_nats, 0.0);
-  EXPECT_EQ(RobotSums(2, 2, 9.0).means(10.0).entropy_nats, 0.0) << "of no robot";
+  EXPECT_EQ(RobotSums(2, 2, 9.0).means(10.0).entropy_nats, 0.0) << "without any robot";
 }
 
 Consistency consistency(double base) {

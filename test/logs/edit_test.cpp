@@ -228,12 +228,12 @@ TEST_F(Edit, SearchesFifteenSecondsBackForTheScenario) {
                     {31'000'000, "SCENARIO", 4},
                     {60'000'000, "A", 5}};
   EXPECT_EQ(scenario_of(events, 46'000'000), 4);
-  EXPECT_EQ(scenario_of(events, 46'000'001), 1) << "too long ago: the first there is";
+  EXPECT_EQ(scenario_of(events, 46'000'001), 1) << "too long ago: the first scenario applies";
   EXPECT_EQ(scenario_of(events, 31'000'001), 4);
   EXPECT_EQ(scenario_of({{0, "A", 1}, {10, "SCENARIO", 2}, {20, "A", 3}}, 10), 2)
-      << "the part's own, not from before it";
+      << "the scenario within the part, not the one before it";
   EXPECT_EQ(scenario_of({{0, "A", 1}, {10, "B", 2}}, 5), -1);
-  EXPECT_EQ(scenario_of({{0, "SCENARIO", 1}, {10, "A", 2}}, 0), 1) << "the whole log";
+  EXPECT_EQ(scenario_of({{0, "SCENARIO", 1}, {10, "A", 2}}, 0), 1) << "the complete log";
 }
 
 TEST_F(Edit, SearchesTheFirstThousandEventsForAScenario) {
@@ -271,7 +271,7 @@ TEST_F(Edit, PrependsOnlyASelectedScenarioAndRenamesIt) {
   rules.from = from_utime(0);
   kept.clear();
   edit_log(log, rules, into(kept));
-  EXPECT_EQ(kept.size(), 3U) << "from its very beginning nothing is put before it";
+  EXPECT_EQ(kept.size(), 3U) << "nothing is prepended at the start of the log";
   const EditCounts failed = edit_log(log, rules, [](const LogEvent&) { return false; });
   EXPECT_EQ(failed.failed, 1);
 }

@@ -51,7 +51,8 @@ TEST(PlanScene, HasEqualPiecesOfAtMostATenthOfASecond) {
   models::RobotPlan rest = straight_plan(1.0, 1.0);
   rest.trajectory.segments.clear();
   EXPECT_EQ(pieces(rest), 1U);
-  EXPECT_EQ(pieces(straight_plan(1e-3, 1e7)), 10'000U) << "as only a stranger would send";
+  EXPECT_EQ(pieces(straight_plan(1e-3, 1e7)), 10'000U)
+      << "only a foreign program would send such a plan";
 }
 
 TEST(PlanScene, IsColouredByPlanKind) {
@@ -140,7 +141,7 @@ TEST(EstimatesScene, MarksTheMeanAndStatesTheUncertainty) {
     EXPECT_EQ(loop.at("type"), 1);
     EXPECT_EQ(rgb(loop.at("color")), role("estimate"));
     const double z_m = points_of(loop).front().z();
-    EXPECT_GT(z_m, 0.01) << "above the ground, or the two would flicker";
+    EXPECT_GT(z_m, 0.01) << "above the ground, so that the two do not flicker";
     EXPECT_LT(z_m, 0.03);
     for (const Eigen::Vector3d& point : points_of(loop)) {
       EXPECT_EQ(point.z(), z_m);
@@ -219,7 +220,8 @@ TEST(Parts, ContainTheirInputs) {
   const Json lasting = entity("a", "b", kTime, true);
   EXPECT_EQ(lasting.at("id"), "a");
   EXPECT_EQ(lasting.at("frame_id"), "b");
-  EXPECT_EQ(lasting.at("lifetime"), (Json{{"sec", 0}, {"nsec", 0}})) << "until it is replaced";
+  EXPECT_EQ(lasting.at("lifetime"), (Json{{"sec", 0}, {"nsec", 0}}))
+      << "displayed until it is replaced";
   const Json drawn = line(LineType::kLoop, {{1.0, 2.0, 3.0}}, 2.5, colour);
   EXPECT_EQ(drawn.at("thickness"), 2.5);
   EXPECT_EQ(drawn.at("scale_invariant"), true);

@@ -28,13 +28,13 @@ TEST(Stream, RecoloursRobotsWhenJammingChanges) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(models::AttackNotice{{from_utime(5), 0, 0}, {"Q3"}}, from_utime(6));
-  EXPECT_TRUE(notebook.of("/robots").empty()) << "of a team that nobody knows";
+  EXPECT_TRUE(notebook.of("/robots").empty()) << "the team is unknown";
   EXPECT_EQ(notebook.of("/attack").at(0).at("jammed"), Json::array({"Q3"}));
   stream.on(lab_notice(), from_utime(7));
   const auto words = [&](std::size_t robot) {
     return notebook.of("/robots").back().at("entities")[robot].at("texts")[0].at("text");
   };
-  EXPECT_EQ(words(2), "Q3 jammed") << "it was jammed before the scenario was heard";
+  EXPECT_EQ(words(2), "Q3 jammed") << "jammed before the scenario was received";
   EXPECT_EQ(words(0), "Q1");
   stream.on(models::AttackNotice{{from_utime(8), 0, 0}, {}}, from_utime(9));
   EXPECT_EQ(words(2), "Q3");
@@ -144,7 +144,7 @@ TEST(Stream, ReportsEachChangeOnce) {
   EXPECT_EQ(events(), 6U);
   stream.on(models::CollisionReport{}, Time{});
   stream.on(models::CollisionReport{}, Time{});
-  EXPECT_EQ(events(), 8U) << "each contact is one";
+  EXPECT_EQ(events(), 8U) << "each contact is an event";
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ TEST(WorldScene, HasBoundsObstaclesAndRegions) {
   ASSERT_EQ(bounds.at("lines").size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
     const Json& loop = bounds.at("lines")[i];
-    EXPECT_EQ(loop.at("type"), 1) << "closed";
+    EXPECT_EQ(loop.at("type"), 1) << "closed line";
     EXPECT_EQ(rgb(loop.at("color")), role("wall"));
     const auto points = points_of(loop);
     ASSERT_EQ(points.size(), 4U);
@@ -57,10 +57,11 @@ TEST(WorldScene, HasBoundsObstaclesAndRegions) {
     expect_near(points[2], {5.0, 3.5, points[0].z()});
   }
   EXPECT_EQ(bounds.at("lines")[0].at("color").at("a"), 1.0);
-  EXPECT_LT(bounds.at("lines")[1].at("color").at("a"), 0.5) << "one sees through it from above";
+  EXPECT_LT(bounds.at("lines")[1].at("color").at("a"), 0.5) << "translucent from above";
   for (std::size_t i = 0; i < 2; ++i) {
     const models::Obstacle& obstacle = world.obstacles[i];
-    EXPECT_EQ(entities[1 + i].at("id"), "obstacle:" + std::to_string(i)) << "as COLLISION says";
+    EXPECT_EQ(entities[1 + i].at("id"), "obstacle:" + std::to_string(i))
+        << "the id that COLLISION uses";
     const Json& cube = entities[1 + i].at("cubes").at(0);
     const auto& [low_m, high_m] = std::pair(obstacle.footprint.min_m, obstacle.footprint.max_m);
     expect_near(low_corner(cube), {low_m.x(), low_m.y(), 0.0});
@@ -98,7 +99,7 @@ TEST(RobotsScene, DrawsDiscsWithAHeadingMark) {
     SCOPED_TRACE(spec.name);
     EXPECT_EQ(robot.at("id"), "robot/" + spec.name);
     EXPECT_EQ(robot.at("frame_id"), spec.name);
-    EXPECT_EQ(robot.at("frame_locked"), true) << "moves with its body";
+    EXPECT_EQ(robot.at("frame_locked"), true) << "moves with the body";
     EXPECT_EQ(robot.at("timestamp"), to_json(kTime));
     const RobotAppearance looks = robot_appearance(i);
     const Json& body = robot.at("cylinders").at(0);
@@ -118,8 +119,9 @@ TEST(RobotsScene, DrawsDiscsWithAHeadingMark) {
       EXPECT_EQ(xyz(core.at("size")).x(), radius_m);
       EXPECT_EQ(xyz(core.at("size")).y(), radius_m);
       EXPECT_EQ(xyz(core.at("size")).z(), size_m.z());
-      EXPECT_GT(high_corner(core).z(), high_corner(body).z()) << "or one could not see it";
-      EXPECT_LT(low_corner(core).z(), high_corner(body).z()) << "or it would hover";
+      EXPECT_GT(high_corner(core).z(), high_corner(body).z())
+          << "otherwise the core would be hidden";
+      EXPECT_LT(low_corner(core).z(), high_corner(body).z()) << "otherwise the core would float";
       EXPECT_EQ(rgb(core.at("color")),
                 (is_jammed ? looks.body_paint() : looks.core_paint()).middle());
     }
@@ -129,14 +131,14 @@ TEST(RobotsScene, DrawsDiscsWithAHeadingMark) {
     EXPECT_LT(nose[0].x(), 2.0 * radius_m);
     EXPECT_EQ(nose[0].y(), 0.0);
     EXPECT_EQ(nose[1].x(), nose[2].x());
-    EXPECT_EQ(nose[1].y(), -nose[2].y()) << "as wide to the left as to the right";
+    EXPECT_EQ(nose[1].y(), -nose[2].y()) << "symmetric";
     for (const std::size_t wing : {1U, 2U}) {
-      EXPECT_NEAR(nose[wing].head<2>().norm(), radius_m, 1e-9) << "grows out of the disc";
+      EXPECT_NEAR(nose[wing].head<2>().norm(), radius_m, 1e-9) << "touches the disc";
     }
     EXPECT_NEAR(nose[1].y(), 0.6 * radius_m, 1e-9);
     for (const Eigen::Vector3d& corner : nose) {
       EXPECT_EQ(corner.z(), nose[0].z());
-      EXPECT_GT(corner.z(), high_corner(body).z()) << "on it";
+      EXPECT_GT(corner.z(), high_corner(body).z()) << "above the disc";
       EXPECT_LT(corner.z(), 2.0 * high_corner(body).z());
     }
     const auto foot = points_of(robot.at("lines").at(0));
@@ -190,7 +192,7 @@ TEST(ViewsScene, IsTheSensorsGroundSector) {
       middle_m += fan[k + 1] + fan[k + 2] - 2.0 * foot;
     }
     EXPECT_NEAR(area_m2, 0.5 * fov_rad * range_m * range_m, 0.01 * area_m2);
-    EXPECT_NEAR(middle_m.y(), 0.0, 1e-9) << "as far to the left as to the right";
+    EXPECT_NEAR(middle_m.y(), 0.0, 1e-9) << "symmetric";
     if (i == 0) {
       EXPECT_GT(middle_m.x(), 0.0) << "ahead";
     }
@@ -245,22 +247,22 @@ TEST(Scenes, HaveVisibleColoursAndSizes) {
   const Json of_world = world_scene(world, kTime).at("entities");
   const auto alpha = [](const Json& drawn) { return drawn.at("color").at("a").get<double>(); };
   EXPECT_GT(alpha(of_world[1].at("cubes").at(0)), 0.7) << "an obstacle";
-  EXPECT_LT(alpha(of_world[3].at("cubes").at(0)), 0.5) << "a region: what is in it is seen";
+  EXPECT_LT(alpha(of_world[3].at("cubes").at(0)), 0.5) << "objects in a region stay visible";
   EXPECT_GT(alpha(of_world[3].at("cubes").at(0)), 0.15);
   const Json views = views_scene(lab(), {"Q1"}, kTime).at("entities");
   for (const Json& each : views) {
     EXPECT_GT(alpha(each.at("triangles").at(0)), 0.1);
-    EXPECT_LT(alpha(each.at("triangles").at(0)), 0.4) << "one sees the ground through it";
-    EXPECT_GT(alpha(each.at("lines").at(0)), 0.6) << "and where it ends";
+    EXPECT_LT(alpha(each.at("triangles").at(0)), 0.4) << "the ground stays visible";
+    EXPECT_GT(alpha(each.at("lines").at(0)), 0.6) << "the border is visible";
   }
   EstimateView estimate{4, "R5", {}, {}, Duration{0}};
   estimate.estimate.mean_m = Eigen::Vector3d(3.0, -1.0, 0.7);
   estimate.estimate.covariance_m2 = 0.04 * Eigen::Matrix3d::Identity();
   const Json known = estimates_scene("estimate", {estimate}, {}, kTime).at("entities");
   for (const Json& each : known[0].at("lines")) {
-    EXPECT_EQ(each.at("thickness"), known[0].at("lines")[0].at("thickness")) << "loop and cross";
+    EXPECT_EQ(each.at("thickness"), known[0].at("lines")[0].at("thickness")) << "ellipse and cross";
     for (const Eigen::Vector3d& point : points_of(each)) {
-      EXPECT_NEAR(point.z(), 0.7, 0.03) << "as high as it is believed to be";
+      EXPECT_NEAR(point.z(), 0.7, 0.03) << "at the estimated height";
     }
   }
   models::RobotPlan plan;
@@ -284,7 +286,7 @@ TEST(Scenes, HaveVisibleColoursAndSizes) {
   }
   EXPECT_EQ(of_world[0].at("lines")[0].at("thickness"),
             2.0 * of_world[0].at("lines")[1].at("thickness").get<double>())
-      << "the ground's edge more than the ceiling's";
+      << "the ground's edge is thicker than the ceiling's";
 }
 
 TEST(TargetsScene, DrawsADiamondPointingAhead) {

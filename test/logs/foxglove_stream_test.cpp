@@ -39,7 +39,7 @@ TEST(Stream, PublishesOnlySubscribedTopics) {
   EXPECT_TRUE(notebook.of("/transforms").empty());
   EXPECT_TRUE(notebook.of("/world").empty());
   EXPECT_EQ(notebook.of("/robots").size(), 1U);
-  EXPECT_TRUE(notebook.schemas.contains("/transforms")) << "but the topic is known";
+  EXPECT_TRUE(notebook.schemas.contains("/transforms")) << "but the topic is advertised";
 }
 
 TEST(Stream, ColoursAJammedSensorRed) {
@@ -88,7 +88,7 @@ TEST(RobotColour, IsUniqueForEightRobotsAndConsistent) {
   plan.robot = "Q3";
   plan.source = models::PlanSource::kSearched;
   stream.on(plan, Time{});
-  EXPECT_EQ(notebook.of("/plan/Q3").size(), 1U) << "drawn, though nobody knows its colour yet";
+  EXPECT_EQ(notebook.of("/plan/Q3").size(), 1U) << "drawn before its colour is known";
   stream.on(lab_notice(), Time{});
   stream.on(plan, Time{});
   models::MocapFrame frame;
@@ -136,7 +136,7 @@ TEST(ProposalScene, FollowsTrajectoriesUntilTheEndOfTheRound) {
     EXPECT_NEAR((at(i) - centre).norm(), 2.5, 1e-6);
     drawn_m += (at(i + 1) - at(i)).norm();
   }
-  EXPECT_NEAR(drawn_m, 1.5, 0.25) << "half of its 3 m, to a dash";
+  EXPECT_NEAR(drawn_m, 1.5, 0.25) << "half of its 3 m, within one dash";
 }
 
 TEST(ProposalScene, OverlaysEqualProposals) {
@@ -220,7 +220,7 @@ TEST(Stream, MovesBodiesByTruthWithoutMocap) {
   EXPECT_EQ(notebook.of("/truth/transforms")[0]["transforms"][0]["child_frame_id"], "truth/Q1");
   stream.on(models::MocapFrame{}, Time{});
   stream.on(truth, Time{});
-  EXPECT_EQ(notebook.of("/transforms").size(), 2U) << "the mocap's, not the truth's";
+  EXPECT_EQ(notebook.of("/transforms").size(), 2U) << "from mocap, not from the truth";
   EXPECT_EQ(notebook.of("/truth/transforms").size(), 2U);
 }
 
@@ -253,10 +253,10 @@ TEST(Stream, PublishesTheAgeOfTheMeasurementBehindEachAction) {
     const Json told = notebook.of("/vehicle/Q2").back();
     return told.value("capture_to_setpoint_s", -1.0);
   };
-  EXPECT_EQ(latency_s(2.4, 6), -1.0) << "nobody knows since when it follows that";
+  EXPECT_EQ(latency_s(2.4, 6), -1.0) << "the start of the plan is unknown";
   EXPECT_NEAR(latency_s(2.5, 7), 1.5, 1e-9);
-  EXPECT_NEAR(latency_s(2.6, 7), 1.5, 1e-9) << "as long as it does";
-  EXPECT_EQ(latency_s(3.5, 8), -1.0) << "nobody knows what that was made from";
+  EXPECT_NEAR(latency_s(2.6, 7), 1.5, 1e-9) << "while it follows the plan";
+  EXPECT_EQ(latency_s(3.5, 8), -1.0) << "the inputs of the plan are unknown";
 }
 
 TEST(Stream, ReportsUnreadableScenarios) {
@@ -287,7 +287,7 @@ TEST(Stream, PublishesAScenarioOnceAndRestartsWithAnother) {
   }
   EXPECT_EQ(notebook.of("/world").at(0).at("entities")[0].at("timestamp"),
             to_json(lab_notice().stamp.time));
-  EXPECT_EQ(notebook.records.front().time, from_utime(7)) << "when it was heard";
+  EXPECT_EQ(notebook.records.front().time, from_utime(7)) << "reception time";
   // After the new scenario the step count restarts and the metrics are reset.
   const std::size_t told = notebook.of("/team").size();
   stream.on(belief_of("Q1", 95, {}), from_utime(11));
@@ -295,7 +295,7 @@ TEST(Stream, PublishesAScenarioOnceAndRestartsWithAnother) {
   EXPECT_EQ(notebook.of("/team").back().at("separation_violations"), 0);
   stream.on(models::TruthFrame{}, from_utime(12));
   for (const Json& scene : notebook.of("/estimates")) {
-    EXPECT_TRUE(scene.at("entities").empty()) << "what the other scenario's robots knew";
+    EXPECT_TRUE(scene.at("entities").empty()) << "bodies of the other scenario";
   }
 }
 
@@ -311,9 +311,9 @@ TEST(Stream, PublishesTeamMetricsAtEachStep) {
   EXPECT_EQ(told("Q1", 20), 1U);
   EXPECT_EQ(told("Q2", 20), 0U);
   EXPECT_EQ(told("Q1", 21), 1U);
-  EXPECT_EQ(told("Q2", 20), 0U) << "late";
-  EXPECT_EQ(told("Q2", 11), 0U) << "later still";
-  EXPECT_EQ(told("Q2", 10), 1U) << "started anew";
+  EXPECT_EQ(told("Q2", 20), 0U) << "late message";
+  EXPECT_EQ(told("Q2", 11), 0U) << "later message";
+  EXPECT_EQ(told("Q2", 10), 1U) << "restarted";
   EXPECT_EQ(told("Q1", 11), 1U);
   EXPECT_EQ(notebook.of("/team").back().at("timestamp"), to_json(from_utime(6'500'000)));
 }
@@ -392,11 +392,11 @@ TEST(Stream, PublishesNoAgeWithoutAMeasurement) {
     stream.on(status, Time{});
     return notebook.of("/vehicle/" + robot).back().contains("capture_to_setpoint_s");
   };
-  EXPECT_FALSE(is_told("Q1", 7)) << "it may have followed that for long";
+  EXPECT_FALSE(is_told("Q1", 7)) << "the vehicle may have followed this plan for long";
   EXPECT_FALSE(is_told("Q1", 8));
   EXPECT_TRUE(is_told("Q1", 7));
   EXPECT_FALSE(is_told("Q2", 6));
-  EXPECT_FALSE(is_told("Q2", 7)) << "its plans were not heard";
+  EXPECT_FALSE(is_told("Q2", 7)) << "its plans were not received";
 }
 
 TEST(Stream, KeepsTheInputsOfTheNewestSixteenPlans) {
@@ -429,7 +429,7 @@ TEST(Stream, KeepsTheInputsOfTheNewestSixteenPlans) {
   EXPECT_EQ(latency_s(-1), -1.0);
   EXPECT_EQ(latency_s(1), 19.0);
   EXPECT_EQ(latency_s(16), 4.0);
-  EXPECT_EQ(latency_s(0), -1.0) << "the seventeenth";
+  EXPECT_EQ(latency_s(0), -1.0) << "the seventeenth plan";
 }
 
 // The /team metrics cover all messages since the scenario notice.

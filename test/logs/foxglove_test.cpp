@@ -91,7 +91,7 @@ TEST(JsonSchema, DescribesEveryMessage) {
     ASSERT_EQ(nonconformity(Json::parse(json_schema(schema)), record.content, record.topic), "");
   }
   EXPECT_EQ(met.size(), std::size(kSchemas) - 1)
-      << "all but raw messages, which are made elsewhere";
+      << "all but raw messages, which have a separate publisher";
 }
 
 TEST(JsonSchema, ContainsAllUsedSceneEntityMembers) {
@@ -268,7 +268,7 @@ TEST(HealthStory, ReportsStartAndEndOfTrouble) {
   EXPECT_EQ(over->level, LogLevel::kInfo);
   EXPECT_EQ(over->text, "PLANNER_Q1: recovered after 30 s");
   EXPECT_FALSE(story.on(health_at(46, ProcessState::kRunning)));
-  EXPECT_TRUE(story.on(health_at(47, ProcessState::kDegraded))) << "another stretch";
+  EXPECT_TRUE(story.on(health_at(47, ProcessState::kDegraded))) << "another period of trouble";
 }
 
 TEST(HealthStory, ReportsAStopAndARestartOnce) {
@@ -281,7 +281,7 @@ TEST(HealthStory, ReportsAStopAndARestartOnce) {
   anew.stamp.run_id = 7;
   EXPECT_EQ(story.on(anew)->text, "PLANNER_Q1: was restarted");
   anew.stamp.time += std::chrono::seconds(20);
-  EXPECT_FALSE(story.on(anew)) << "the trouble was of another run";
+  EXPECT_FALSE(story.on(anew)) << "the trouble belongs to another run";
 }
 
 TEST(EventOf, DistinguishesLateAndFallbackPlans) {
@@ -294,7 +294,8 @@ TEST(EventOf, DistinguishesLateAndFallbackPlans) {
   plan.late = true;
   plan.round = 1'795'370'327;
   EXPECT_EQ(event_of(plan)->kind, "late");
-  EXPECT_NE(event_of(plan)->text.find("round 70327 "), std::string::npos) << "as in the terminal";
+  EXPECT_NE(event_of(plan)->text.find("round 70327 "), std::string::npos)
+      << "the same text as in the terminal";
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ TEST_F(Tracks, HaveAPointEveryTwoSecondsOnAStraightPath) {
   EXPECT_LE(oldest_s, 20.0 + 1e-9);
   EXPECT_GT(oldest_s, 20.0 - 2.0 - 0.2);
   EXPECT_NEAR(track.back().x(), 30.0, 0.5 + 0.2 + 1e-9)
-      << "told each half second, of points each 0.2 s";
+      << "published every half second, with points every 0.2 s";
   for (std::size_t i = 1; i < track.size(); ++i) {
     EXPECT_LE(track[i].x() - track[i - 1].x(), 2.0 + 1e-9);
     EXPECT_EQ(track[i].z(), 1.5);
@@ -89,7 +89,7 @@ TEST_F(Tracks, DeviateByAtMostTwoCentimetres) {
         points_of(notebook.of("/tracks").back().at("entities").at(0).at("lines").at(0));
     EXPECT_LE(std::ssize(track), 1 + 12 * 5);
     for (const Eigen::Vector3d& point : track) {
-      EXPECT_LT(distance_m(point, gone), 1e-9) << "where it was";
+      EXPECT_LT(distance_m(point, gone), 1e-9) << "the previous position";
     }
     for (std::size_t k = 0; k + 40 < gone.size(); ++k) {
       EXPECT_LT(distance_m(gone[k], track), 0.02) << turn_radps << " " << k;
@@ -143,8 +143,8 @@ TEST_F(Tracks, OmitPointsWithinOneCentimetreOfALine) {
     EXPECT_EQ(points({0.5, 0.0, side * 0.0101}, 1.0), 3U);
   }
   EXPECT_EQ(points({0.5, 0.0, 0.0}, 2.0), 2U);
-  EXPECT_EQ(points({0.5, 0.0, 0.0}, 2.000001), 3U) << "a piece is of two seconds at most";
-  EXPECT_EQ(points({1.5, 0.0, 0.0}, 1.0), 3U) << "it went beyond, and came back";
+  EXPECT_EQ(points({0.5, 0.0, 0.0}, 2.000001), 3U) << "a segment lasts at most two seconds";
+  EXPECT_EQ(points({1.5, 0.0, 0.0}, 1.0), 3U) << "the body left the line and returned";
   EXPECT_EQ(points({-0.5, 0.0, 0.0}, 1.0), 3U);
 }
 
@@ -155,9 +155,9 @@ TEST_F(Tracks, ExpireAfterTwentySecondsOrANewRun) {
   at(0.0, 0.0);
   at(10.0, 1.0);
   at(20.0, 2.0);
-  EXPECT_EQ(newest().size(), 3U) << "just so long";
+  EXPECT_EQ(newest().size(), 3U) << "exactly the maximum duration";
   at(20.6, 3.0);
-  EXPECT_EQ(newest().size(), 3U) << "and not the first any more";
+  EXPECT_EQ(newest().size(), 3U) << "the first point has been dropped";
   EXPECT_EQ(newest().front().x(), 1.0);
   at(5.0, 4.0);
   EXPECT_EQ(newest(), (std::vector<Eigen::Vector3d>{{4.0, 16.0, 0.0}}));
@@ -174,7 +174,7 @@ TEST_F(Tracks, ArePublishedEveryHalfSecond) {
   EXPECT_EQ(told(10.499999), 0U);
   EXPECT_EQ(told(10.5), 1U);
   EXPECT_EQ(told(10.5), 0U);
-  EXPECT_EQ(told(10.499999), 1U) << "back";
+  EXPECT_EQ(told(10.499999), 1U) << "the clock was set back";
   EXPECT_EQ(told(10.9), 0U);
   EXPECT_EQ(told(3.0), 1U) << "another run";
 }
@@ -263,7 +263,7 @@ TEST(Grids, ExistPerRobotAndForTheTeam) {
   const models::GridGeometry grid{{0.0, 0.0}, 1.0, 2, 2};
   stream.on(seen_by("Q1", 5, grid, {1.0, 2.0, -1.0, -1.0}), kStart);
   stream.on(seen_by("Q2", 5, grid, {8.0, 1.0, -1.0, 4.0}), kStart);
-  ASSERT_EQ(notebook.of("/grid").size(), 1U) << "once a step";
+  ASSERT_EQ(notebook.of("/grid").size(), 1U) << "once per step";
   EXPECT_EQ(values_of(notebook.of("/belief/Q2/grid").at(0)),
             (std::vector<float>{2.0F, 9.0F, -1.0F, 6.0F}));
   stream.on(seen_by("Q1", 6, grid, {1.0, 2.0, 3.0, -1.0}), kStart);
@@ -317,7 +317,7 @@ TEST(Maps, AreShownPerRobotAndNewest) {
   map.team_looks = {9, -9};
   map.entropy_nats = 7.5;
   stream.on(map, kStart);
-  EXPECT_TRUE(notebook.of("/map").empty()) << "nobody knows how sure a look makes";
+  EXPECT_TRUE(notebook.of("/map").empty()) << "the detection probability is unknown";
   stream.on(lab_notice(), kStart);
   stream.on(map, kStart);
   map.robot = "Q2";

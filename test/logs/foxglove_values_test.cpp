@@ -388,11 +388,11 @@ TEST(HealthStory, ReportsOneBadSecondWithoutDuration) {
   EXPECT_FALSE(story.on(health));
   health.stamp.time = kTime;
   expect_event(story.on(health), LogLevel::kInfo, "health", "SIM: recovered");
-  EXPECT_FALSE(story.on(health)) << "once";
+  EXPECT_FALSE(story.on(health)) << "reported only once";
   health.state = models::ProcessState::kStopping;
   expect_event(story.on(health), LogLevel::kInfo, "health", "SIM: is stopping");
   health.state = models::ProcessState::kRunning;
-  EXPECT_FALSE(story.on(health)) << "it was well when it stopped";
+  EXPECT_FALSE(story.on(health)) << "the process was healthy when it stopped";
   HealthStory another;
   health.state = models::ProcessState::kStopping;
   expect_event(another.on(health), LogLevel::kInfo, "health", "SIM: is stopping");
@@ -418,7 +418,7 @@ TEST(HealthStory, ForgetsTroubleOfAnEndedRun) {
     health.stamp.time += std::chrono::seconds(60);
     EXPECT_FALSE(story.on(health));
     health.state = models::ProcessState::kDegraded;
-    EXPECT_TRUE(story.on(health)) << "another stretch begins";
+    EXPECT_TRUE(story.on(health)) << "another period begins";
   }
 }
 

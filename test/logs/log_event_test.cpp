@@ -19,7 +19,7 @@ TEST(BigEndian, RoundTripsInEveryWidth) {
     append_big_endian(kValue, width, bytes);
     ASSERT_EQ(bytes.size(), 1 + width);
     for (std::size_t i = 0; i < width; ++i) {
-      EXPECT_EQ(bytes[1 + i], 8 - width + i + 1) << "the last ones, the highest of them first";
+      EXPECT_EQ(bytes[1 + i], 8 - width + i + 1) << "the last bytes, highest first";
     }
     EXPECT_EQ(read_big_endian(bytes.data() + 1, width),
               width == 8 ? kValue : kValue & ((std::uint64_t{1} << (8 * width)) - 1));

@@ -294,7 +294,7 @@ TEST(SurveyLog, MatchesAManualCount) {
   EXPECT_EQ(survey.channels.at("ATTACK").type, "attack_t");
   EXPECT_EQ(survey.channels.at("ATTACK").other_types, 0);
   EXPECT_GE(survey.channels.at("ATTACK").messages_lost, 7);
-  EXPECT_EQ(survey.channels.at("EVERY_THIRD").type, "") << "of its first";
+  EXPECT_EQ(survey.channels.at("EVERY_THIRD").type, "") << "type of its first message";
   EXPECT_GT(survey.channels.at("EVERY_THIRD").other_types, 50);
 }
 
@@ -347,7 +347,7 @@ TEST(SurveyLog, ReportsProgressAboutAHundredTimes) {
   EXPECT_NEAR(static_cast<double>(shares.size()), 100.0, 2.0);
   for (std::size_t i = 1; i < shares.size(); ++i) {
     EXPECT_LT(shares[i - 1], shares[i]);
-    EXPECT_LT(shares[i] - shares[i - 1], 0.0105) << "a hundredth, and what is left of an event";
+    EXPECT_LT(shares[i] - shares[i - 1], 0.0105) << "one hundredth plus the rest of an event";
   }
   EXPECT_NEAR(shares.front(), 0.01, 0.0005);
   EXPECT_EQ(shares.back(), 1.0);

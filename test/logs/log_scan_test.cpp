@@ -290,7 +290,7 @@ TEST(LogScan, CountsDamagedRangesAndDoubtfulEvents) {
   LogScan scan(bytes);
   EXPECT_EQ(all_events(scan).size(), 1'203U);
   EXPECT_EQ(scan.counts().events, 1'203);
-  EXPECT_EQ(scan.counts().doubtful, 1'201) << "nothing is right behind them";
+  EXPECT_EQ(scan.counts().doubtful, 1'201) << "no intact event follows";
   EXPECT_EQ(scan.counts().refused, 0);
   EXPECT_EQ(scan.counts().stretches, 1'201);
   EXPECT_EQ(scan.counts().bytes_damaged, damaged);
@@ -301,7 +301,7 @@ TEST(LogScan, CountsDamagedRangesAndDoubtfulEvents) {
   }
   EXPECT_EQ(scan.stretches()[1].offset, 2 * (kEventHeaderBytes + 4) + 1);
   EXPECT_EQ(scan.position(), bytes.size());
-  EXPECT_FALSE(scan.next()) << "and nothing more is counted";
+  EXPECT_FALSE(scan.next()) << "nothing else is counted";
   EXPECT_EQ(scan.counts().stretches, 1'201);
 }
 

@@ -84,7 +84,7 @@ TEST(LogSpool, WritesLogsThatLcmReads) {
       EXPECT_TRUE(write(spool, i));
     }
     spool.close();
-    EXPECT_FALSE(write(spool, 300)) << "closed";
+    EXPECT_FALSE(write(spool, 300)) << "the spool is closed";
     EXPECT_EQ(spool.report().events, 300);
     EXPECT_EQ(spool.report().bytes, 300 * kEventBytes);
   }
@@ -108,7 +108,7 @@ TEST(LogSpool, WritesAndSyncsPeriodically) {
     write(spool, i);
     EXPECT_TRUE(disk.wait_for(kPath, [&](const Bytes&, std::size_t synced) {
       return synced == static_cast<std::size_t>(i + 1) * kEventBytes;
-    })) << "nothing more comes, and it is not safe";
+    })) << "no further event arrives, so the data must be synced";
   }
   EXPECT_TRUE(spool.report().is_good());
 }
@@ -155,21 +155,20 @@ TEST(LogSpool, ContinuesWritingDuringAHangingSync) {
   while (spool.report().at_risk_worst_us <= 100'000 && monotonic_ns() < give_up_ns) {
     std::this_thread::yield();
   }
-  EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "known while it hangs";
+  EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "reported while the disk hangs";
   for (int i = 1; i < 5; ++i) {
     EXPECT_TRUE(writes(i));
   }
-  EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "of the oldest that is not safe";
+  EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "the age of the oldest unsynced data";
   disk.hang_sync(false);
   const std::string words = "a power cut would have lost the last ";
   const std::string notices = wait_for_notice(spool, words);
   const std::int64_t reported_ms = std::stoll(notices.substr(notices.find(words) + words.size()));
   EXPECT_GE(reported_ms, 100);
-  EXPECT_LE(reported_ms, spool.report().at_risk_worst_us / 1'000)
-      << "no more than the worst there was";
+  EXPECT_LE(reported_ms, spool.report().at_risk_worst_us / 1'000) << "at most the worst value";
   EXPECT_GE(spool.report().syncs_late, 1);
   spool.close();
-  EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "remembered when all is safe";
+  EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "kept after everything is synced";
 }
 
 TEST(LogSpool, IsIntactAfterAFullDisk) {
@@ -183,14 +182,14 @@ TEST(LogSpool, IsIntactAfterAFullDisk) {
   EXPECT_NE(notices.find(kPath + ": cannot be written: No space left on device"), std::string::npos)
       << notices;
   EXPECT_FALSE(spool.report().is_written);
-  EXPECT_EQ(spool.report().write_errors, 1) << "once, though it is tried again";
+  EXPECT_EQ(spool.report().write_errors, 1) << "one error, although it is retried";
   EXPECT_TRUE(write(spool, 5));
   disk.set_room(std::size_t{1} << 20U);
   wait_for_notice(spool, "written again; events lost: 0");
   EXPECT_TRUE(spool.report().is_written);
   spool.close();
   expect_events(disk.bytes(kPath), 0, 6);
-  EXPECT_FALSE(spool.report().is_good()) << "it was refused";
+  EXPECT_FALSE(spool.report().is_good()) << "data was refused";
 }
 
 TEST(LogSpool, EndsWithItsLastWholeEventWhenTheDiskStaysFull) {
@@ -316,7 +315,7 @@ TEST(LogSpool, OverwritesNothing) {
   test::write_file(folder.file("a.lcmlog"), old);
   try {
     const LogSpool spool(quick(folder.file("a.lcmlog")));
-    FAIL() << "it is there";
+    FAIL() << "the file exists";
   } catch (const StartupError& error) {
     EXPECT_NE(std::string(error.what()).find("a.lcmlog: exists already"), std::string::npos)
         << error.what();
@@ -356,7 +355,7 @@ TEST(LogSpool, HasTheStatedDefaults) {
   EXPECT_TRUE(report.is_written);
   EXPECT_FALSE(report.is_full);
   EXPECT_TRUE(report.is_good());
-  EXPECT_EQ(report.at_risk_worst_us, 0) << "there is nothing to lose";
+  EXPECT_EQ(report.at_risk_worst_us, 0) << "no data is at risk";
 }
 
 // An event that exactly fills the limit is written; one byte more, and it is lost.
@@ -380,7 +379,7 @@ TEST(LogSpool, FillsItsLimitExactly) {
       EXPECT_EQ(notice[0], kPath + ": the limit of " + std::to_string(3 * kEventBytes - 1) +
                                " bytes is reached");
     }
-    EXPECT_TRUE(spool.take_notices().empty()) << "told once";
+    EXPECT_TRUE(spool.take_notices().empty()) << "reported only once";
   }
 }
 

@@ -120,7 +120,7 @@ TEST(LogWriter, Buffers64Kibibytes) {
   EXPECT_TRUE(writer.write(from_utime(1), "X", data));
   EXPECT_FALSE(writer.error());
   EXPECT_FALSE(writer.close());
-  EXPECT_FALSE(writer.close()) << "and once more";
+  EXPECT_FALSE(writer.close()) << "a second close fails as well";
   EXPECT_EQ(disk.bytes("a.lcmlog").size(), 131 * kEventBytes);
   EXPECT_EQ(writer.events(), 131);
   EXPECT_EQ(writer.events_lost(), 0);

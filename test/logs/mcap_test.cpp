@@ -74,7 +74,7 @@ TEST_F(McapPeer, ReadsMessagesOfSeveralChunksInTimeOrder) {
     EXPECT_EQ(writer.messages(), static_cast<std::uint64_t>(kMessages));
     EXPECT_TRUE(writer.finish());
   }
-  EXPECT_LT(std::filesystem::file_size(path), 1U << 20U) << "of 3.3 MB";
+  EXPECT_LT(std::filesystem::file_size(path), 1U << 20U) << "from 3.3 MB";
   EXPECT_TRUE(read(path) == expected.str());
 }
 
@@ -184,7 +184,7 @@ TEST(ExportMcap, EndsCompletelyOnRequest) {
   EXPECT_TRUE(counts.is_stopped);
   EXPECT_EQ(counts.messages, 3U);
   const test::Bytes bytes = test::read_file(folder.file("a.mcap"));
-  EXPECT_TRUE(std::equal(bytes.begin(), bytes.begin() + 8, bytes.end() - 8)) << "the magic";
+  EXPECT_TRUE(std::equal(bytes.begin(), bytes.begin() + 8, bytes.end() - 8)) << "magic bytes";
   EXPECT_FALSE(std::filesystem::exists(folder.file("a.mcap.part")));
 }
 
@@ -244,7 +244,7 @@ TEST(McapWriter, WritesTheTimeSpanOfEachChunk) {
   EXPECT_EQ(indexed, chunks);
   std::uint64_t next_ns = static_cast<std::uint64_t>(time_us(0)) * 1'000;
   for (const auto& [first_ns, last_ns] : chunks) {
-    EXPECT_EQ(first_ns, next_ns) << "each begins where the one before has ended";
+    EXPECT_EQ(first_ns, next_ns) << "each part begins where the previous one ends";
     EXPECT_GE(last_ns, first_ns);
     next_ns = last_ns + 1'000'000;
   }

@@ -42,7 +42,7 @@ class Reader {
  private:
   std::string_view take(std::size_t size) {
     if (size > left_.size()) {
-      ADD_FAILURE() << "it ends too early";
+      ADD_FAILURE() << "the record ends too early";
       return "";
     }
     const std::string_view out = left_.substr(0, size);
@@ -114,7 +114,7 @@ std::vector<Written> write_file(const std::string& path, int count) {
   }
   EXPECT_EQ(writer.messages(), static_cast<std::uint64_t>(count));
   EXPECT_TRUE(writer.finish());
-  EXPECT_TRUE(writer.finish()) << "once more is nothing more";
+  EXPECT_TRUE(writer.finish()) << "a second call has no effect";
   return out;
 }
 
@@ -173,7 +173,7 @@ TEST_F(McapFile, HasCorrectChunkIndexes) {
   read(2'500);
   const auto chunks = of(kChunk);
   const auto chunk_indexes = of(kChunkIndex);
-  ASSERT_EQ(chunks.size(), 3U) << "of a mebibyte";
+  ASSERT_EQ(chunks.size(), 3U) << "chunks of one mebibyte";
   ASSERT_EQ(chunk_indexes.size(), 3U);
   std::size_t next = 0;
   std::map<std::uint64_t, std::uint64_t> sent;  // by topic
@@ -189,7 +189,7 @@ TEST_F(McapFile, HasCorrectChunkIndexes) {
     const std::string content = unpacked(packed, size);
     EXPECT_EQ(crc, crc32(content));
     EXPECT_EQ(size >= 1U << 20U, c < 2);
-    EXPECT_LT(size, (1U << 20U) + 1'100U) << "no message more than it takes";
+    EXPECT_LT(size, (1U << 20U) + 1'100U) << "at most one message above the limit";
     std::uint64_t least_ns = ~std::uint64_t{0};
     std::uint64_t most_ns = 0;
     using Entry = std::tuple<std::uint64_t, std::uint64_t, std::uint64_t>;  // topic, time, offset
@@ -215,7 +215,8 @@ TEST_F(McapFile, HasCorrectChunkIndexes) {
     }
     EXPECT_EQ(first_ns, least_ns);
     EXPECT_EQ(last_ns, most_ns);
-    ASSERT_EQ(described.size(), c == 0 ? 5U : 0U) << "each schema and topic, before it is used";
+    ASSERT_EQ(described.size(), c == 0 ? 5U : 0U)
+        << "each schema and topic is described before its first message";
     if (c == 0) {
       expect_schema(described[0], 1, "A", "text of A");
       expect_channel(described[1], 0, 1, "/a");
@@ -240,7 +241,7 @@ TEST_F(McapFile, HasCorrectChunkIndexes) {
     while (!offsets.is_empty()) {
       const std::uint64_t topic = offsets.number(2);
       const std::uint64_t offset = offsets.number(8);
-      EXPECT_EQ(offset, chunks[c].offset + chunks[c].size + bytes) << "one after the other";
+      EXPECT_EQ(offset, chunks[c].offset + chunks[c].size + bytes) << "one index follows the other";
       Reader at(std::string_view(bytes_).substr(offset));
       EXPECT_EQ(at.number(1), kMessageIndex);
       Reader content_of(at.text(8));
@@ -283,7 +284,7 @@ TEST_F(McapFile, EndsWithASummary) {
     }
     summary.push_back(record);
     auto& [at, size] = groups.try_emplace(record.opcode, record.offset, 0U).first->second;
-    EXPECT_EQ(record.offset, at + size) << "a group lies together";
+    EXPECT_EQ(record.offset, at + size) << "records of a group are contiguous";
     size += record.size;
   }
   ASSERT_EQ(summary.size(), 2U + 3U + 1U + 3U);

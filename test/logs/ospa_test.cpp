@@ -128,15 +128,15 @@ TEST(OspaJudge, CountsSwapsOfNearTracksOnly) {
     tracks[0].label = 9;
     tracks[0].position_m.x() = 1.001;
     judge.judge(truth, tracks);
-    EXPECT_EQ(judge.swaps(), 0) << "too far to be of it";
+    EXPECT_EQ(judge.swaps(), 0) << "too far away to be its track";
     tracks[0].position_m.x() = -0.999;
     judge.judge(truth, tracks);
     EXPECT_EQ(judge.swaps(), 1);
     judge.judge(truth, tracks);
-    EXPECT_EQ(judge.swaps(), 1) << "it is the same as before";
+    EXPECT_EQ(judge.swaps(), 1) << "the same track as before";
     tracks[0].label = 7;
     judge.judge(truth, tracks);
-    EXPECT_EQ(judge.swaps(), 2) << "also back";
+    EXPECT_EQ(judge.swaps(), 2) << "a swap back counts, too";
   }
 }
 

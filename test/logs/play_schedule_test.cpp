@@ -67,7 +67,7 @@ TEST(PlaySchedule, PositionInvertsDueTime) {
   schedule.seek(after_ms(70), now_ns);
   now_ns += 5 * kMs;
   expect_at(70);
-  EXPECT_TRUE(schedule.is_paused()) << "who seeks does not begin to play";
+  EXPECT_TRUE(schedule.is_paused()) << "a seek does not start playback";
 }
 
 }  // namespace

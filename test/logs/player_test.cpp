@@ -183,7 +183,7 @@ TEST_F(PlayerTest, SkipsWaitsOfBrokenTimeStamps) {
   PlayOptions options;
   options.rules.to = from_utime(1'500'000);
   EXPECT_EQ(play(options).gaps, 0);
-  EXPECT_EQ(received(), (Pairs{{0, 0}})) << "what comes after the end is not waited for";
+  EXPECT_EQ(received(), (Pairs{{0, 0}})) << "events after the end are not awaited";
 }
 
 TEST(ParsePlayCommand, MapsEachKeyAndWord) {
@@ -272,12 +272,12 @@ TEST_F(PlayerTest, ClampsSeeksToTheLog) {
   options.rules.from = from_utime(1'500'000);
   options.rules.to = from_utime(1'800'000);
   play(options, {{110, "seek -100"}, {150, "quit"}});
-  EXPECT_EQ(received(), (Pairs{{5, 0}, {6, 100}, {5, 120}})) << "not before its beginning";
+  EXPECT_EQ(received(), (Pairs{{5, 0}, {6, 100}, {5, 120}})) << "not before the beginning";
   heard_.clear();
   now_ns_ = kBegin;
   const PlayReport report = play(options, {{110, "step 1000"}});
   EXPECT_EQ(received(), (Pairs{{5, 0}, {6, 100}}));
-  EXPECT_EQ(report.passes, 1) << "that is its end";
+  EXPECT_EQ(report.passes, 1) << "the end is reached";
   heard_.clear();
   now_ns_ = kBegin;
   options.rules.to = from_utime(1'400'000);  // before the log begins
@@ -289,7 +289,7 @@ TEST_F(PlayerTest, PlaysTheWholeLogByDefault) {
   options.rules.from = from_utime(1);
   options.rules.to = from_utime(900'000'000);
   EXPECT_EQ(play(options).published, 20);
-  EXPECT_EQ(received().front(), (std::pair<int, std::int64_t>(0, 0))) << "without waiting for it";
+  EXPECT_EQ(received().front(), (std::pair<int, std::int64_t>(0, 0))) << "without a wait";
   EXPECT_EQ(received().back(), (std::pair<int, std::int64_t>(19, 1900)));
   const PlayOptions usual;
   EXPECT_EQ(usual.speed, 1.0);
@@ -342,7 +342,7 @@ TEST_F(PlayerTest, ReportsItsPositionEvery20Milliseconds) {
   ASSERT_GE(asked_ms.size(), 10U);
   for (std::size_t i = 0; i < asked_ms.size(); ++i) {
     EXPECT_EQ(asked_ms[i], 20 * static_cast<std::int64_t>(i));
-    EXPECT_EQ(told_ms[i], 10 * static_cast<std::int64_t>(i)) << "at half the speed";
+    EXPECT_EQ(told_ms[i], 10 * static_cast<std::int64_t>(i)) << "at half speed";
   }
 }
 

@@ -72,7 +72,7 @@ TEST(RecorderNode, ReportsAndCountsWriteErrorsAtOnce) {
   EXPECT_EQ(count_of(node.counters(), "log.write_errors"), 1);
   spool.close();
   EXPECT_EQ(count_of(node.counters(), "log.events_lost"), 1);
-  EXPECT_TRUE(disk.bytes("flight.lcmlog").empty()) << "no torn event";
+  EXPECT_TRUE(disk.bytes("flight.lcmlog").empty()) << "no incomplete event";
 }
 
 TEST(RecorderNode, ReportsWrittenEvents) {
@@ -114,7 +114,7 @@ TEST(RecorderNode, ReportsWrittenEvents) {
                                                          {"log.files", 1},
                                                          {"log.queue_bytes", 0},
                                                          {"log.free_bytes", 0}}))
-      << "what is free on that disk nobody can say";
+      << "the free space of this disk is unknown";
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ TEST_F(Ros2Export, WritesPosesAndPlansInTheWorldFrame) {
   EXPECT_TRUE(counts_.left_out.empty());
 
   const Json transforms = topics["/tf"].content["transforms"];
-  ASSERT_EQ(transforms.size(), 1U) << "not who is occluded";
+  ASSERT_EQ(transforms.size(), 1U) << "occluded bodies are omitted";
   EXPECT_EQ(transforms[0]["header"]["frame_id"], "world");
   EXPECT_EQ(transforms[0]["header"]["stamp"],
             (Json{{"sec", 1'700'000'000}, {"nanosec", 250'000'000}}));
@@ -105,7 +105,7 @@ TEST_F(Ros2Export, WritesPosesAndPlansInTheWorldFrame) {
   EXPECT_EQ(topics["/Q1/plan"].type, "nav_msgs/msg/Path");
   EXPECT_EQ(topics["/Q1/plan"].stamp_ns, kUtime * 1'000);
   const Json poses = topics["/Q1/plan"].content["poses"];
-  ASSERT_EQ(poses.size(), 4U) << "each half second and the end";
+  ASSERT_EQ(poses.size(), 4U) << "every half second and at the end";
   EXPECT_EQ(poses[0]["pose"]["position"], (Json{{"x", 1.0}, {"y", 2.0}, {"z", 1.5}}));
   EXPECT_NEAR(poses[3]["pose"]["position"]["x"], 2.2, 1e-9);
 }
@@ -125,7 +125,7 @@ TEST_F(Ros2Export, WritesBeliefsWithCovariance) {
   EXPECT_NEAR(pose["covariance"][0], 0.5, 1e-9);
   EXPECT_NEAR(pose["covariance"][1], 0.1, 1e-9);
   EXPECT_NEAR(pose["covariance"][7], 0.25, 1e-9);
-  EXPECT_EQ(pose["covariance"][14], 1e6) << "nobody estimates its height";
+  EXPECT_EQ(pose["covariance"][14], 1e6) << "the height is not estimated";
 }
 
 TEST_F(Ros2Export, WritesScansMapsBatteriesAndHealth) {

@@ -26,7 +26,7 @@ class Reader {
   explicit Reader(const Message& message) : bytes_(message.cdr) {
     EXPECT_EQ(bytes_.substr(0, 4), std::string("\0\1\0\0", 4));
   }
-  ~Reader() { EXPECT_EQ(at_, bytes_.size()) << "nothing more than the definition says"; }
+  ~Reader() { EXPECT_EQ(at_, bytes_.size()) << "bytes remain after the last field"; }
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
   Reader(Reader&&) = delete;
@@ -39,7 +39,7 @@ class Reader {
     }
     Number out{};
     if (at_ + sizeof(Number) > bytes_.size()) {
-      ADD_FAILURE() << "it ends too early";
+      ADD_FAILURE() << "the message ends too early";
       return out;
     }
     std::memcpy(&out, bytes_.data() + at_, sizeof(Number));
@@ -156,7 +156,7 @@ TEST(ToRos2, WritesPlanarAndSpatialBeliefs) {
   nothing.information.vector = Eigen::Vector2d::Zero();
   belief.targets.push_back(nothing);
   const std::vector<Message> messages = to_ros2(belief);
-  ASSERT_EQ(messages.size(), 3U) << "not of whom nothing is known";
+  ASSERT_EQ(messages.size(), 3U) << "targets without information are omitted";
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_EQ(messages[k].topic, "/Q1/target_" + std::to_string(12 + k));
     EXPECT_EQ(messages[k].type, "geometry_msgs/msg/PoseWithCovarianceStamped");
@@ -209,9 +209,10 @@ TEST(ToRos2, WritesScansByBeamBearing) {
         const double angle_rad = numbers[0] + i * numbers[2];
         EXPECT_NEAR(std::remainder(angle_rad - sensor.bearing_rad(i), 2.0 * kPi), 0.0, 1e-5);
       }
-      EXPECT_NEAR(numbers[1], numbers[0] + (beams - 1) * numbers[2], 1e-5) << "the last beam's";
+      EXPECT_NEAR(numbers[1], numbers[0] + (beams - 1) * numbers[2], 1e-5)
+          << "bearing of the last beam";
       EXPECT_GE(numbers[2], 0.0);
-      EXPECT_EQ(numbers[3], 0.0) << "all at once";
+      EXPECT_EQ(numbers[3], 0.0) << "all beams at the same time";
       EXPECT_EQ(numbers[4], 0.0);
       EXPECT_EQ(numbers[5], 0.0);
       EXPECT_EQ(numbers[6], 1.75);
@@ -264,7 +265,7 @@ TEST(ToRos2, WritesAPlanAsOnePosePerStep) {
     const Message message = to_ros2(plan).at(0);
     EXPECT_EQ(message.topic, "/Q1/plan");
     EXPECT_EQ(message.type, "nav_msgs/msg/Path");
-    EXPECT_EQ(message.valid, kTime) << "when it starts";
+    EXPECT_EQ(message.valid, kTime) << "start time of the plan";
     Reader in(message);
     in.expect_header(kUtime, "world");
     const std::uint32_t poses = in.count();

@@ -239,7 +239,8 @@ TEST_F(LongLog, IsUsableDuringItsFirstPass) {
   while (log.advance(kMib)) {
     EXPECT_GT(log.surveyed_share(), share);
     share = log.surveyed_share();
-    EXPECT_EQ(log.range(), std::pair(sorted.front().time, sorted.back().time)) << "all the while";
+    EXPECT_EQ(log.range(), std::pair(sorted.front().time, sorted.back().time))
+        << "valid during the first pass";
     ASSERT_EQ(offsets_of(log.newest_before(late)), newest(sorted, late)) << share;
   }
   EXPECT_TRUE(log.is_surveyed());
@@ -263,7 +264,7 @@ TEST_F(LongLog, DetectsDecreasingTimesAfterItsFirstPass) {
   std::int64_t number = 1000 * kLength_s;
   append_second(kStart_us - 5'000'000, 1, number, bytes_);
   SeekableLog log(write());
-  EXPECT_EQ(log.range().first, from_utime(kStart_us)) << "as far as it was read";
+  EXPECT_EQ(log.range().first, from_utime(kStart_us)) << "only the part that was read";
   while (log.advance(kMib)) {
   }
   EXPECT_EQ(log.range().first, from_utime(kStart_us - 5'000'000));
@@ -281,14 +282,14 @@ TEST_F(LongLog, OpensAndSeeksWithFewReads) {
   };
   {
     SeekableLog log(path);
-    EXPECT_LT(log.bytes_read(), 8 * kMib + kMib / 8) << "its head and its end";
-    EXPECT_LT(bytes_of_seek(log), 5 * kMib / 2) << "1 MiB back, some places and a few blocks";
+    EXPECT_LT(log.bytes_read(), 8 * kMib + kMib / 8) << "its start and its end";
+    EXPECT_LT(bytes_of_seek(log), 5 * kMib / 2) << "1 MiB back, a few positions and a few blocks";
     while (log.advance(kMib)) {
     }
     EXPECT_GT(log.bytes_read(), 30'000'000U);
   }
   const SeekableLog log(path);
-  EXPECT_EQ(log.bytes_read(), 0U) << "the index knows";
+  EXPECT_EQ(log.bytes_read(), 0U) << "known from the index";
   EXPECT_LT(bytes_of_seek(log), 3 * kMib / 2) << "a few blocks";
 }
 
@@ -299,7 +300,7 @@ TEST_F(LongLog, ReportsProgressAndCounts) {
   const auto bytes_surveyed = [&] { return log.surveyed_share() * size; };
   EXPECT_LE(bytes_surveyed(), 8.0 * kMib);
   EXPECT_GT(bytes_surveyed(), 8.0 * kMib - 0.3 * kMib);
-  EXPECT_GE(log.bytes_read(), 8 * kMib + 60 * 1024) << "its end, too";
+  EXPECT_GE(log.bytes_read(), 8 * kMib + 60 * 1024) << "including its end";
   EXPECT_LT(log.bytes_read(), 8 * kMib + 70 * 1024);
   std::size_t read = log.bytes_read();
   for (int i = 9; log.advance(kMib); ++i) {
@@ -323,8 +324,9 @@ TEST_F(LongLog, ReportsProgressAndCounts) {
   }
   EXPECT_EQ(read_for(early), 0U);
   EXPECT_GT(read_for(early + std::chrono::milliseconds(290 * 32)), 200'000U);
-  EXPECT_EQ(read_for(early), 0U) << "it was looked at last";
-  EXPECT_GT(read_for(early + std::chrono::milliseconds(290)), 200'000U) << "and this was not";
+  EXPECT_EQ(read_for(early), 0U) << "the block is still cached";
+  EXPECT_GT(read_for(early + std::chrono::milliseconds(290)), 200'000U)
+      << "this block is not cached";
 }
 
 TEST(SeekableLog, SkipsToTheNextEvent) {
@@ -350,7 +352,7 @@ TEST(SeekableLog, ReportsALogWithoutEvents) {
   test::write_file(path, Bytes(200, 'x'));
   try {
     const SeekableLog log(path);
-    FAIL() << "there is nothing in it";
+    FAIL() << "a log without events was accepted";
   } catch (const StartupError& error) {
     EXPECT_EQ(error.what(), path + ": contains no events; run `vantage log check` for details");
   }

@@ -87,15 +87,15 @@ TEST(SetSums, EvaluateABeliefWhenItsTruthArrives) {
   EXPECT_FALSE(sums.means());
   sums.on_truth(truth(1.0));
   ASSERT_TRUE(sums.means());
-  EXPECT_EQ(sums.means()->ospa_m, 1.0) << "the cutoff";
-  EXPECT_EQ(sums.means()->swaps_per_min, 0.0) << "of one belief nobody can tell";
+  EXPECT_EQ(sums.means()->ospa_m, 1.0) << "the cutoff distance";
+  EXPECT_EQ(sums.means()->swaps_per_min, 0.0) << "a single belief has no swap rate";
   sums.on_belief(belief("Q2", 0.5, {{0, 0.0}, {1, 5.0}}));  // arrives late, after its truth
   sums.on_truth(truth(2.0));
   EXPECT_NEAR(sums.means()->ospa_m, 0.5, 1e-12);
   SetSums before(2);
   before.on_belief(belief("Q1", 1.0, {}));
   before.on_truth(truth(2.0));
-  EXPECT_FALSE(before.means()) << "what was before the first truth nobody knows";
+  EXPECT_FALSE(before.means()) << "before the first truth, errors are unknown";
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ TEST(TargetsJson, NamesTheRobotsThatFoundAndLastSawATarget) {
   EXPECT_NEAR(known.at("found_s").get<double>(), 0.5, 1e-9);
   EXPECT_NEAR(known.at("sigma_m").get<double>(), 0.5, 1e-9);
   EXPECT_FALSE(known.contains("error_m")) << "no truth was received";
-  EXPECT_EQ(known.at("seen_by"), "Q3") << "the last that measured it";
+  EXPECT_EQ(known.at("seen_by"), "Q3") << "the last robot that measured it";
   EXPECT_NEAR(known.at("unseen_s").get<double>(), 0.6, 1e-9);
   const std::vector<Json> events = notebook.of("/events");
   ASSERT_EQ(events.size(), 1U);

@@ -90,7 +90,7 @@ TEST(PositionEstimate, HasTheBeliefsDimension) {
   EXPECT_NEAR(estimate->nees(mean), 0.0, 1e-12);
   EXPECT_FALSE(position_estimate(belief_with(Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity()),
                                  "Q1", Time{}, 3))
-      << "of the plane alone";
+      << "a planar belief only";
   EXPECT_NEAR(isotropic_entropy_nats(2.0, 3),
               position_estimate(belief_with(mean, 4.0 * Eigen::Matrix3d::Identity()), "", {}, 3)
                   ->entropy_nats,

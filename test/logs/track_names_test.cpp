@@ -67,7 +67,7 @@ TEST(TracksNamedByPosition, UseTheOptimalAssignment) {
       ASSERT_GE(named[i].target_id, 0);
       ASSERT_LT(named[i].target_id, targets);
       const auto which = static_cast<std::size_t>(to_utime(named[i].last_seen) - 100);
-      EXPECT_EQ(named[i].information.vector, tracks.at(which).information.vector) << "as it was";
+      EXPECT_EQ(named[i].information.vector, tracks.at(which).information.vector) << "unchanged";
       sum_m2 +=
           (true_m[static_cast<std::size_t>(named[i].target_id)] - estimated_m[which]).squaredNorm();
     }
@@ -89,7 +89,7 @@ TEST(TracksNamedByPosition, SkipTracksAndTargetsWithoutPosition) {
   EXPECT_EQ(named[0].target_id, 2);
   EXPECT_EQ(named[0].last_seen, from_utime(101));
   EXPECT_TRUE(assign_ids_by_position(std::vector{track(101, {9.0, 9.0})}, truth, 2, kTime).empty())
-      << "the third target is none of two";
+      << "only two targets exist";
 }
 
 }  // namespace

@@ -217,7 +217,7 @@ TEST(TrialMetrics, ReportsTheNewestStepPerRobot) {
   metrics.on_belief(belief("Q2", 0.5, {fresh}));
   metrics.on_belief(belief("Q3", 0.5, {}));  // knows nothing
   metrics.on_belief(belief("Q1", 1.0, {}));
-  EXPECT_FALSE(metrics.step_of_robots().entropy_nats()) << "the first step is not judged yet";
+  EXPECT_FALSE(metrics.step_of_robots().entropy_nats()) << "the first step is not evaluated yet";
   metrics.on_belief(belief("Q1", 1.5, {}));
   const RobotStep& step = metrics.step_of_robots();
   EXPECT_NEAR(step.rmse_m().value(), 0.5 * (std::sqrt((1.0 + 9.0) / 2.0) + 1.0), 1e-9);
@@ -231,7 +231,7 @@ TEST(TrialMetrics, ReportsTheNewestStepPerRobot) {
   EXPECT_EQ(step.nees_by_age()[2].samples, 1);
   EXPECT_NEAR(step.nees_by_age()[2].sum, 9.0, 1e-9);
   metrics.on_belief(belief("Q1", 2.0, {}));
-  EXPECT_FALSE(metrics.step_of_robots().rmse_m()) << "of the newest step alone";
+  EXPECT_FALSE(metrics.step_of_robots().rmse_m()) << "for the newest step only";
   EXPECT_EQ(metrics.step_of_robots().nees_by_age()[0].samples, 0);
 }
 
@@ -394,8 +394,8 @@ TEST(TrialMetrics, IgnoresBeliefsThatArriveAfterTheirStepWasEvaluated) {
   metrics.on_belief(belief("Q2", 0.5, {target(0, 9.0, 9.0, 0.1)}));  // too late
   const TrialSummary summary = metrics.finish(at_s(5.0));
   EXPECT_NEAR(*summary.rmse_m, (0.0 + 1.0 + 1.0) / 3.0, 1e-9);
-  EXPECT_EQ(summary.discovery_time_s[0], 0.5) << "but it was told in time";
-  EXPECT_EQ(metrics.finish(at_s(5.0)).rmse_m, summary.rmse_m) << "nothing is judged twice";
+  EXPECT_EQ(summary.discovery_time_s[0], 0.5) << "but it was published in time";
+  EXPECT_EQ(metrics.finish(at_s(5.0)).rmse_m, summary.rmse_m) << "nothing is evaluated twice";
 }
 
 TEST(TrialMetrics, CountsDuplicatePlansOnce) {
@@ -424,7 +424,7 @@ TEST(TrialMetrics, CountsDuplicatePlansOnce) {
   EXPECT_EQ(summary.duration_s, 2.5);
   EXPECT_EQ(summary.scenario, "bench");
   EXPECT_EQ(summary.algorithm, "greedy");
-  EXPECT_EQ(summary.discovered, 0) << "there are no such targets";
+  EXPECT_EQ(summary.discovered, 0) << "these targets do not exist";
   EXPECT_EQ(summary.undiscovered_share, 1.0);
   EXPECT_EQ(metrics.position_dim(), 2);
   EXPECT_FALSE(summary.map_entropy_nats);

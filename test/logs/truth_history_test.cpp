@@ -135,11 +135,11 @@ TEST(TruthHistory, InterpolatesEachTargetSeparately) {
   EXPECT_NEAR(x_m(0, 1'500'000), 0.5, 1e-12);
   EXPECT_NEAR(x_m(0, 2'000'000), 1.0, 1e-12);
   EXPECT_NEAR(x_m(0, 3'500'000), 4.0, 1e-12);
-  EXPECT_EQ(x_m(0, 4'500'000), -1.0) << "not seen then";
+  EXPECT_EQ(x_m(0, 4'500'000), -1.0) << "not visible at that time";
   EXPECT_EQ(x_m(0, 5'000'000), -1.0);
   EXPECT_EQ(x_m(1, 1'000'000), 5.0);
   EXPECT_EQ(x_m(1, 1'500'000), -1.0);
-  EXPECT_EQ(x_m(1, 3'000'000), -1.0) << "only after it, not before";
+  EXPECT_EQ(x_m(1, 3'000'000), -1.0) << "only for later times";
   EXPECT_NEAR(x_m(1, 4'750'000), 8.25, 1e-12);
   EXPECT_NEAR(truth.target_position_m(1, from_utime(4'750'000))->y(), -2.25, 1e-12);
 }

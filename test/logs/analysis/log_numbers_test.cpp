@@ -154,7 +154,7 @@ TEST_F(LogNumbers, ReportsTheLatencyOfEachHop) {
   EXPECT_NEAR(analysis.plans[0].margin_s, 0.1, 1e-9);
   EXPECT_EQ(analysis.plans[0].gap_nat, 1.5);
   EXPECT_NEAR(analysis.plans[1].margin_s, -0.25, 1e-9);
-  EXPECT_EQ(analysis.plans[1].gap_nat, std::nullopt) << "nothing is proven";
+  EXPECT_EQ(analysis.plans[1].gap_nat, std::nullopt) << "no bound was proven";
   EXPECT_EQ(analysis.summary.plans, 3);
   EXPECT_NEAR(analysis.summary.duration_s, 1.9 - 0.105, 1e-9);
 }
@@ -221,7 +221,7 @@ TEST_P(LossNumbers, AreTheGreaterOfReportedAndMissing) {
   ASSERT_EQ(analysis.hops.size(), 1U);
   ASSERT_EQ(analysis.hops.at("SIM").size(), 1U);
   EXPECT_EQ(analysis.hops.at("SIM")[0].name, "a");
-  EXPECT_FALSE(analysis.sets) << "without truth";
+  EXPECT_FALSE(analysis.sets) << "no truth was received";
   const nlohmann::ordered_json json = to_json(analysis);
   EXPECT_EQ(json.at("lost"), nlohmann::ordered_json({{"MEASUREMENT_Q1", 1}, {"VICON", 2}}));
   EXPECT_EQ(json.at("hops").at("SIM").at("a"),

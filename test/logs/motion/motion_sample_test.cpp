@@ -219,7 +219,7 @@ TEST(FitMotion, RequiresEightSecondsOfEachPart) {
   EXPECT_EQ(why_not(logs(268), 0.7),
             "fit-motion: too few target positions; the fitted and the held-out part of the time "
             "each need more than 8 s");
-  EXPECT_EQ(why_not(logs(269), 0.7), "") << "81 steps are held back";
+  EXPECT_EQ(why_not(logs(269), 0.7), "") << "81 steps are held out";
   EXPECT_NE(why_not(logs(268), 0.3), "");
   EXPECT_EQ(why_not(logs(269), 0.3), "");
   EXPECT_NE(why_not({}, 0.7), "");

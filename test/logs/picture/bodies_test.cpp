@@ -163,7 +163,7 @@ TEST(DrawViewsAndPlans, ShowsEachSensorsView) {
   it.scene.robots.erase("Q2");
   const std::string fewer = it.drawn(
       [&](Svg& to, const Layout& on) { draw_views_and_plans(to, on, it.scenario, it.scene); });
-  EXPECT_TRUE(elements(fewer, "polygon").empty()) << "nobody knows where they are";
+  EXPECT_TRUE(elements(fewer, "polygon").empty()) << "their positions are unknown";
 }
 
 // The plan is drawn from the present, or from its start if that is later, to its final hover.
@@ -194,7 +194,7 @@ TEST(DrawViewsAndPlans, ShowsTheRemainingPlan) {
     const auto marks = elements(svg, "circle");
     ASSERT_EQ(marks.size(), 1U);
     expect_near({number(marks[0], "cx"), number(marks[0], "cy")}, way.back());
-    EXPECT_GT(number(marks[0], "r"), 3.0) << "one sees it";
+    EXPECT_GT(number(marks[0], "r"), 3.0) << "large enough to be visible";
     EXPECT_LT(number(marks[0], "r"), 8.0) << "smaller than a robot";
     EXPECT_EQ(marks[0].at("stroke"), robot_colour(1));
   }
@@ -382,7 +382,7 @@ TEST(DrawBodies, PutsATargetsNameNextToItAndItsEstimate) {
   it.scene.targets[0].track = {{kNow, {0.0, 2.0}}};
   const Eigen::AlignedBox2d alone_px = name();
   EXPECT_GT(alone_px.exteriorDistance(at_px), 6.0);
-  EXPECT_LT(alone_px.exteriorDistance(at_px), 8.02) << "at the nearest of its places";
+  EXPECT_LT(alone_px.exteriorDistance(at_px), 8.02) << "at its nearest position";
   for (int i = 0; i < 200; ++i) {
     const double turn_rad = 0.7 * i;
     const Eigen::Vector2d mean_m =
@@ -396,7 +396,8 @@ TEST(DrawBodies, PutsATargetsNameNextToItAndItsEstimate) {
     const Eigen::Vector2d wide_px = Eigen::Vector2d::Constant(6.05);
     if (alone_px.intersection(Eigen::AlignedBox2d(mean_px - wide_px, mean_px + wide_px))
             .isEmpty()) {
-      EXPECT_LT((name().center() - alone_px.center()).norm(), 0.01) << "it needs not give way";
+      EXPECT_LT((name().center() - alone_px.center()).norm(), 0.01)
+          << "no other object is in the way";
     }
   }
 }
@@ -424,16 +425,16 @@ TEST(DrawBodies, LabelsBodiesWithoutCoveringThem) {
                            number(each, "r"));
     fills.push_back(each.at("fill"));
   }
-  ASSERT_EQ(bodies_px.size(), 4U) << "one with a core, which is jammed";
+  ASSERT_EQ(bodies_px.size(), 4U) << "including a core for the jammed robot";
   EXPECT_EQ(fills, (std::vector<std::string>{
                        std::string(robot_colour(0)), std::string(role_colour("jammed")),
                        std::string(robot_colour(1)), std::string(robot_colour(2))}));
-  EXPECT_EQ(bodies_px[0].second, 8.0) << "no smaller";
+  EXPECT_EQ(bodies_px[0].second, 8.0) << "minimum size";
   EXPECT_EQ(bodies_px[1].second, 8.0);
-  EXPECT_NEAR(bodies_px[3].second, 0.15 * layout.px_per_m, 0.01) << "as it is";
+  EXPECT_NEAR(bodies_px[3].second, 0.15 * layout.px_per_m, 0.01) << "true size";
   expect_near(bodies_px[3].first, layout.page_from_world({0.3, 2.0}));
   const auto diamonds = elements(svg, "polygon");
-  ASSERT_EQ(diamonds.size(), 4U) << "three noses";
+  ASSERT_EQ(diamonds.size(), 4U) << "three heading marks";
   const Eigen::Vector2d target_px = layout.page_from_world({-0.1, 2.3});
   const Points diamond = points_of(diamonds[0]);
   EXPECT_EQ(diamonds[0].at("class"), "truth");
@@ -442,7 +443,7 @@ TEST(DrawBodies, LabelsBodiesWithoutCoveringThem) {
     EXPECT_NEAR((diamond[k] - target_px).norm(), 6.0, 0.02);
     expect_near(diamond[k] + diamond[(k + 2) % 4], 2.0 * target_px);
   }
-  EXPECT_NEAR(diamond[0].x(), target_px.x(), 0.02) << "with its corners up, right, down and left";
+  EXPECT_NEAR(diamond[0].x(), target_px.x(), 0.02) << "corners in the order up, right, down, left";
   bodies_px.emplace_back(target_px, 6.0);
   bodies_px.emplace_back(layout.page_from_world({0.2, 2.35}), 5.0);
 

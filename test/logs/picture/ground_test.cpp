@@ -93,12 +93,13 @@ TEST(DrawGround, ColoursCellsByAge) {
       seen += when == never ? 0 : 1;
     }
     const double side_px = 0.5 * layout.px_per_m;
-    EXPECT_NEAR(area_px2, seen * side_px * side_px, 1.0) << "no more than the cells";
+    EXPECT_NEAR(area_px2, seen * side_px * side_px, 1.0) << "exactly the area of the cells";
     // Adjacent cells with the same colour are one rectangle; the last row therefore has one or two.
     EXPECT_EQ(drawn.size() - 1, memory_s > 0.0 ? 5U : 4U);
   }
   scene.last_seen_utime.pop_back();
-  EXPECT_EQ(rectangles(ground(scenario, scene), "").size(), 1U) << "what does not fit its grid";
+  EXPECT_EQ(rectangles(ground(scenario, scene), "").size(), 1U)
+      << "data that does not match its grid is ignored";
 }
 
 int channel(std::string_view colour, std::size_t i) {
@@ -140,7 +141,7 @@ TEST(DrawGround, ShadesMapCellsByOccupancy) {
     }
     EXPECT_EQ(over, 1) << cell;
   }
-  EXPECT_EQ(drawn.size() - 1, 9U) << "neighbours in a row that are alike are one";
+  EXPECT_EQ(drawn.size() - 1, 9U) << "equal neighbours in a row are merged";
 }
 
 // Rows of equal cells are as wide as the map: no rectangle continues into the next row.
@@ -148,7 +149,7 @@ TEST(DrawGround, EndsMapRowsAtTheMapsEdge) {
   scenario::Scenario scenario = a_scenario();
   const Layout layout(scenario.world.bounds, 0.0);
   Scene scene;
-  EXPECT_EQ(ground(scenario, scene).find("explored"), std::string::npos) << "nothing is known";
+  EXPECT_EQ(ground(scenario, scene).find("explored"), std::string::npos) << "no cell is known";
   scene.map.emplace();
   scene.map->grid = {{-3.0, 0.5}, 0.5, 7, 3};
   scene.map->team_looks.assign(21, 0);
@@ -226,12 +227,12 @@ Axes expect_true_axes(const models::World& world) {
       EXPECT_LT(y_px, layout.page_size_px.y());
     } else if (words == "y (m)") {
       EXPECT_LT(x_px + 0.5 * 13.0 * 5.0, left_px) << "beside the map";
-      EXPECT_GT(x_px, 12.0) << "not at the page's edge";
+      EXPECT_GT(x_px, 12.0) << "not at the edge of the page";
       EXPECT_LT(y_px, top_px - 7.0);
       EXPECT_GT(y_px, top_px - 15.0);
     } else if (each.at("text-anchor") == "end") {
       const double line_px = layout.page_from_world({0.0, std::stod(words)}).y();
-      EXPECT_GT(y_px, line_px + 3.0) << "its middle at the line";
+      EXPECT_GT(y_px, line_px + 3.0) << "the text is centred at the line";
       EXPECT_LT(y_px, line_px + 6.0);
       EXPECT_GT(x_px, left_px - 12.0);
       EXPECT_LT(x_px, left_px - 5.0);
@@ -268,13 +269,16 @@ TEST(DrawAxes, HasRoundTicks) {
       const Axes axes = expect_true_axes(world);
       for (const auto& [numbers, axis] : {std::pair(axes.below, 0), std::pair(axes.beside, 1)}) {
         ASSERT_FALSE(numbers.empty());
-        EXPECT_LT(numbers.front() - spacing_m, world.bounds.min_m(axis)) << "from the beginning";
+        EXPECT_LT(numbers.front() - spacing_m, world.bounds.min_m(axis))
+            << "starts at the lower bound";
         EXPECT_GE(numbers.front(), world.bounds.min_m(axis));
-        EXPECT_GT(numbers.back() + spacing_m, world.bounds.max_m(axis)) << "to the end";
-        EXPECT_LE(numbers.back(), world.bounds.max_m(axis) + 1e-9) << "and no further";
+        EXPECT_GT(numbers.back() + spacing_m, world.bounds.max_m(axis))
+            << "ends at the upper bound";
+        EXPECT_LE(numbers.back(), world.bounds.max_m(axis) + 1e-9) << "not beyond the bound";
         for (std::size_t i = 0; i < numbers.size(); ++i) {
           EXPECT_NEAR(numbers[i], numbers[0] + spacing_m * static_cast<double>(i), 1e-9);
-          EXPECT_NEAR(std::remainder(numbers[i], spacing_m), 0.0, 1e-9) << "a multiple";
+          EXPECT_NEAR(std::remainder(numbers[i], spacing_m), 0.0, 1e-9)
+              << "a multiple of the spacing";
         }
       }
     }

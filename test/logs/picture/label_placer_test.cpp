@@ -33,7 +33,7 @@ TEST(LabelPlacer, PutsALabelAtTheNearestFreePosition) {
   };
   LabelPlacer placer(page);
   EXPECT_LT((offset_px(placer.place(anchor_px, size_px)) - at(8.0, -kPi / 4)).norm(), 1e-9);
-  EXPECT_TRUE(is_at(offset_px(placer.place(anchor_px, size_px)), 8.0)) << "on another side";
+  EXPECT_TRUE(is_at(offset_px(placer.place(anchor_px, size_px)), 8.0)) << "in another direction";
   // If all near positions are blocked, the label gets the nearest free one farther out.
   for (const auto& [reach_px, gap_px] : {std::pair{10.0, 16.0}, {19.0, 26.0}, {32.0, 40.0}}) {
     LabelPlacer crowded(page);

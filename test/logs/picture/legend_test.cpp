@@ -136,12 +136,12 @@ TEST_F(Legend, HasATitleAndRowsOfSymbolAndText) {
   EXPECT_EQ(texts_[0].at("words"), "Legend");
   EXPECT_EQ(texts_[1].at("words"), "Q1");
   const double below_px = number(texts_[1], "y") - number(texts_[0], "y");
-  EXPECT_GT(below_px, 20.0) << "its title has a row of its own";
+  EXPECT_GT(below_px, 20.0) << "the title has a separate row";
   EXPECT_LT(below_px, 30.0);
   double right_px = 0.0;
   for (const Symbol& each : symbols_) {
     EXPECT_GE(each.box_px.min().x(), left_px_ - 0.01) << each.tag;
-    EXPECT_LE(each.box_px.sizes().y(), 20.0) << each.tag << ", or it reaches into the next row";
+    EXPECT_LE(each.box_px.sizes().y(), 20.0) << each.tag << ", but it reaches into the next row";
     if (each.box_px.center().x() < left_px_ + 40.0) {
       right_px = std::max(right_px, each.box_px.max().x());
     }
@@ -165,19 +165,19 @@ TEST_F(Legend, ShowsRobotsLikeTheMap) {
       noses.push_back(each);
     }
   }
-  ASSERT_EQ(bodies.size(), 6U) << "and one that is jammed";
+  ASSERT_EQ(bodies.size(), 6U) << "including a jammed one";
   ASSERT_EQ(noses.size(), 6U);
   for (std::size_t i = 0; i < 6; ++i) {
     const double radius_px = number(bodies[i].attributes, "r");
     EXPECT_GE(radius_px, 5.0);
     EXPECT_LE(radius_px, 9.0);
     EXPECT_NEAR(noses[i].box_px.max().x() - bodies[i].box_px.center().x(), 1.75 * radius_px, 0.02)
-        << "with its nose to the right";
+        << "the heading mark points to the right";
     EXPECT_NEAR(noses[i].box_px.center().y(), bodies[i].box_px.center().y(), 0.02);
   }
-  EXPECT_LT(bodies[0].box_px.min().x(), left_px_ + 6.0) << "from the left of the panel on";
+  EXPECT_LT(bodies[0].box_px.min().x(), left_px_ + 6.0) << "starts at the left edge of the panel";
   const auto jammed = beside(appearance().glyphs.at("jammed"));
-  ASSERT_EQ(jammed.size(), 3U) << "its body, its core and its nose";
+  ASSERT_EQ(jammed.size(), 3U) << "body, core and heading mark";
   EXPECT_EQ(jammed[0].attributes.at("fill"), role_colour("jammed"));
   EXPECT_EQ(jammed[1].attributes.at("fill"), robot_colour(0));
   expect_near(jammed[0].box_px.center(), middle_px(appearance().glyphs.at("jammed")));
@@ -198,7 +198,8 @@ TEST_F(Legend, ShowsTracksPlansAndViewsLikeTheMap) {
   const auto plan = beside(appearance().glyphs.at("plan"));
   ASSERT_EQ(plan.size(), 2U);
   expect_way(plan[1], appearance().glyphs.at("plan"));
-  EXPECT_NEAR(plan[0].box_px.center().x(), plan[1].box_px.max().x(), 0.02) << "at its end";
+  EXPECT_NEAR(plan[0].box_px.center().x(), plan[1].box_px.max().x(), 0.02)
+      << "at the end of the plan";
   EXPECT_NEAR(plan[0].box_px.center().y(), plan[1].box_px.max().y(), 0.02);
   EXPECT_GT(number(plan[0].attributes, "r"), 3.0);
   EXPECT_LT(number(plan[0].attributes, "r"), 6.0);
@@ -244,7 +245,7 @@ TEST_F(Legend, ShowsTargetsAndEstimatesLikeTheMap) {
   const Symbol& ellipse = estimate[2];
   ASSERT_EQ(ellipse.tag, "ellipse");
   const Eigen::Vector2d half_px = 0.5 * ellipse.box_px.sizes();
-  EXPECT_GT(half_px.x(), 1.5 * half_px.y()) << "one sees that it is no circle";
+  EXPECT_GT(half_px.x(), 1.5 * half_px.y()) << "clearly an ellipse";
   EXPECT_LT(half_px.x(), 2.0 * half_px.y());
   EXPECT_GT(half_px.y(), 6.0);
   expect_near(ellipse.box_px.center(), at_px);
@@ -259,7 +260,7 @@ TEST_F(Legend, ShowsTargetsAndEstimatesLikeTheMap) {
     EXPECT_GT(arm_px.norm(), 4.0);
     turn *= arm_px.x() * arm_px.y();
   }
-  EXPECT_LT(turn, 0.0) << "both ways";
+  EXPECT_LT(turn, 0.0) << "in both directions";
 }
 
 // Swatches have 28 px by 16 px and are in the middle of their rows.

@@ -232,7 +232,7 @@ TEST(DrawPanel, ListsTheRobotsWithTheirColours) {
     ASSERT_EQ(names[i].at("words"), fmt::format("Q{}", i + 1));
     EXPECT_EQ(bodies[body].at("fill"), robot_colour(i));
     const double gap_px = number(names[i], "x") - number(bodies[body], "cx");
-    EXPECT_GT(gap_px, number(bodies[body], "r") * 1.75) << "beyond its nose";
+    EXPECT_GT(gap_px, number(bodies[body], "r") * 1.75) << "beyond the heading mark";
     EXPECT_LT(gap_px, 20.0);
     EXPECT_NEAR(number(names[i], "y") - 4.5, number(bodies[body], "cy"), 0.01);
     if (i >= 8) {

@@ -252,7 +252,7 @@ TEST(DrawPicture, AlignsLegendSymbolsAndText) {
     }
     ++symbols;
     EXPECT_LT(right_px, words_px);
-    EXPECT_LE(bottom_px - top_px, 20.0) << "or it reaches into the next row";
+    EXPECT_LE(bottom_px - top_px, 20.0) << "otherwise it reaches into the next row";
     const double middle_px = 0.5 * (top_px + bottom_px);
     EXPECT_TRUE(std::any_of(rows_px.begin(), rows_px.end(), [&](double row_px) {
       return std::abs(row_px - middle_px) < 0.1;
@@ -289,8 +289,8 @@ TEST(DrawPicture, WritesARobotsNameNextToIt) {
       const Eigen::Vector2d middle_px(number(each, "x"), number(each, "y") - 0.3 * size_px);
       const Eigen::Vector2d away_px =
           (middle_px - robot_px).cwiseAbs() - 0.5 * Eigen::Vector2d(1.36, 1.05) * size_px;
-      EXPECT_GT(away_px.maxCoeff(), 8.0) << "the robot is under it";
-      EXPECT_LT(away_px.cwiseMax(0.0).norm(), 42.0) << "as far as room is looked for";
+      EXPECT_GT(away_px.maxCoeff(), 8.0) << "the label does not cover the robot";
+      EXPECT_LT(away_px.cwiseMax(0.0).norm(), 42.0) << "within the range of the search";
     }
   }
   EXPECT_EQ(names, 1);
@@ -306,7 +306,7 @@ TEST(DrawPicture, OutlinesAJammedRobotInRed) {
   EXPECT_NE(svg.find("Q2 jammed"), std::string::npos);
   EXPECT_EQ(svg.find("Q1 jammed"), std::string::npos);
   EXPECT_NE(svg.find("class=\"view\" fill=\"" + red), std::string::npos);
-  EXPECT_GT(count(svg, robot_colour(1).data()), 1) << "whose it is can still be seen";
+  EXPECT_GT(count(svg, robot_colour(1).data()), 1) << "the robot's own colour is still visible";
 }
 
 TEST(DrawPicture, ShowsTheMapOfATeamThatMaps) {

@@ -55,7 +55,7 @@ TEST_F(RenderPngBy, RunsItsProgramWithBothPaths) {
   std::string word;
   EXPECT_TRUE(file >> word);
   EXPECT_EQ(word, "drawn");
-  EXPECT_FALSE(fs::exists(png_path + ".part")) << "it has its name when it is whole";
+  EXPECT_FALSE(fs::exists(png_path + ".part")) << "a complete file is renamed";
 }
 
 TEST_F(RenderPngBy, RemovesTheFileOfAFailedProgram) {

@@ -55,7 +55,7 @@ TEST(SceneRecorder, ThinsTracksByTimeAndDistance) {
     if (target_id < 0) {
       add(0.12, 7.0, 8.0);
       const Pose2 pose = *recorder.scene().robots.at("Q1").world_from_body;
-      EXPECT_NEAR(pose.x_m, 7.0, 1e-12) << "where it is now";
+      EXPECT_NEAR(pose.x_m, 7.0, 1e-12) << "current position";
       EXPECT_NEAR(pose.y_m, 8.0, 1e-12);
       EXPECT_NEAR(pose.yaw_rad, 0.5, 1e-12);
       const TrackPoint& last = recorder.scene().robots.at("Q1").track.back();
@@ -96,7 +96,7 @@ TEST(SceneRecorder, ThinsOnlyFullTracks) {
     recorder.on_truth(truth(0.1 * i, "Q2", -1, {0.0, 0.1 * i}));
   }
   const auto& track = recorder.scene().robots.at("Q1").track;
-  ASSERT_EQ(track.size(), 2048U + 2U) << "4096, each second of them, and the 4097th and 4099th";
+  ASSERT_EQ(track.size(), 2048U + 2U) << "every second of 4096 points, then points 4097 and 4099";
   for (std::size_t i = 0; i < track.size(); ++i) {
     EXPECT_NEAR(track[i].position_m.x(), 0.2 * static_cast<double>(i), 1e-9);
   }

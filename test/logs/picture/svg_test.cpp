@@ -41,7 +41,11 @@ TEST(Svg, WritesElementsInOrder) {
               svg.polyline({{1, 2}, {3, 4}}, "a=\"b\"");
             }),
             "<polyline points=\"1.00,2.00 3.00,4.00 \" a=\"b\"/>\n");
-  EXPECT_EQ(added([&] { svg.polyline({{1, 2}}, "a=\"b\""); }), "") << "a point is no line";
+  EXPECT_EQ(added([&] {
+              svg.polyline({{1, 2}}, "a=\"b\"");
+            }),
+            "")
+      << "a single point is not a line";
   EXPECT_EQ(added([&] {
               svg.polygon({{1, 2}}, "a=\"b\"");
             }),

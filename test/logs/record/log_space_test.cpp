@@ -22,7 +22,8 @@ TEST(RoomForLog, CoversTrialAndLandings) {
   const LogSpaceCheck little = check_log_space(scenario, "lab.lcmlog", 89'900'000U);
   EXPECT_FALSE(little.is_enough);
   EXPECT_EQ(little.summary, "log: 89.9 MB are free for lab.lcmlog; 300 s need at most 90.0 MB");
-  EXPECT_TRUE(check_log_space(scenario, "lab.lcmlog", std::nullopt).is_enough) << "nobody knows";
+  EXPECT_TRUE(check_log_space(scenario, "lab.lcmlog", std::nullopt).is_enough)
+      << "unknown free space";
 }
 
 struct Watched {
@@ -56,7 +57,7 @@ TEST(LogWatch, ReportsAStallAndItsEndOnce) {
   const models::ProcessHealth health = log.watch.health(log.now);
   EXPECT_EQ(health.process, "LOG");
   EXPECT_EQ(health.state, models::ProcessState::kDegraded);
-  EXPECT_EQ(log.look(1000, 0), std::nullopt) << "once";
+  EXPECT_EQ(log.look(1000, 0), std::nullopt) << "only once";
   EXPECT_TRUE(log.look(2000, 1'000'000'000).has_value());
   EXPECT_TRUE(log.watch.is_written());
 }
@@ -119,7 +120,7 @@ TEST(LogWatch, ReportsAStallAfterThreeSeconds) {
   EXPECT_FALSE(at(9'000'000, 1'001));
   EXPECT_EQ(at(9'100'000, 1'002), "log: written as usual, with 1000.0 MB free");
   EXPECT_FALSE(at(12'000'000, 1'002));
-  EXPECT_TRUE(at(12'100'000, 1'002)) << "and once more";
+  EXPECT_TRUE(at(12'100'000, 1'002)) << "a second warning";
   const models::ProcessHealth health = watch.health(kStart + Duration{13'000'000});
   EXPECT_EQ(health.stamp.time, kStart + Duration{13'000'000});
   EXPECT_EQ(health.loops, 8);
@@ -139,11 +140,11 @@ TEST(LogWatch, ReportsWhenLessThanOneMinuteIsLeft) {
     LogWatch watch{300e3};
     const auto words = watch.update({1, free_bytes}, kStart);
     EXPECT_EQ(words.has_value(), free_bytes < 18'000'000U);
-    EXPECT_EQ(watch.health(kStart).counters.at(2).count, 1) << "written all the same";
+    EXPECT_EQ(watch.health(kStart).counters.at(2).count, 1) << "still written";
   }
   LogWatch watch{300e3};
   EXPECT_TRUE(watch.update({1, 1'000}, kStart));
-  EXPECT_EQ(watch.update({2, 900}, kStart), std::nullopt) << "once";
+  EXPECT_EQ(watch.update({2, 900}, kStart), std::nullopt) << "only once";
   EXPECT_EQ(watch.update({3, 1'000'000'000}, kStart), "log: written as usual, with 1000.0 MB free");
 }
 
@@ -156,7 +157,7 @@ TEST(LogWatch, WorksWithoutAFreeSpaceFigure) {
       "LOG NOT WRITTEN for 2 s, with an unknown amount free: the flight continues unrecorded");
   EXPECT_EQ(watch.health(kStart).counters.at(1).count, 0);
   watch.update({1, ~std::uint64_t{0}}, kStart);
-  EXPECT_EQ(watch.health(kStart).counters.at(1).count, INT64_MAX) << "as much as can be said";
+  EXPECT_EQ(watch.health(kStart).counters.at(1).count, INT64_MAX) << "the largest possible count";
 }
 
 }  // namespace

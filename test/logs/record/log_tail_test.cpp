@@ -74,7 +74,7 @@ TEST_F(LogFile, LosesOnlyItsTruncatedEvent) {
   EXPECT_EQ(trimmed.dropped_bytes, bytes.size() - three);
   EXPECT_EQ(trimmed.last, from_utime(1'000'002));
   EXPECT_EQ(std::filesystem::file_size(path_), three);
-  EXPECT_EQ(trim_log(path_).dropped_bytes, 0U) << "a second time there is nothing to cut";
+  EXPECT_EQ(trim_log(path_).dropped_bytes, 0U) << "a second call removes nothing";
   EXPECT_FALSE(event_time_at(path_, three));
 }
 

@@ -127,12 +127,12 @@ TEST(ParseLcm, ReadsSizesLikeC) {
             "a.lcm:1: the array size N is not an integer");
   EXPECT_EQ(why_not("struct a_t { int32_t n[2]; byte x[n]; }"),
             "a.lcm:1: the array size n is not an integer")
-      << "but a list of them";
+      << "but a list of integers";
   EXPECT_EQ(why_not("struct a_t { byte m; byte x[m]; }"),
             "a.lcm:1: the array size m is not an integer");
   EXPECT_EQ(why_not("struct a_t { const int32_t N = 3; }\nstruct b_t { byte x[N]; }"),
             "a.lcm:2: the array size N is not a constant or an earlier member")
-      << "of another struct";
+      << "a member of another struct";
 }
 
 TEST(ParseLcm, CountsLinesAcrossComments) {

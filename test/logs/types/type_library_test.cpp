@@ -76,7 +76,7 @@ TEST(TypeLibrary, ReadsEveryKindOfMember) {
   const TypeLibrary types(
       {kForeign + "/arm_t.lcm", kForeign + "/joint_t.lcm", kForeign + "/point_t.lcm"});
   const auto bytes = test::encoded(an_arm());
-  EXPECT_FALSE(message_json(bytes)) << "none of the house's";
+  EXPECT_FALSE(message_json(bytes)) << "not a vantage type";
   ASSERT_NE(types.find(bytes), nullptr);
   EXPECT_EQ(types.find(bytes)->name, "foreign.arm_t");
   const auto json = message_json(bytes, *types.find(bytes));
@@ -167,7 +167,7 @@ TEST(TypeLibrary, ReportsFaultyFiles) {
             lonely + ":1: a_t: its member b has type b_t, which none of the given files defines");
   const std::string other = written("other.lcm", "struct b_t { double x; }");
   EXPECT_EQ(why_not({lonely, other}), "");
-  EXPECT_EQ(why_not({lonely, other, other}), "") << "the same again";
+  EXPECT_EQ(why_not({lonely, other, other}), "") << "a repeated type";
   const std::string another = written("another.lcm", "\nstruct b_t { float x; }");
   EXPECT_EQ(why_not({lonely, other, another}),
             another + ":2: b_t differs from its definition in " + other);
@@ -213,7 +213,8 @@ TEST(TypeLibrary, FindsTypesInFoldersFirstMatchWins) {
   const TypeLibrary types({folder.path()});
   EXPECT_EQ(types.size(), 2U);
   ASSERT_TRUE(types.fingerprint("z_t"));
-  EXPECT_EQ(types.fingerprint("z_t"), types.fingerprint("p.b_t")) << "names are not in it";
+  EXPECT_EQ(types.fingerprint("z_t"), types.fingerprint("p.b_t"))
+      << "names do not change the fingerprint";
   std::vector<std::uint8_t> bytes;
   append_big_endian(*types.fingerprint("z_t"), 8, bytes);
   ASSERT_NE(types.find(bytes), nullptr);
