@@ -82,7 +82,7 @@ TEST(CollisionMonitor, FclAndClosedFormAgreeOnRandomPoses) {
     EXPECT_EQ(monitor.disagreements(), 0);
     hits += expected;
   }
-  EXPECT_GT(hits, 1000) << "the poses hardly ever touched: nothing was tested";
+  EXPECT_GT(hits, 1000) << "too few poses touch";
 }
 
 TEST(CollisionMonitor, DetectsContactBetweenTwoSteps) {
@@ -118,7 +118,7 @@ TEST(CollisionMonitor, ReportsAContactOnce) {
   EXPECT_EQ(beside(0.1), 0u);
   EXPECT_EQ(beside(-0.01), 1u);
   EXPECT_EQ(beside(-0.02), 0u);
-  EXPECT_EQ(beside(0.01), 0u) << "apart, but not by enough to count as ended";
+  EXPECT_EQ(beside(0.01), 0u) << "apart, but not far enough to end";
   EXPECT_EQ(beside(-0.01), 0u);
   EXPECT_EQ(beside(0.03), 0u);
   EXPECT_EQ(beside(-0.01), 1u);
@@ -134,18 +134,18 @@ TEST(CollisionMonitor, KeepsAContactUntilItEnds) {
   };
   for (int time = 0; time < 3; ++time) {
     EXPECT_EQ(apart(0.7), 0u);
-    EXPECT_EQ(apart(0.59), 1u) << "near";
+    EXPECT_EQ(apart(0.59), 1u) << "near miss";
     for (int step = 0; step < 5; ++step) {
-      EXPECT_EQ(apart(0.61), 0u) << "apart, but not by enough to count as ended";
+      EXPECT_EQ(apart(0.61), 0u) << "apart, but not far enough to end";
     }
     EXPECT_EQ(apart(0.59), 0u);
-    EXPECT_EQ(apart(0.49), 1u) << "touching";
+    EXPECT_EQ(apart(0.49), 1u) << "contact";
     for (int step = 0; step < 5; ++step) {
       EXPECT_EQ(apart(0.51), 0u);
     }
     EXPECT_EQ(apart(0.49), 0u);
     EXPECT_EQ(apart(0.53), 0u);
-    EXPECT_EQ(apart(0.49), 1u) << "touching again, and near all the time";
+    EXPECT_EQ(apart(0.49), 1u) << "contact again, while near";
   }
 }
 

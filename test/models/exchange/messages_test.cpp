@@ -50,9 +50,9 @@ TEST(MocapFrame, FindsABodyAtAnyIndex) {
   EXPECT_EQ(frame.find("a"), &frame.bodies[0]);
   EXPECT_EQ(frame.find("b"), &frame.bodies[1]);
   EXPECT_EQ(frame.find("c"), nullptr);
-  EXPECT_EQ(frame.find("b", 2), &frame.bodies[2]) << "where it was said to be";
+  EXPECT_EQ(frame.find("b", 2), &frame.bodies[2]) << "at the given index";
   EXPECT_EQ(frame.find("b", 0), &frame.bodies[1]);
-  EXPECT_EQ(frame.find("a", 3), &frame.bodies[0]) << "beyond the last";
+  EXPECT_EQ(frame.find("a", 3), &frame.bodies[0]) << "index beyond the end";
   EXPECT_EQ(frame.find("a", 99), &frame.bodies[0]);
   EXPECT_EQ(frame.find("c", 0), nullptr);
   EXPECT_EQ(MocapFrame{}.find("a", 0), nullptr);
@@ -72,7 +72,7 @@ TEST(Neighbours, AreRobotsWithinAHorizontalDistance) {
   EXPECT_EQ(is_near, (std::vector<std::uint8_t>{0, 0, 0, 7, 7}));
   is_near.assign(5, 3);
   find_neighbours(frame, robots, 3, 50.0, is_near);
-  EXPECT_EQ(is_near, (std::vector<std::uint8_t>(5, 3))) << "it is not seen itself";
+  EXPECT_EQ(is_near, (std::vector<std::uint8_t>(5, 3))) << "the robot itself is not visible";
   find_neighbours(frame, robots, 4, 50.0, is_near);
   EXPECT_EQ(is_near, (std::vector<std::uint8_t>(5, 3)));
   is_near[1] = 0;
@@ -143,7 +143,7 @@ TEST(Counts, OmitZerosAndKeepOrder) {
 
   LatencyRecord record;
   append_latency(all, "plan", record);
-  EXPECT_EQ(all.size(), 3U) << "nothing was measured";
+  EXPECT_EQ(all.size(), 3U) << "an empty measurement";
   for (int i = 1; i <= 100; ++i) {
     record.add(Duration{100 * i});
   }

@@ -67,13 +67,13 @@ TEST(RayDistance, IsExactAlongAxes) {
   const double up = kPi / 2.0;
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {2.5, 1.0}, up), 1.0);
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {2.5, 5.0}, -up), 1.0);
-  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {1.9, 1.0}, up), 5.0) << "past it on its left";
-  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {3.1, 5.5}, -up), 5.5) << "past it on its right";
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {1.9, 1.0}, up), 5.0) << "passes on the left";
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {3.1, 5.5}, -up), 5.5) << "passes on the right";
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {4.0, 1.9}, 0.0), 1.0);
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {4.0, 2.1}, 0.0), 4.0);
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {4.0, 0.9}, 0.0), 4.0);
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {7.5, 1.5}, kPi), 0.5);
-  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {7.5, 1.5}, 0.0), 0.5) << "nothing is behind";
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {7.5, 1.5}, 0.0), 0.5) << "no obstacle is behind";
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {6.0, 0.5}, up), 0.5);
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {6.0, 0.5}, -up), 0.5);
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {6.0, 5.5}, up), 0.5);

@@ -125,7 +125,7 @@ TEST(Csqmi, TruncationErrorIsWithinItsBound) {
     ASSERT_LE(off_nats, cut.error_nats + 1e-12) << i;
     worst_share = std::max(worst_share, cut.error_nats > 0.0 ? off_nats / cut.error_nats : 0.0);
   }
-  EXPECT_GT(worst_share, 0.05) << "the statement says nothing";
+  EXPECT_GT(worst_share, 0.05) << "otherwise the bound is trivial";
 }
 
 TEST(Csqmi, TruncationErrorIsBelowOneTenMillionth) {

@@ -184,7 +184,7 @@ TEST(TraceBeam, IsEmptyForAnEmptyRay) {
   trace_beam(belief, BeamSensor{1, 1.0, 0.0, 0.7, 0.01}, {0.25, 0.25}, 0.0, beam);
   EXPECT_EQ(beam.cell, (std::vector<int>{1}));
   EXPECT_EQ(beam.occupancy, (std::vector<double>{0.5}));
-  EXPECT_NEAR(beam.exit_m[0], 0.7, 1e-12) << "as far as it reaches";
+  EXPECT_NEAR(beam.exit_m[0], 0.7, 1e-12) << "up to the maximum range";
 }
 
 TEST(Probabilities, ConvertToLogOddsAndBack) {

@@ -240,7 +240,8 @@ TEST(NearbyObstacles, ReportOverflow) {
   world.obstacles.push_back({{{-3.0, -3.0}, {-1.0, -1.0}}, 1.0});
   nearby = nearby_obstacles(world, {0.0, 0.0}, 5.0);
   EXPECT_FALSE(nearby.is_complete);
-  EXPECT_NEAR(clearance_m(world, nearby, {0.0, 0.0}), std::sqrt(2.0), 1e-12) << "of all of them";
+  EXPECT_NEAR(clearance_m(world, nearby, {0.0, 0.0}), std::sqrt(2.0), 1e-12)
+      << "from all obstacles";
   // The box is just within and just beyond the distance, on each of its sides.
   const World one{{{-50, -50}, {50, 50}}, 3.0, {{{{-1, -2}, {1, 2}}, 1.0}}, {}};
   for (const double side : {-1.0, 1.0}) {

@@ -123,7 +123,7 @@ TEST(GridWindow, RefusesStampsOfOtherCells) {
   stamps.pop_back();
   EXPECT_TRUE(grid.merge(part, stamps, 3));
   EXPECT_EQ(*std::max_element(grid.last_seen_utime().begin(), grid.last_seen_utime().end()), 3)
-      << "none is later than the limit";
+      << "no stamp is later than the limit";
 }
 
 // Each cell of the window overlaps the square. If the square is outside the grid, the window is the
