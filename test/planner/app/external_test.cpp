@@ -71,7 +71,7 @@ TEST_F(ExternalTest, PublishesAnswerImmediatelyAndAppendsAStop) {
   EXPECT_GT(question.deadline, inputs_.slot.begin);
   EXPECT_LT(question.deadline, inputs_.slot.end);
   ASSERT_EQ(plans_.size(), 1U);
-  EXPECT_EQ(published_at_, asked_at_) << "teammates have the rest of the slot";
+  EXPECT_EQ(published_at_, asked_at_) << "teammates can use the rest of the slot";
   EXPECT_EQ(plans_[0].source, models::PlanSource::kSearched);
   ASSERT_EQ(plans_[0].trajectory.segments.size(), 2U);
   EXPECT_EQ(plans_[0].trajectory.segments[1].brake_mps2, scenario_.robots[0].limits.brake_mps2);
@@ -106,7 +106,7 @@ TEST_F(ExternalTest, SendsNoRequestAfterAnswerDeadline) {
   ASSERT_EQ(plans_.size(), 1U);
   EXPECT_EQ(plans_[0].source, models::PlanSource::kShifted);
   EXPECT_EQ(count("fallbacks_shifted"), 1);
-  EXPECT_EQ(count("external_missing"), 0) << "nobody was asked";
+  EXPECT_EQ(count("external_missing"), 0) << "no request was sent";
   const Duration round = from_seconds(1.0);
   const Time due = inputs_.slot.end - kClosing;
   for (const auto& [now, asked] : {std::pair(due + round, 0U), {due + 2 * round - 1us, 1U}}) {
@@ -151,7 +151,7 @@ TEST_F(ExternalTest, ContinuesItsPlanWithoutAnAnswer) {
   EXPECT_EQ(count("external_missing"), 2);
   world_.publish(bus::external_plan_channel("Q1"), drive(questions_[0], 0.5, 1.0));
   deliver();
-  EXPECT_EQ(count("external_late"), 1) << "of a round that is long over";
+  EXPECT_EQ(count("external_late"), 1) << "a round that ended long ago";
 }
 
 // The planner is woken only after the slot, but it sent its request in time. The slot does not
@@ -255,7 +255,7 @@ TEST(MotionOfAnswer, RefusesInfeasibleMotions) {
   };
   ASSERT_TRUE(motion(good));
   EXPECT_EQ(motion(good)->segments.size(), 2U);
-  EXPECT_TRUE(motion(question)) << "to stay is a plan";
+  EXPECT_TRUE(motion(question)) << "a hover is a plan";
 
   const double kNan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<std::function<void(models::Trajectory&)>> spoilers = {
@@ -290,8 +290,8 @@ TEST(MotionOfAnswer, RefusesInfeasibleMotions) {
   near.trajectory.start.yaw_rad -= 2.0 * kPi;
   near.trajectory.segments.push_back(models::brake(0.5, 1.0).front());
   ASSERT_TRUE(motion(near));
-  EXPECT_EQ(motion(near)->start.x_m, 1.0) << "from where it is committed to be";
-  EXPECT_EQ(motion(near)->segments.size(), 2U) << "it had its stop";
+  EXPECT_EQ(motion(near)->start.x_m, 1.0) << "from its committed position";
+  EXPECT_EQ(motion(near)->segments.size(), 2U) << "it already ends in a stop";
 }
 
 }  // namespace

@@ -72,9 +72,9 @@ TEST_F(PlannerNodeTest, ReceivesPlanOfEachTeammateBeforeFirstSlot) {
             ++next;
           }
           EXPECT_TRUE(other == own || schedule.slot(next).end <= first)
-              << name << " started after " << after.count() << " us has not heard " << other;
+              << name << " started after " << after.count() << " us has not received " << other;
         }
-        EXPECT_LE(first - clock.now(), 2400ms) << "and no longer than that";
+        EXPECT_LE(first - clock.now(), 2400ms) << "but not longer";
       }
     }
   }
@@ -149,11 +149,11 @@ TEST_P(OverloadedPlannerNode, PlansAStopWhileItWaitsForAProcessor) {
     stops += is_stop ? 1 : 0;
     ASSERT_EQ(plans_.size(), 1U);
     EXPECT_EQ(plans_[0].late, is_stop);
-    EXPECT_LE(plans_[0].finish, plans_[0].deadline) << "teammates count on it";
+    EXPECT_LE(plans_[0].finish, plans_[0].deadline) << "teammates rely on this time";
     EXPECT_EQ(plans_[0].source,
               is_stop ? models::PlanSource::kBraking : models::PlanSource::kSearched);
     EXPECT_EQ(count("rounds_short_of_processor"), stops);
-    EXPECT_EQ(count("plans_late"), 0) << "none was";
+    EXPECT_EQ(count("plans_late"), 0) << "no plan was late";
   }
 }
 

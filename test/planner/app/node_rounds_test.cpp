@@ -132,7 +132,7 @@ TEST_F(PlannerNodeTest, NamesItsOwnPlanAndProposalAsInputs) {
     names.push_back({"PROPOSAL_Q1", 1, k});
     EXPECT_EQ(plans_.back().inputs, names);
   }
-  EXPECT_EQ(count("bait_rounds"), 3) << "it alone is worth anything";
+  EXPECT_EQ(count("bait_rounds"), 3) << "only this robot gains information";
   EXPECT_EQ(node_->deadlines_missed(), 0);
 }
 
@@ -162,7 +162,7 @@ TEST_F(PlannerNodeTest, SkipsOnlyMissedSlots) {
   }
   clock_.set(schedule.slot(first + 9).begin);
   node_->tick(clock_.now());
-  EXPECT_EQ(node_->next_tick(), schedule.slot(first + 10).begin) << "it sleeps no more";
+  EXPECT_EQ(node_->next_tick(), schedule.slot(first + 10).begin) << "slots are skipped no longer";
 }
 
 TEST_F(PlannerNodeTest, DoesNothingBeforeItsSlot) {
@@ -321,7 +321,8 @@ TEST_F(PlannerNodeTest, YieldsSlotToRobotWithLowerIndex) {
   }
   EXPECT_EQ(plans_.size(), 4U);
   EXPECT_EQ(node_->counters().back().name, "yielded_rounds");
-  EXPECT_EQ(count("yielded_rounds"), 2) << "in the other's slot, and in the first of its own";
+  EXPECT_EQ(count("yielded_rounds"), 2)
+      << "in the slot of the other robot and in its own first slot";
 }
 
 // ---- A team that solves its problem jointly ----
@@ -395,14 +396,14 @@ TEST_F(PlannerNodeTest, CountsInvalidProposals) {
     deliver();
     return count("proposals_refused");
   };
-  EXPECT_EQ(say(bad), 0) << "nobody has looked at it yet";
+  EXPECT_EQ(say(bad), 0) << "not evaluated yet";
   clock_.set(node_->next_tick());
   node_->tick(clock_.now());
   EXPECT_EQ(count("proposals_refused"), 1);
   EXPECT_EQ(say(bad), 2);
   models::TeamProposal other = bad;
   ++other.round;
-  EXPECT_EQ(say(other), 2) << "of another round";
+  EXPECT_EQ(say(other), 2) << "another round";
   EXPECT_EQ(say(bad), 3);
   other = bad;
   other.robot = "Q3";

@@ -40,7 +40,7 @@ TEST_F(PlannerNodeTest, RefusesMessageWhoseRobotDiffersFromChannel) {
   ASSERT_EQ(plans_.size(), 1U);
   EXPECT_TRUE(names(plans_[0], own));
   EXPECT_TRUE(names(plans_[0], mate));
-  EXPECT_EQ(plans_[0].inputs.size(), 4U) << "and the mocap frame and its own proposal";
+  EXPECT_EQ(plans_[0].inputs.size(), 4U) << "plus the mocap frame and its own proposal";
   EXPECT_EQ(count("misaddressed"), 5);
 }
 
@@ -145,7 +145,7 @@ TEST_F(PlannerNodeTest, ContinuesWithoutAnInvalidBelief) {
   };
   start(test::lab_scenario());
   models::RobotBelief good = *inputs_.belief;
-  EXPECT_EQ(plan_on(good), 1) << "it has no grid";
+  EXPECT_EQ(plan_on(good), 1) << "the belief has no grid";
   const models::VisibilityGrid grid(scenario_.world, scenario_.estimator.grid_resolution_m,
                                     scenario_.estimator.grid_memory_s);
   good.grid = grid.geometry();
@@ -154,7 +154,7 @@ TEST_F(PlannerNodeTest, ContinuesWithoutAnInvalidBelief) {
   EXPECT_EQ(plan_on(good), 0);
   models::RobotBelief belief = good;
   belief.stamp.time += 3600s;
-  EXPECT_EQ(plan_on(belief), 5) << "of a clock that was ahead";
+  EXPECT_EQ(plan_on(belief), 5) << "a clock that was ahead";
   belief = good;
   belief.stamp.time -= 3600s * 24 * 365 * 50;
   plan_on(belief);

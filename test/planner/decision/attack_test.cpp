@@ -96,7 +96,7 @@ TEST(WorstAttack, ReturnsTheFirstMinimumOverAllSets) {
       const Attack worst = worst_attack(oracle, choice, attacks);
       EXPECT_EQ(worst.robots, *first);
       EXPECT_EQ(worst.value, least);
-      EXPECT_EQ(worst.oracle_calls, std::ssize(sets) - 1) << "all but nobody";
+      EXPECT_EQ(worst.oracle_calls, std::ssize(sets) - 1) << "all sets except the empty one";
     }
   });
 }
@@ -235,7 +235,7 @@ TEST(ExhaustiveOptimum, ReturnsTheFirstBestChoice) {
       const double value = left_by(oracle, choice, {});
       EXPECT_LE(value, decision.value);
       if (value == decision.value && !is_met) {
-        EXPECT_EQ(choice, decision.choice) << "the first of equals, seed " << seed;
+        EXPECT_EQ(choice, decision.choice) << "the first of equal robots, seed " << seed;
         is_met = true;
       }
     }

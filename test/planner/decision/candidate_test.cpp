@@ -435,7 +435,7 @@ TEST(CandidateTrajectories, AreTheNonRedundantLeaves) {
     }
   }
   EXPECT_GT(redundant, 500);
-  EXPECT_GT(near_alone, 50) << "near, but better known";
+  EXPECT_GT(near_alone, 50) << "near, but more certain";
 }
 
 // If a robot must be able to stop, leaves from which it cannot stop are dropped.

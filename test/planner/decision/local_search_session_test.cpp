@@ -224,7 +224,7 @@ TEST(LocalSearchSession, EndsAndNeverLosesValueOnAnyNetwork) {
            id < team.oracle_of(robot).end(robot); ++id) {
         EXPECT_LE(team.oracle_of(robot).individual_value(id),
                   value + LocalSearchSession::kLeastRise_nats)
-            << "at least the best that it could do alone";
+            << "at least as good as the best single change";
       }
     }
   }
@@ -249,7 +249,7 @@ TEST(LocalSearchSession, EndsWhenBeliefsDiffer) {
     ASSERT_TRUE(outcome.is_finished) << "seed " << seed;
     for (const models::TeamProposal& said : outcome.said) {
       const std::set<std::int64_t> solutions(said.history.begin(), said.history.end());
-      EXPECT_EQ(solutions.size(), said.history.size()) << "one came back";
+      EXPECT_EQ(solutions.size(), said.history.size()) << "a solution was repeated";
     }
     disputed += outcome.proposals > 3 * team.size() ? 1 : 0;
   }
@@ -292,8 +292,8 @@ TEST(LocalSearchSession, NeedsOnlyNewestMessage) {
     for (int robot = 0; robot < team.size(); ++robot) {
       const auto fresh = team.session_of(robot);
       EXPECT_TRUE(fresh->receive(outcome.said.back()));
-      EXPECT_FALSE(fresh->receive(outcome.said.back())) << "twice is as once";
-      EXPECT_FALSE(fresh->improve(Deadline::never())) << "a local optimum for all";
+      EXPECT_FALSE(fresh->receive(outcome.said.back())) << "a repeated message changes nothing";
+      EXPECT_FALSE(fresh->improve(Deadline::never())) << "a local optimum for all robots";
       ++heard;
     }
   }
@@ -334,7 +334,8 @@ TEST(LocalSearchSession, AddsTheBestCandidateToCommittedChoices) {
     EXPECT_EQ(proposal->choices.size(), committed.size() + 1);
     ASSERT_NE(proposal->find(team.names()[0]), nullptr);
     EXPECT_EQ(proposal->find(team.names()[0])->trajectory.start.x_m, best) << "seed " << seed;
-    EXPECT_NEAR(proposal->value_nats, best_value - before, kRounding) << "what is added counts";
+    EXPECT_NEAR(proposal->value_nats, best_value - before, kRounding)
+        << "the value counts only added choices";
   }
   EXPECT_GE(added, 80);
 }
@@ -467,11 +468,12 @@ TEST(LocalSearchSession, UsesTheNewestInformationOfAProposedMotion) {
   };
   const auto worthless = session();
   EXPECT_TRUE(worthless->receive(said(1.0, 0.5)));
-  EXPECT_TRUE(worthless->improve(Deadline::never())) << "it costs more than it tells";
+  EXPECT_TRUE(worthless->improve(Deadline::never())) << "the cost exceeds the information";
   const auto both = session();
   EXPECT_TRUE(both->receive(said(1.0, 0.5)));
   EXPECT_TRUE(both->receive(said(2.0, 3.0)));
-  EXPECT_FALSE(both->improve(Deadline::never())) << "as one that has heard the second alone";
+  EXPECT_FALSE(both->improve(Deadline::never()))
+      << "equal to a session that received only the second message";
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ TEST(CoordinateDescent, IsAtLeastHalfOfTheOptimum) {
       const TeamDecision decision = coordinate_descent(oracle, {order, 1, true});
       EXPECT_EQ(decision.adopted, std::count_if(decision.choice.begin(), decision.choice.end(),
                                                 [](CandidateId id) { return id != kNoCandidate; }))
-          << "each robot once, from nothing";
+          << "one choice per robot, from an empty solution";
       EXPECT_GE(decision.value, 0.5 * best - kRounding) << "seed " << seed;
       EXPECT_LE(decision.value, best + kRounding);
       std::reverse(order.begin(), order.end());
@@ -165,7 +165,7 @@ TEST(ValueBound, IsAnUpperBoundFromAnyChoice) {
       EXPECT_NEAR(value_bound(oracle, nothing), best, kRounding);
     }
   }
-  EXPECT_LT(gap, 0.9 * gap_alone) << "what a choice tells makes it tighter";
+  EXPECT_LT(gap, 0.9 * gap_alone) << "a choice with information makes the bound tighter";
 }
 
 TEST(ValueBound, RefusesInformationThatIsNotSubmodular) {

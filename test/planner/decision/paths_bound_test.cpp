@@ -220,7 +220,8 @@ TEST(PathsBound, IsExactWhenAllPathsSeeTheSame) {
     const PathsBound::Answer all = of({0, 1, 2});
     expect_known(all.information_nats, known_nats(4.25, measure) + known_nats(1.0, measure));
     ASSERT_EQ(all.parts.size(), 3U);
-    EXPECT_NEAR(all.parts[0], 16.0 * all.parts[2], 0.02 * all.parts[0]) << "a sixteenth as much";
+    EXPECT_NEAR(all.parts[0], 16.0 * all.parts[2], 0.02 * all.parts[0])
+        << "a sixteenth of the information";
     const PathsBound::Answer turned = of({2, 1, 0});
     EXPECT_NEAR(turned.information_nats, all.information_nats, 1e-3);
     EXPECT_NEAR(turned.parts[0], all.parts[2], 1e-3 * all.parts[0]);

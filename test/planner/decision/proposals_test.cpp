@@ -71,7 +71,7 @@ TEST(Fingerprint, DependsOnTeamOrderAndHovers) {
   add_word(bytes, 0);
   add_word(bytes, std::bit_cast<std::uint64_t>(fingerprint(last)));
   EXPECT_EQ(fingerprint(kTeam, {first, last}), fnv1a(bytes));
-  EXPECT_EQ(fingerprint(kTeam, {last, first}), fnv1a(bytes)) << "in whatever order they come";
+  EXPECT_EQ(fingerprint(kTeam, {last, first}), fnv1a(bytes)) << "for any order of the choices";
   EXPECT_NE(fingerprint({"Q3", "Q2", "Q1"}, {first, last}), fnv1a(bytes));
 }
 
@@ -172,7 +172,7 @@ TEST(LocalSearchSession, StatesStandAloneGainAndCost) {
   EXPECT_NEAR(proposal->value_nats, std::log(4.0) + 0.25 - 0.5, 1e-12);
   ASSERT_EQ(proposal->choices.size(), 1U);
   EXPECT_EQ(proposal->choices[0].robot, "Q2");
-  EXPECT_EQ(proposal->choices[0].trajectory.start.x_m, 1.0) << "the second";
+  EXPECT_EQ(proposal->choices[0].trajectory.start.x_m, 1.0) << "the second candidate";
   EXPECT_NEAR(proposal->choices[0].information_nats, std::log(4.0) + 0.25, 1e-12);
   EXPECT_EQ(proposal->choices[0].energy_nats, 0.5);
   EXPECT_EQ(proposal->history, (std::vector<std::int64_t>{fingerprint(kTeam, proposal->choices)}));
@@ -269,7 +269,7 @@ TEST(LocalSearchSession, ChecksRoundAndValidityOfProposals) {
     });
   };
   EXPECT_EQ(with("Q2", 0.0), Verdict(true, true)) << "its own first motion";
-  EXPECT_EQ(with("Q2", 5.0), Verdict(true, false)) << "which it does not have";
+  EXPECT_EQ(with("Q2", 5.0), Verdict(true, false)) << "an unknown motion";
   EXPECT_EQ(with("Q1", 5.0), Verdict(true, true));
   EXPECT_EQ(with("Q9", 5.0), Verdict(true, false));
 }
@@ -305,7 +305,8 @@ TEST(LocalSearchSession, ProposesNoEarlierSolution) {
     if (proposal) {
       EXPECT_EQ(proposal->history,
                 (std::vector<std::int64_t>{said.history.back(), fingerprint(kTeam, both)}));
-      EXPECT_NEAR(proposal->value_nats, 5.0 + std::log(4.0), 1e-12) << "what it was, and the rise";
+      EXPECT_NEAR(proposal->value_nats, 5.0 + std::log(4.0), 1e-12)
+          << "previous value plus the increase";
       EXPECT_EQ(proposal->choices.size(), 2U);
     }
   }

@@ -221,7 +221,7 @@ TEST(AttackOnBestTogether, AddsRobotThatMaximisesJointValue) {
       const Attack attack = attack_on_best_together(oracle, choice, attacks);
       ASSERT_TRUE(std::ranges::includes(attack.robots, before));
       if (attack.robots.size() == before.size()) {
-        ASSERT_EQ(before.size(), test::chosen_of(oracle, choice).size()) << "nobody is left";
+        ASSERT_EQ(before.size(), test::chosen_of(oracle, choice).size()) << "no robot is left";
         break;
       }
       ASSERT_EQ(attack.robots.size(), before.size() + 1);
@@ -288,7 +288,7 @@ TEST(PlanResiliently, PlansBaitAloneThenTheRestTogether) {
   EXPECT_EQ(alone, Robots());
   EXPECT_EQ(together, (std::vector<Robots>{{0, 1, 2, 3}}));
   EXPECT_EQ(plan(4), (Robots{0, 1, 2, 3}));
-  EXPECT_TRUE(together.empty()) << "nobody is left";
+  EXPECT_TRUE(together.empty()) << "no robot is left";
   EXPECT_THROW(plan(-1), UsageError);
 }
 

@@ -51,7 +51,7 @@ TEST(ImprovementRule, RequiresShareOfValueAndCosts) {
   ASSERT_EQ(of_two.offset(), 4.0);
   const ImprovementRule finer(of_two, 0.5);
   EXPECT_FALSE(finer.improves(4.0, 4.249));
-  EXPECT_TRUE(finer.improves(4.0, 4.251)) << "a sixteenth of a half of 4 and 4";
+  EXPECT_TRUE(finer.improves(4.0, 4.251)) << "a sixteenth of a half, times 4, plus 4";
   EXPECT_DOUBLE_EQ(finer.least(4.0), 4.25);
   const ImprovementRule with_rise(of_two, 1e-9, 0.5);
   EXPECT_FALSE(with_rise.improves(4.0, 4.499));

@@ -258,9 +258,9 @@ TEST(PlanResiliently, BaitRobotsUseTheirBestWithTwoMessagesEach) {
     EXPECT_EQ(one.messages, 8);
     EXPECT_EQ(one.value, value_of(oracle, one.choice));
     const TeamDecision two = plan_resiliently(oracle, 2, solver);
-    EXPECT_EQ(two.choice, (Choice{0, 3, 4, 7})) << "0 and 3 part what is there";
+    EXPECT_EQ(two.choice, (Choice{0, 3, 4, 7})) << "robots 0 and 3 share the information";
     const TeamDecision all = plan_resiliently(oracle, 4, solver);
-    EXPECT_EQ(all.choice, (Choice{0, 3, 4, 6})) << "each for itself";
+    EXPECT_EQ(all.choice, (Choice{0, 3, 4, 6})) << "each robot plans for itself";
     EXPECT_EQ(all.oracle_calls, 0);
     EXPECT_EQ(all.messages, 8);
     EXPECT_THROW(plan_resiliently(oracle, -1, solver), UsageError);

@@ -88,7 +88,7 @@ TEST(DriveMap, AllowsTooNearRobotOnlyToMoveAway) {
   // From within the post's cell the robot may leave directly but must not drive across the post.
   EXPECT_TRUE(map.is_free({post_m.x() - 0.1, post_m.y(), kPi}, {1.0, 0.0}, 1.0));
   EXPECT_FALSE(map.is_free({post_m.x() + 0.1, post_m.y(), kPi}, {1.0, 0.0}, 1.0));
-  EXPECT_TRUE(map.is_free(beside, {0.0, 2.0}, 1.0)) << "it may turn on the spot";
+  EXPECT_TRUE(map.is_free(beside, {0.0, 2.0}, 1.0)) << "a turn on the spot is allowed";
 }
 
 TEST(DriveMap, MeasuresDistanceToUnknownCells) {
@@ -287,7 +287,7 @@ TEST(DriveMap, LetsTooNearRobotLeaveWithinRadiusAndTwoCells) {
       };
       for (const double before_m : {0.04, 0.3, 0.5, 0.69}) {
         EXPECT_TRUE(may_drive(before_m, before_m + 0.9)) << before_m << ' ' << side << is_upright;
-        EXPECT_FALSE(may_drive(before_m, before_m - 0.02)) << "it is not out at the end";
+        EXPECT_FALSE(may_drive(before_m, before_m - 0.02)) << "the robot is not clear at the end";
       }
       for (const double before_m : {0.84, 1.0, 1.2}) {  // m; samples every half cell
         EXPECT_FALSE(may_drive(before_m, before_m + 0.9)) << before_m << ' ' << side << is_upright;

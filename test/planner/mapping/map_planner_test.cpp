@@ -204,7 +204,7 @@ TEST(MapPlanner, ImprovesMonotonicallyWithBudget) {
       const SearchResult cut = search(Deadline::nodes(nodes));
       EXPECT_LE(cut.work_nodes, nodes);
       EXPECT_EQ(cut.stop_reason, StopReason::kDeadline);
-      EXPECT_EQ(cut.lower_bound, -std::numeric_limits<double>::infinity()) << "nothing proven";
+      EXPECT_EQ(cut.lower_bound, -std::numeric_limits<double>::infinity()) << "no bound was proven";
       if (cut.moving_steps == bench.problem.horizon_steps) {
         EXPECT_LE(cut.cost, last_cost);
         improved += cut.cost < last_cost ? 1 : 0;
@@ -273,7 +273,7 @@ TEST(MapPlanner, FindsNothingWhereItCannotStop) {
     EXPECT_EQ(plan.result.found, speed_mps == 0.0);
     EXPECT_EQ(plan.result.moving_steps, 0);
     EXPECT_EQ(plan.result.lower_bound, -std::numeric_limits<double>::infinity());
-    EXPECT_EQ(plan.gain_nats, 0.0) << "it has looked from there already";
+    EXPECT_EQ(plan.gain_nats, 0.0) << "this view was already observed";
   }
 }
 
@@ -342,7 +342,7 @@ TEST(RobotPlanner, IncludesScansOfTeammatesExceptTheBait) {
   ASSERT_TRUE(theirs);
   inputs.team_plans["Q2"] = *theirs;
   const auto beside = planner.plan(inputs, deadline);
-  EXPECT_GT(beside->cost, alone->plan.cost) << "Q2 sees some of it";
+  EXPECT_GT(beside->cost, alone->plan.cost) << "Q2 observes a part of it";
 
   inputs.attack = models::AttackNotice{{}, {"Q2"}};
   EXPECT_EQ(planner.plan(inputs, deadline)->cost, alone->plan.cost) << "Q2 is jammed";
@@ -355,7 +355,7 @@ TEST(RobotPlanner, IncludesScansOfTeammatesExceptTheBait) {
   inputs.proposals.clear();
   inputs.proposals["Q1"] = *alone;
   const auto kept = planner.plan(inputs, deadline);
-  EXPECT_EQ(kept->nodes, 0) << "the bait does as it proposed";
+  EXPECT_EQ(kept->nodes, 0) << "the bait keeps its proposal";
   EXPECT_EQ(kept->cost, alone->plan.cost);
 }
 

@@ -299,8 +299,8 @@ TEST(ViewTable, RoundsHeadingsByBeamSpacing) {
     }
     EXPECT_EQ(different.size(), is_all_around ? 1U : 20U);
     EXPECT_EQ(table.views(), is_all_around ? 1 : 20);
-    EXPECT_NE(view(0.0, 0.11), view(0.0)) << "the cell beside";
-    EXPECT_GT(table.view({0.01, 0.01, 0.25 * kPi}).nats, 0.0) << "from the first cell of all";
+    EXPECT_NE(view(0.0, 0.11), view(0.0)) << "the adjacent cell";
+    EXPECT_GT(table.view({0.01, 0.01, 0.25 * kPi}).nats, 0.0) << "from the first cell";
     EXPECT_NE(view(0.0, 0.0, -0.11), view(0.0));
   }
 }

@@ -261,7 +261,7 @@ TEST(Dominates, IsFalseForAnIndefiniteDifference) {
         EXPECT_GE(least, -1e-12 * scale);
       } else {
         ++said_false;
-        EXPECT_LE(least, 1e-12 * scale) << "too shy";
+        EXPECT_LE(least, 1e-12 * scale) << "too conservative";
       }
     }
   }

@@ -463,7 +463,7 @@ TEST(MotionTable, ReachEqualsTheFastestControl) {
   EXPECT_TRUE(motion.is_open_space({99.0, 0.0})) << "without a world";
   problem.world = &world;
   motion.reset(problem);
-  EXPECT_FALSE(motion.is_open_space({0.0, 0.0})) << "without a field nobody knows";
+  EXPECT_FALSE(motion.is_open_space({0.0, 0.0})) << "unknown without a distance field";
   problem.field = &field;
   for (const double speed_mps : {3.0, 1.0}) {
     problem.controls = {{0.5, 0.0}, {speed_mps, 0.0}};

@@ -68,7 +68,7 @@ TEST(TerminalValue, InterpolatesBetweenGridPoints) {
   EXPECT_DOUBLE_EQ(time_s(0.0, 0.0), 0.0);
   EXPECT_DOUBLE_EQ(time_s(0.25, 0.0), 0.125);
   EXPECT_DOUBLE_EQ(time_s(0.5, 0.5), 0.25 * (0.0 + 0.5 + 0.5 + std::sqrt(0.5)));
-  EXPECT_DOUBLE_EQ(time_s(99.0, 0.0), 4.0) << "beyond the grid: its border";
+  EXPECT_DOUBLE_EQ(time_s(99.0, 0.0), 4.0) << "beyond the grid, the value at its border applies";
   EXPECT_DOUBLE_EQ(time_s(0.0, -99.0), 1.0);
 }
 
@@ -112,7 +112,7 @@ TEST(TerminalValue, IsAtLeastItsBoundWithinReach) {
       closest = rest.field < 0 ? closest : std::min(closest, value.at(rest, p_m) - bound);
     }
   }
-  EXPECT_LT(closest, 0.01) << "the bound is loose everywhere";
+  EXPECT_LT(closest, 0.01) << "the bound is never tight";
 }
 
 TEST(TerminalValue, RefusesArgumentsThatBreakARule) {

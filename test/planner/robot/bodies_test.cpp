@@ -93,10 +93,10 @@ TEST_F(PlanObstacles, IncludeOtherBodiesAtFlightHeight) {
       if (each.is_kept_from) {
         EXPECT_LT((others[0].start.position_m() - each.at_m.head<2>()).norm(), 1e-12);
         EXPECT_NEAR(others[0].height_m, each.height_m, 1e-12) << each.what;
-        EXPECT_TRUE(others[0].segments.empty()) << "it stands";
+        EXPECT_TRUE(others[0].segments.empty()) << "the body is stationary";
       }
       inputs.mocap_before.reset();
-      EXPECT_TRUE(this->others().empty()) << "plans of older logs";
+      EXPECT_TRUE(this->others().empty()) << "plans in older logs";
       inputs.mocap->bodies.back().occluded = true;
       EXPECT_FALSE(is_in_the_way());
     }
@@ -171,7 +171,7 @@ TEST_F(PlanObstacles, IncludeSilentOrOffPlanTeammateAtObservedPosition) {
     ASSERT_EQ(others.size(), each.is_column ? 1U : 0U) << each.what;
     if (each.is_column) {
       EXPECT_LT(others[0].start.position_m().norm(), 1e-12) << each.what;
-      EXPECT_NEAR(others[0].height_m, 1.0, 1e-12) << "it may come down through our height";
+      EXPECT_NEAR(others[0].height_m, 1.0, 1e-12) << "it may descend through the robot's height";
     }
   }
   // Until its plan starts, a teammate may be as far from the plan as it can fly in the remaining

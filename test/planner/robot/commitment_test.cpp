@@ -163,7 +163,8 @@ TEST_F(CommitmentOfADriver, ContinuesThePlanUpToThreeTolerances) {
       const Pose2 expected = share > 3.0 ? seen_ : on_plan();
       EXPECT_LT((commitment.motion.start.position_m() - expected.position_m()).norm(), 1e-9);
       EXPECT_NEAR(wrap_to_pi(commitment.motion.start.yaw_rad - expected.yaw_rad), 0.0, 1e-9);
-      EXPECT_EQ(commitment.motion.segments.empty(), share > 3.0) << "it hovers, or drives on";
+      EXPECT_EQ(commitment.motion.segments.empty(), share > 3.0)
+          << "either hovers or continues to drive";
     }
   }
 }
@@ -200,7 +201,7 @@ TEST_F(CommitmentOfADriver, HoversAtTheObservedPoseWithoutAPlan) {
   EXPECT_FALSE(commitment.is_off_plan);
   EXPECT_LT((commitment.motion.start.position_m() - seen_.position_m()).norm(), 1e-12);
   EXPECT_NEAR(commitment.motion.start.yaw_rad, 1.0, 1e-12);
-  EXPECT_EQ(commitment.motion.height_m, 1.5) << "its own height, not that at which it is seen";
+  EXPECT_EQ(commitment.motion.height_m, 1.5) << "its flight height, not the observed height";
   EXPECT_EQ(commitment.motion.start_time, inputs_.slot.activation);
   EXPECT_TRUE(commitment.motion.segments.empty());
   inputs_.mocap->bodies[1].occluded = true;

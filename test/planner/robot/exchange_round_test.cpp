@@ -135,7 +135,8 @@ TEST(RobotPlanner, FliesTeamSolution) {
     ASSERT_FALSE(round.proposals_.empty());
     for (std::size_t robot = 0; robot < scenario.robots.size(); ++robot) {
       ASSERT_TRUE(round.solutions_[robot]);
-      EXPECT_EQ(round.solutions_[robot]->history, round.solutions_[0]->history) << "all agree";
+      EXPECT_EQ(round.solutions_[robot]->history, round.solutions_[0]->history)
+          << "all robots agree";
       const std::string& name = scenario.robots[robot].name;
       const models::RobotPlan& plan = round.plans_.at(name);
       EXPECT_EQ(plan.source, models::PlanSource::kSearched) << name << " seed " << seed;
@@ -143,10 +144,11 @@ TEST(RobotPlanner, FliesTeamSolution) {
         EXPECT_EQ(plan.trajectory.segments.size(), choice->trajectory.segments.size());
         EXPECT_EQ(models::at(plan.trajectory, Time::max()).world_from_body.x_m,
                   models::at(choice->trajectory, Time::max()).world_from_body.x_m);
-        EXPECT_GT(choice->information_nats, choice->energy_nats) << "worth its energy alone";
+        EXPECT_GT(choice->information_nats, choice->energy_nats)
+            << "the information exceeds the energy cost";
         flown += choice->energy_nats > 0.0 ? 1 : 0;
       } else {
-        EXPECT_TRUE(plan.trajectory.segments.empty()) << "it stood and rests";
+        EXPECT_TRUE(plan.trajectory.segments.empty()) << "the robot was stationary and rests";
         ++rests;
       }
     }
@@ -227,7 +229,8 @@ TEST(RobotPlanner, RefusesInvalidProposals) {
   forged.history.back() ^= 1;
   EXPECT_EQ(exchange->receive(forged), ReceiveOutcome::kRefused);
   EXPECT_EQ(exchange->receive(sent), ReceiveOutcome::kTaken);
-  EXPECT_EQ(exchange->receive(sent), ReceiveOutcome::kNotBetter) << "than itself";
+  EXPECT_EQ(exchange->receive(sent), ReceiveOutcome::kNotBetter)
+      << "compared with the same solution";
   models::TeamProposal late = sent;
   --late.round;
   EXPECT_EQ(exchange->receive(late), ReceiveOutcome::kOtherRound);
@@ -243,7 +246,8 @@ TEST(RobotPlanner, SendsOnlyTheMessagesOfItsTeamAlgorithm) {
   EXPECT_FALSE(RobotPlanner(scenario, "Q1").next_slot_index(inputs)) << "slots are not shared";
   scenario.planner.team_algorithm = scenario::TeamAlgorithm::kCoordinateDescent;
   EXPECT_FALSE(RobotPlanner(scenario, "Q1").begin_exchange(inputs, deadline));
-  EXPECT_FALSE(RobotPlanner(scenario, "Q1").propose(inputs, deadline)) << "it weighs candidates";
+  EXPECT_FALSE(RobotPlanner(scenario, "Q1").propose(inputs, deadline))
+      << "this planner uses candidates";
   scenario.robots[0].energy.price_nats = 0.0;
   EXPECT_FALSE(RobotPlanner(scenario, "Q1").begin_exchange(inputs, deadline));
   EXPECT_TRUE(RobotPlanner(scenario, "Q1").propose(inputs, deadline));
@@ -299,7 +303,7 @@ TEST(RobotPlanner, IncludesEnergyInCoordinateDescent) {
                 models::at(plan->trajectory, Time::max()).world_from_body);
     }
     moving += ways_m[0] > 0.5 ? 1 : 0;
-    EXPECT_EQ(ways_m[1], 0.0) << "nothing is worth that";
+    EXPECT_EQ(ways_m[1], 0.0) << "no information is worth that energy";
   }
   EXPECT_GE(moving, 4);
 }
@@ -330,7 +334,7 @@ TEST(RobotPlanner, SearchesForAThirdOfItsTimeBeforeAnExchange) {
         models::at(plan->trajectory, Time::max()).world_from_body,
         models::at(planner.plan(inputs, Deadline::nodes(plan->nodes))->trajectory, Time::max())
             .world_from_body)
-        << "as of the same nodes";
+        << "with the same number of nodes";
   }
   EXPECT_TRUE(was_in_time);
 }
@@ -408,7 +412,7 @@ TEST(RobotPlanner, RefusesSolutionsWithAnotherStart) {
     }
   }
   EXPECT_GE(refused, 16);
-  EXPECT_GE(flown, 8) << "some of those that start near enough are clear, too";
+  EXPECT_GE(flown, 8) << "some solutions that start near enough must be clear";
 }
 
 }  // namespace

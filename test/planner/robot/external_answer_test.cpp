@@ -137,7 +137,7 @@ TEST_F(MotionOfAnswer, LastsOneHorizonAndAStop) {
   EXPECT_FALSE(motion(driven({drive(2.0 + 1e-6)})));
   EXPECT_TRUE(motion(driven({drive(1.5), drive(0.5)})));
   EXPECT_FALSE(motion(driven({drive(1.5), drive(0.5 + 1e-6)})));
-  EXPECT_TRUE(motion(driven({drive(2.0), stop(2.0)}))) << "each for itself";
+  EXPECT_TRUE(motion(driven({drive(2.0), stop(2.0)}))) << "each part has a separate limit";
   EXPECT_TRUE(motion(driven({stop(2.0)})));
   EXPECT_FALSE(motion(driven({stop(2.0 + 1e-6)})));
   EXPECT_FALSE(motion(driven({stop(1.5), stop(0.5 + 1e-6)})));

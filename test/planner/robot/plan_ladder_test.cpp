@@ -96,7 +96,7 @@ TEST_F(Ladder, UsesTheSearchResultIfSafe) {
   result.passes = 5;
   {
     PlanLadder ladder = begin(5.0);
-    EXPECT_FALSE(ladder.searched(result)) << "it was not found";
+    EXPECT_FALSE(ladder.searched(result)) << "no plan was found";
     result.found = true;
     const auto silent = ladder.searched(result);
     ASSERT_TRUE(silent);
@@ -117,7 +117,7 @@ TEST_F(Ladder, UsesTheSearchResultIfSafe) {
     const auto chosen = ladder.chosen(plan->trajectory);
     ASSERT_TRUE(chosen);
     EXPECT_EQ(chosen->source, models::PlanSource::kSearched);
-    EXPECT_EQ(chosen->cost, 77.0) << "nobody searched it";
+    EXPECT_EQ(chosen->cost, 77.0) << "the plan was not searched";
   }
   PlanLadder ladder = begin(0.7);
   EXPECT_FALSE(ladder.searched(result));
@@ -146,7 +146,7 @@ TEST_F(Ladder, UsesItsProposalIfSearchedAndSafe) {
     EXPECT_EQ(plan->epsilon, 0.5);
     EXPECT_EQ(plan->delta_m, 0.25);
     EXPECT_EQ(plan->passes, 2);
-    EXPECT_EQ(plan->nodes, 0) << "it took no work now";
+    EXPECT_EQ(plan->nodes, 0) << "no search was needed";
     EXPECT_EQ(plan->robot, "Q7");
     EXPECT_EQ(plan->source, models::PlanSource::kSearched);
     for (const auto source : {models::PlanSource::kShifted, models::PlanSource::kBraking}) {

@@ -65,7 +65,7 @@ TEST(RobotPlanner, KeepsProposalsOfBaitAndPlansForTheRest) {
       ASSERT_TRUE(proposal);
       EXPECT_EQ(proposal->stamp.time, first_inputs(scenario, i, seed).slot.activation);
       EXPECT_EQ(information_sum(planners[i].problem().fixed_information), 0.0)
-          << "as if nobody else looked";
+          << "as if no other robot observed";
       proposals[name] = *proposal;
       if (proposal->value_nats > 0.0 &&
           (best.empty() || proposal->value_nats > proposals[best].value_nats)) {

@@ -182,7 +182,7 @@ TEST(ProblemOfRound, MatchesScenario) {
   EXPECT_NEAR(problem.separation_m, 1.0, 1e-12);
   EXPECT_FALSE(problem.separation_from_above);
   EXPECT_EQ(problem.brake_mps2, 1.7);
-  EXPECT_TRUE(problem.targets.empty()) << "nothing was believed";
+  EXPECT_TRUE(problem.targets.empty()) << "no belief was received";
   scenario.planner.separation_from_above = true;
   Workspace from_above(scenario);
   EXPECT_TRUE(problem_of_round(from_above, 1, inputs, committed, {}).search.separation_from_above);
@@ -204,7 +204,7 @@ TEST(ProblemOfRound, HasADifferentSeedForEachRobotRoundAndScenario) {
         };
         EXPECT_EQ(draw(), draw());
         seeds.insert(draw());
-        EXPECT_GT(draw() >> 32U, 0U) << "both halves are drawn";
+        EXPECT_GT(draw() >> 32U, 0U) << "both halves of the seed are random";
         EXPECT_GT(draw() & 0xFFFFFFFFU, 0U);
       }
     }
@@ -236,7 +236,8 @@ TEST(ProblemOfRound, HasTheRelevantTeammates) {
         const RoundProblem round = round_of({0});
         const bool is_near = neighbourhood_m == 0.0 || at_m < 2.0;
         ASSERT_EQ(round.teammates.size(), is_near ? 2U : 1U) << neighbourhood_m << ' ' << at_m;
-        ASSERT_EQ(round.search.teammates.size(), is_near ? 3U : 1U) << "where Q3 stands, too";
+        ASSERT_EQ(round.search.teammates.size(), is_near ? 3U : 1U)
+            << "including the position of Q3";
         EXPECT_EQ(round.teammates[0].robot, 1U);
         EXPECT_EQ(round.teammates[0].trajectory.start.x_m, 50.0);
         EXPECT_EQ(round.search.teammates[0].start.x_m, 50.0);
@@ -244,7 +245,7 @@ TEST(ProblemOfRound, HasTheRelevantTeammates) {
         EXPECT_TRUE(round_of({2, 1}).teammates[0].jammed);
         if (is_near) {
           EXPECT_EQ(round.teammates[1].robot, 2U);
-          EXPECT_TRUE(round.teammates[1].jammed) << "as the notice says";
+          EXPECT_TRUE(round.teammates[1].jammed) << "from the attack notice";
           const models::Trajectory& there = round.teammates[1].trajectory;
           EXPECT_LT((there.start.position_m() - place.position_m()).norm(), 1e-12);
           EXPECT_EQ(there.height_m, 2.0);
@@ -300,12 +301,12 @@ TEST(ProblemOfRound, CountsUnusableBeliefs) {
   EXPECT_EQ(of_last({Eigen::Vector4d(1.0, 1.0, 0.0, 0.0), Eigen::Matrix4d::Identity()}), 1);
   EXPECT_EQ(of_last({Eigen::Vector2d(1.0, 1.0), one}), 0);
   inputs.belief->targets.push_back(inputs.belief->targets.back());
-  EXPECT_EQ(unusable(), 1) << "there are five";
+  EXPECT_EQ(unusable(), 1) << "five targets exist";
   inputs.belief->targets.pop_back();
   inputs.belief->stamp.time = inputs.slot.activation;
   EXPECT_EQ(unusable(), 0);
   inputs.belief->stamp.time += Duration{1};
-  EXPECT_EQ(unusable(), 5) << "of a time that is still to come";
+  EXPECT_EQ(unusable(), 5) << "a time in the future";
 }
 
 // A grid is used if it is the scenario's or, where robots have neighbourhoods, a part of it, with
@@ -356,7 +357,7 @@ TEST(ProblemOfRound, UsesMapGridOfTheScenarioOnly) {
   };
   EXPECT_TRUE(round_of().looks.empty());
   EXPECT_EQ(round_of().unusable_maps, 0);
-  EXPECT_TRUE(round_of().search.targets.empty()) << "it maps, whatever it believes";
+  EXPECT_TRUE(round_of().search.targets.empty()) << "a mapping robot ignores target beliefs";
   models::RobotMap& map = inputs.map.emplace();
   map.grid = models::map_geometry(scenario.world, scenario.mapping);
   map.team_looks.assign(static_cast<std::size_t>(map.grid.size()), -2);
@@ -403,7 +404,7 @@ TEST_F(PlansByMixtures, UsesOnlyMixtureOfItsBelief) {
   inputs_.mixture = right;
   inputs_.mixture->targets[0].components[1].belief = {Eigen::Vector2d::Zero(),
                                                       Eigen::Matrix2d::Identity()};
-  EXPECT_EQ(places_m().size(), 5U) << "of another model's state";
+  EXPECT_EQ(places_m().size(), 5U) << "state of another model";
   inputs_.mixture = right;
   EXPECT_EQ(places_m().size(), 6U);
 }
@@ -415,7 +416,7 @@ TEST_F(PlansByMixtures, KeepTheTargetLimit) {
   }
   EXPECT_EQ(places_m().size(), 40U);
   inputs_.mixture->targets[0].components.assign(10, {0.1, gaussian(0, 1.0)});
-  EXPECT_EQ(places_m().size(), 10U + 3 * 8U + 1U) << "the last is what its belief says";
+  EXPECT_EQ(places_m().size(), 10U + 3 * 8U + 1U) << "the last target uses its belief";
   scenario_.estimator.samples = false;
   EXPECT_EQ(components_max(scenario_), 0U);
   EXPECT_EQ(places_m().size(), 5U);

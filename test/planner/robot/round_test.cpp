@@ -49,7 +49,7 @@ TEST(RoundSchedule, RefusesABudgetThatDoesNotFit) {
   spec.publish_margin_s = 0.1;
   EXPECT_THROW(RoundSchedule(spec, 0, 1), UsageError);
   spec.team_budget_s = 0.4;
-  EXPECT_NO_THROW(RoundSchedule(spec, 0, 1)) << "the whole round";
+  EXPECT_NO_THROW(RoundSchedule(spec, 0, 1)) << "the complete round";
   EXPECT_EQ(to_utime(RoundSchedule(spec, 0, 1).slot(4).begin), 2'000'000);
   spec.team_budget_s = 0.4 + 1e-6;
   EXPECT_THROW(RoundSchedule(spec, 0, 1), UsageError);
@@ -107,7 +107,7 @@ TEST(RoundSchedule, PlacesSlotsBeforeTheEndOfTheRound) {
     EXPECT_EQ(to_utime(wary.slot(9).end), 14'700'000 + 100'000 * i);
     spec.team_algorithm = scenario::TeamAlgorithm::kLocalSearch;
     const auto exchange = RoundSchedule(spec, i, 3).proposal_slot(9);
-    EXPECT_EQ(to_utime(exchange.begin), 14'300'000) << "everybody's";
+    EXPECT_EQ(to_utime(exchange.begin), 14'300'000) << "common to all robots";
     EXPECT_EQ(to_utime(exchange.end), 14'600'000);
     spec.team_algorithm = scenario::TeamAlgorithm::kCoordinateDescent;
   }
@@ -181,12 +181,12 @@ TEST(RoundSchedule, FindsTheSlotOfAPlan) {
           }
           plan.slot_start = schedule.slot(77, slot_index).begin;
           ++plan.round;
-          EXPECT_EQ(schedule.slot_index_of(plan), std::nullopt) << "a round before";
+          EXPECT_EQ(schedule.slot_index_of(plan), std::nullopt) << "a previous round";
         }
         models::RobotPlan plan;
         plan.round = 77;
         plan.slot_start = schedule.slot(77, robots - 1).end;
-        EXPECT_EQ(schedule.slot_index_of(plan), std::nullopt) << "after the last";
+        EXPECT_EQ(schedule.slot_index_of(plan), std::nullopt) << "after the last slot";
       }
     }
   }

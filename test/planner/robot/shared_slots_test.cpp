@@ -129,7 +129,7 @@ TEST(MaySearch, IsTrueForTheLowestRobotIndexOfASlot) {
       // Slots 3, 4 and 5 of six are free. Robots of the same slot that need a new one choose
       // different slots.
       EXPECT_EQ(next_slot({robot, slot}, holders, 6), is_lowest ? slot : 3 + robot % 3);
-      EXPECT_EQ(next_slot({robot, slot}, holders, 3), slot) << "none is free";
+      EXPECT_EQ(next_slot({robot, slot}, holders, 3), slot) << "no slot is free";
     }
   }
   // Slot numbers outside the range do not count as occupied.

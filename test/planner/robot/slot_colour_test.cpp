@@ -112,7 +112,7 @@ TEST(SlotColour, DiffersBetweenNeighbours) {
         const std::vector<bool> searches = team.round();
         EXPECT_FALSE(team.are_near_at_once(searches)) << robots << ", " << slots;
         EXPECT_EQ(std::find(searches.begin(), searches.end(), true) == searches.end(), round == 0)
-            << "the first is a claim, then somebody searches";
+            << "the first round only claims slots; then at least one robot searches";
       }
     }
   }
@@ -166,7 +166,7 @@ TEST(SharedRound, HasConfiguredNumberOfSlots) {
     }
   }
   const RoundSchedule row(spec, 47, 48);
-  EXPECT_FALSE(row.is_shared()) << "each has one of its own, as without `slots`";
+  EXPECT_FALSE(row.is_shared()) << "one slot per robot, as without `slots`";
   spec.slots = 0;
   EXPECT_EQ(row.slot(5).begin, RoundSchedule(spec, 47, 48).slot(5).begin);
 }

@@ -42,7 +42,7 @@ TEST(RemainderOf, HasThePosesOfTheTrajectoryAfterTheCut) {
     EXPECT_EQ(rest.start_time, cut);
     EXPECT_EQ(rest.height_m, whole.height_m);
     for (const models::PlanSegment& segment : rest.segments) {
-      EXPECT_GT(segment.duration_s, 0.0) << "what is over is left out";
+      EXPECT_GT(segment.duration_s, 0.0) << "past segments are removed";
     }
     EXPECT_EQ(rest.segments.empty(), models::end_time(whole) <= cut);
   }

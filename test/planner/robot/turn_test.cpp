@@ -82,8 +82,8 @@ TEST_F(EscapeTurn, TurnsAwayFromTooNearTeammate) {
     EXPECT_EQ(side_of(start, i % 2 == 0), off_rad < -0.25 * kPi ? -1 : 1) << off_rad;
   }
   problem_.teammates = {hover_at({-0.5, 0.0, 0.0}, 1.5, kStart)};
-  EXPECT_EQ(side_of({0.0, 0.0, 0.0}), 1) << "straight behind: on and on";
-  EXPECT_EQ(side_of({0.0, 0.0, 0.0}, false, 0.5), 1) << "as fast as it can turn";
+  EXPECT_EQ(side_of({0.0, 0.0, 0.0}), 1) << "straight behind: turns continuously";
+  EXPECT_EQ(side_of({0.0, 0.0, 0.0}, false, 0.5), 1) << "at the maximum rate";
 }
 
 // In free space the robot keeps its heading. If the search found no plan, the robot turns left.
@@ -107,7 +107,7 @@ TEST_F(EscapeTurn, TurnsToTheNearestFreeHeading) {
   EXPECT_EQ(in_the_corner(-45.0), -1) << "south, an eighth to the right";
   EXPECT_EQ(in_the_corner(90.0), 1);
   EXPECT_EQ(in_the_corner(0.0), -1);
-  EXPECT_EQ(in_the_corner(45.0), 1) << "as far either way";
+  EXPECT_EQ(in_the_corner(45.0), 1) << "equally far in both directions";
   // In the opposite corner, east and north are feasible.
   EXPECT_EQ(side_of({-9.6, -9.6, radians(180.0)}), -1);
   EXPECT_EQ(side_of({-9.6, -9.6, radians(-90.0)}), 1);
@@ -121,7 +121,7 @@ TEST_F(EscapeTurn, ReversesInADeadEnd) {
                       {{{2.4, -0.4}, {3.0, 0.4}}, 2.0}};
   EXPECT_EQ(side_of({2.0, 0.0, 0.0}), 1);
   EXPECT_EQ(side_of({2.0, 0.0, kPi}), 0);
-  EXPECT_EQ(side_of({1.6, 0.0, 0.0}), 1) << "there is room to stop, but not for a step";
+  EXPECT_EQ(side_of({1.6, 0.0, 0.0}), 1) << "enough space for a stop, but not for a step";
   world_.obstacles.push_back({{{1.0, -0.4}, {1.6, 0.4}}, 2.0});
   for (const double yaw_rad : {0.0, 0.5 * kPi, kPi, -0.5 * kPi}) {
     EXPECT_EQ(side_of({2.0, 0.0, yaw_rad}), 0);
@@ -143,13 +143,13 @@ TEST_F(EscapeTurn, TreatsTeammatesLikeWalls) {
   problem_.teammates = {right, ahead};
   EXPECT_EQ(side_of({0.0, 0.0, 0.0}), 1);
   problem_.teammates = {left};
-  EXPECT_EQ(side_of({0.0, 0.0, 0.0}), 0) << "beside it";
+  EXPECT_EQ(side_of({0.0, 0.0, 0.0}), 0) << "next to the teammate";
 }
 
 // Controls that turn on the spot do not count as motions.
 TEST_F(EscapeTurn, IgnoresControlsThatOnlyTurn) {
   problem_.controls = {{0.0, 1.0}, {0.0, 0.0}};
-  EXPECT_EQ(side_of({0.0, 0.0, 0.0}), 0) << "no heading has a way out";
+  EXPECT_EQ(side_of({0.0, 0.0, 0.0}), 0) << "every heading is blocked";
   EXPECT_EQ(side_of({0.0, 0.0, 0.0}, true), 1);
   problem_.controls.push_back({1.0, 0.0});
   EXPECT_EQ(side_of({9.6, 0.0, 0.0}), 1);

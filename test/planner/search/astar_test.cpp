@@ -111,7 +111,7 @@ TEST(WeightedAStar, KeepsItsBoundForPositiveCosts) {
       last_expanded = std::min(last_expanded, result.nodes_expanded);
     }
   }
-  EXPECT_GT(above, 0) << "no weight mattered";
+  EXPECT_GT(above, 0) << "no weight had an effect";
 }
 
 // With ε and δ > 0, the lower bound holds at every budget.

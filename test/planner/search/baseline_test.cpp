@@ -137,7 +137,7 @@ TEST(LawnMower, ReachesWaypointsInOrder) {
     EXPECT_EQ(result.work_nodes, result.nodes_generated);
     problem.start = result.poses.front();
   }
-  EXPECT_GT(reached, way.size() + 2) << "it did not get round";
+  EXPECT_GT(reached, way.size() + 2) << "the waypoints were not all reached";
 }
 
 // A robot that is enclosed skips a waypoint that it cannot reach.
@@ -191,7 +191,7 @@ TEST(RandomWalk, ChoosesControlsUniformly) {
     problem.seed = static_cast<std::uint64_t>(i);
     const SearchResult& result = search.plan(problem, {}, Deadline::never());
     ASSERT_EQ(result.controls.size(), 5U);
-    EXPECT_EQ(result.nodes_generated, 5) << "nothing is in the way";
+    EXPECT_EQ(result.nodes_generated, 5) << "no obstacle is in the way";
     for (std::size_t t = 0; t < 5; ++t) {
       ++counts[t][static_cast<std::size_t>(result.controls[t])];
     }

@@ -41,7 +41,8 @@ TEST(RefiningBeam, ReportsOptimum) {
     EXPECT_NEAR(result.cost, each.best.cost, slack(each.best.cost));
     EXPECT_EQ(result.lower_bound, result.cost);
     EXPECT_NEAR(score(problem, result.poses), result.cost, 10.0 * slack(result.cost));
-    EXPECT_GE(result.peak_bytes, index(problem.horizon_steps) * sizeof(Node)) << "its own path";
+    EXPECT_GE(result.peak_bytes, index(problem.horizon_steps) * sizeof(Node))
+        << "includes its own path";
   }
   EXPECT_GE(solvable, 300);
 }

@@ -20,7 +20,7 @@ namespace {
 std::set<std::string, std::less<>> names() {
   std::set<std::string, std::less<>> out;
   for (const Algorithm& algorithm : all_algorithms()) {
-    EXPECT_TRUE(out.emplace(algorithm.name).second) << algorithm.name << " comes twice";
+    EXPECT_TRUE(out.emplace(algorithm.name).second) << algorithm.name << " is listed twice";
   }
   return out;
 }
@@ -34,7 +34,7 @@ TEST(Catalogue, ContainsTheSearchesOfScenarios) {
 TEST(Catalogue, RefusesUnknownNamesWithTheList) {
   try {
     static_cast<void>(algorithm_called("dijkstra"));
-    FAIL() << "taken";
+    FAIL() << "the unknown name was accepted";
   } catch (const UsageError& error) {
     const std::string what = error.what();
     EXPECT_NE(what.find("dijkstra"), std::string::npos) << what;
@@ -156,7 +156,7 @@ TEST(Catalogue, PassesOptionsToEachSearch) {
     EXPECT_EQ(wastar.work_nodes, expected.work_nodes);
     EXPECT_EQ(wastar.controls, expected.controls);
   }
-  EXPECT_GT(differ, 5) << "the weight of a turn hardly mattered";
+  EXPECT_GT(differ, 5) << "the weight had almost no effect";
 }
 
 /// A robot that can only turn, with targets ahead, to its left and behind, and a sensor with a

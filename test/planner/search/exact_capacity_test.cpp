@@ -46,7 +46,7 @@ void expect_alike(int targets, int steps, const Plan& plan) {
   const Deadline budget = Deadline::nodes(1'500);
   const test::AllocationCounter allocations;
   const SearchResult& is = plan(exact, budget);
-  EXPECT_EQ(allocations.count(), 0U) << "always so under sanitizers";
+  EXPECT_EQ(allocations.count(), 0U) << "not measured under sanitizers";
   test::expect_same(is, plan(roomy, budget));
 }
 
@@ -84,7 +84,7 @@ TEST(RootBound, NeedsOnlyExactCapacity) {
       bounds[0] = root.of_any_plan(problem, expander.beliefs());
       bounds[1] = root.of_moving_plan(Deadline::never(), work_nodes).cost;
       bounds[2] = root.raise(expander, work_nodes + 2'000, Deadline::never(), work_nodes).cost;
-      EXPECT_EQ(allocations.count(), 0U) << "always so under sanitizers";
+      EXPECT_EQ(allocations.count(), 0U) << "not measured under sanitizers";
       return bounds;
     };
     RootBound exact(targets, steps);

@@ -152,7 +152,7 @@ TEST(IsRedundant, ImpliesThatTheJointCovarianceDominates) {
         ++redundant;
         EXPECT_GE(least, -1e-12 * scale) << "seed " << seed;
       } else {
-        EXPECT_LE(least, 1e-12 * scale) << "too shy, seed " << seed;
+        EXPECT_LE(least, 1e-12 * scale) << "too conservative, seed " << seed;
       }
     });
   }

@@ -203,7 +203,7 @@ TEST(GeodesicTable, ReportsBlockedPositions) {
         off_m(axis) = side * kLittle_m;
         EXPECT_EQ(table.is_blocked(edge_m - off_m), is_inside_blocked) << edge_m.transpose();
         EXPECT_EQ(table.is_blocked(edge_m + off_m), !is_inside_blocked) << edge_m.transpose();
-        EXPECT_FALSE(table.is_blocked(edge_m)) << "who touches is not in it";
+        EXPECT_FALSE(table.is_blocked(edge_m)) << "a point on the border is not inside";
       }
     }
   };

@@ -302,7 +302,7 @@ TEST_F(InformationHeuristicTest, CountsFromFirstStepInRange) {
         pack(beliefs_.layout(0), target.prior.covariance, packed);
         const std::uint16_t touched[] = {0};
         EXPECT_NEAR(heuristic_.cost_to_go(problem.start, 0, {touched, packed}), expected, 1e-8)
-            << "from " << first << " steps beyond its sight";
+            << "from " << first << " steps beyond its range";
       }
     }
   }

@@ -81,7 +81,7 @@ TEST(LatticeBound, IsBelowEveryCompletionOfEveryNode) {
                                   reference.data(), 0.4, states, Deadline::nodes(work_nodes - 1),
                                   cut_nodes)
                       .expired)
-          << "the last of its work counts, too";
+          << "the last unit of work counts, too";
     }
   }
   EXPECT_GT(bounded, 4 * problem_count());
@@ -119,7 +119,7 @@ void expect_bound_below_best(const std::vector<SearchTarget>& targets,
     ASSERT_LE(answer.cost, best + tolerance(best)) << i;
     highest = std::max(highest, answer.cost);
   }
-  EXPECT_GT(highest, best - 10.0) << "it is too low to say anything";
+  EXPECT_GT(highest, best - 10.0) << "the bound is too low to be useful";
 }
 
 /// Returns a target 2 cm next to the robot's path, `ahead_m` from its start, that moves along the

@@ -196,10 +196,10 @@ TEST(LatticeBound, EqualsOpenLoopCostWhenNothingIsSeen) {
         EXPECT_FALSE(sees(0.2, side * 0.4, 0.1, 9.0, kPi));
         EXPECT_TRUE(sees(0.2, side * 0.4, 0.1, 9.0, 2.0 * kPi - 0.4));
       }
-      EXPECT_FALSE(sees(-0.6, 0.0, 0.1, 1.0, all_round_rad)) << "behind where it came from";
+      EXPECT_FALSE(sees(-0.6, 0.0, 0.1, 1.0, all_round_rad)) << "behind the start";
       EXPECT_TRUE(sees(-0.4, 0.0, 0.1, 1.0, all_round_rad));
       EXPECT_TRUE(sees(2.4, 0.0, 0.1, 1.0, all_round_rad));
-      EXPECT_FALSE(sees(2.6, 0.0, 0.1, 1.0, all_round_rad)) << "beyond where it gets to";
+      EXPECT_FALSE(sees(2.6, 0.0, 0.1, 1.0, all_round_rad)) << "beyond the reachable positions";
     }
   }
 }

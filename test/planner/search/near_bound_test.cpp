@@ -148,7 +148,7 @@ TEST(NearBound, AllowsOneStepNearATargetIfTheRobotMoves) {
     };
     const double moves = bound_with({{1.0, 0.0}, {-1.0, 0.0}});
     const double stays = bound_with({{1.0, 0.0}, {-1.0, 0.0}, {0.0, 0.0}});
-    EXPECT_GT(moves, stays + 5.0) << "first beside it at step " << k;
+    EXPECT_GT(moves, stays + 5.0) << "first near the target at step " << k;
   }
 }
 
@@ -437,7 +437,7 @@ TEST_F(ReturnToTarget, IsBoundedForMovingAndNoisyTargetsOnly) {
       4, std::vector<models::StateMatrix>(4, Eigen::Matrix2d::Identity()));
   problem_.fixed_information[2].assign(4, Eigen::Matrix3d::Identity());
   reset();
-  EXPECT_TRUE(near_.is_empty()) << "teammates look at all of them";
+  EXPECT_TRUE(near_.is_empty()) << "teammates observe all targets";
 }
 
 // If a step leads from one target to the other, the robot may be near both; otherwise near one of

@@ -143,7 +143,7 @@ TEST(ReachLattice, FindsTheCommonTurnAngle) {
   }
   EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.5, 0.6}, 2))) << "five parts are too many";
   EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.3, -0.3 * std::sqrt(2.0)}, 2)));
-  EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.3, -0.3 * std::sqrt(2.0)}, 2))) << "asked again";
+  EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.3, -0.3 * std::sqrt(2.0)}, 2))) << "a second query";
   expect({0.0, 0.3, -0.3}, 0.3, {0, 1, -1});
   // There may be about a thousand headings and two thousand planes.
   SearchProblem many = with_turns({0.0, 0.01, 0.2}, 8);  // at most twenty units per step
@@ -219,7 +219,7 @@ TEST(ReachLattice, IsAsFineAsItsCapacityAllows) {
         cells += in_level;
         level_cells = in_level;
       }
-      EXPECT_EQ(lattice.layout(steps, cells, level_cells), layout) << "just enough";
+      EXPECT_EQ(lattice.layout(steps, cells, level_cells), layout) << "the exact capacity";
       room = cells - 1;
       level_room = level_cells - 1;
     }

@@ -121,7 +121,7 @@ TEST(SearchCapacity, IsAnExactLimit) {
   BestFirstSearch none(less);
   EXPECT_THROW(none.plan(problem, {}, Deadline::nodes(100)), UsageError);
   problem.step_s = 0.0;
-  EXPECT_THROW(plan_by_all(just), UsageError) << "whatever else it is";
+  EXPECT_THROW(plan_by_all(just), UsageError) << "for any other values";
 }
 
 // A finished pass is reported with its options; a pass that is cut off is not reported.

@@ -145,7 +145,8 @@ TEST_F(Sighting, UsesTheRobotsHeightAndReach) {
   EXPECT_EQ(at(3.1, 0.0, 0), 0.0);
   problem_.controls = {{1.0, 0.0}};
   reset();
-  EXPECT_NEAR(at(2.9, 2.0, 0), look * 12.0, 1e-9) << "that it cannot turn is not held against it";
+  EXPECT_NEAR(at(2.9, 2.0, 0), look * 12.0, 1e-9)
+      << "the missing ability to turn has no effect here";
 }
 
 // The value does not change if the robot and all targets are shifted.

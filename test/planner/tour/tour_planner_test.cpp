@@ -175,7 +175,7 @@ TEST(TourPlanner, TravelsAroundObstacles) {
   ASSERT_FALSE(value.is_empty());
   const double here = value.at(value.rest({}), {0.0, 0.0});
   EXPECT_NEAR(here, tour[0].rate_per_s * tour[0].arrival_s, 0.02 * here);
-  EXPECT_LT(value.at(value.rest({}), {0.0, -3.0}), here) << "the way leads to the south";
+  EXPECT_LT(value.at(value.rest({}), {0.0, -3.0}), here) << "the path leads to the south";
   EXPECT_GT(value.at(value.rest({}), {3.0, 3.0}), here);
 }
 
