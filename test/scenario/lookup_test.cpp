@@ -24,12 +24,12 @@ TEST(FindRobot, ReturnsTheRobotOrNull) {
 
 TEST(RunsOn, IsTheNamedHostElseTheFirst) {
   Scenario scenario;
-  EXPECT_TRUE(scenario.runs_on("LAB", "Q1")) << "without hosts all runs on any";
+  EXPECT_TRUE(scenario.runs_on("LAB", "Q1")) << "without hosts, every part runs on any host";
   scenario.hosts = {{"LAB", {"sim", "Q2"}}, {"AIR", {"Q1"}}};
   EXPECT_TRUE(scenario.runs_on("LAB", "Q2"));
   EXPECT_FALSE(scenario.runs_on("LAB", "Q1"));
   EXPECT_TRUE(scenario.runs_on("AIR", "Q1"));
-  EXPECT_TRUE(scenario.runs_on("LAB", kLoggerPart)) << "named by none";
+  EXPECT_TRUE(scenario.runs_on("LAB", kLoggerPart)) << "not assigned to any host";
   EXPECT_FALSE(scenario.runs_on("AIR", kLoggerPart));
   EXPECT_FALSE(scenario.runs_on("ELSE", "Q2"));
 }

@@ -13,7 +13,7 @@ const std::string kLab = VANTAGE_SOURCE_DIR "/config/lab.yaml";
 TEST(Overrides, KeepTheTextWithoutOverrides) {
   const Scenario scenario = load_scenario_with(kLab, {});
   EXPECT_EQ(scenario.source_text, load_scenario(kLab).source_text);
-  EXPECT_EQ(apply_overrides("a:   1  # one\n", {}), "a:   1  # one\n") << "to its blanks";
+  EXPECT_EQ(apply_overrides("a:   1  # one\n", {}), "a:   1  # one\n") << "blanks are unchanged";
 }
 
 TEST(Overrides, ChangeScenarioText) {
@@ -72,7 +72,7 @@ TEST(Overrides, ChangeOneKeyEach) {
     const Scenario changed = load_scenario_with(kLab, one);
     EXPECT_NE(changed.source_text, lab.source_text) << which;
     EXPECT_EQ(changed.seed, expected.seed) << which;
-    EXPECT_EQ(changed.duration_s, expected.duration_s) << "to the last digit";
+    EXPECT_EQ(changed.duration_s, expected.duration_s) << "all digits are equal";
     EXPECT_EQ(changed.planner.algorithm, expected.planner.algorithm) << which;
     EXPECT_EQ(changed.network.communication_range_m, expected.network.communication_range_m);
     EXPECT_EQ(changed.planner.node_budget, expected.planner.node_budget) << which;
@@ -89,7 +89,7 @@ TEST(Overrides, AreNamedInErrors) {
   overrides.keys["planner.horizon_steps"] = "0";
   try {
     static_cast<void>(load_scenario_with(kLab, overrides));
-    ADD_FAILURE() << "taken";
+    ADD_FAILURE() << "accepted";
   } catch (const StartupError& error) {
     EXPECT_EQ(std::string(error.what()).find(kLab + " with options:"), 0U) << error.what();
   }

@@ -70,7 +70,7 @@ TEST(MappingScenario, RequiresItsSectionButNoTargets) {
             "describes the scanners");
   EXPECT_EQ(refusal_of(kTeam + "mapping: {resolution_m: 0.5}\n"),
             "x.yaml:1: missing required key targets")
-      << "of a team that tracks";
+      << "required for a team that tracks";
 }
 
 TEST(MappingScenario, RefusesInvalidMap) {

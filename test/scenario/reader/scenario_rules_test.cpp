@@ -106,7 +106,7 @@ TEST(ScenarioRules, TheFirstMissingKeyIsReportedWithItsSection) {
             "f:6: robots[0].start: missing required key x_m");
   EXPECT_EQ(answer_to_team("  - {start: {x_m: 1, y_m: 1}}\n"),
             "f:6: robots[0]: missing required key name")
-      << "of the robot, not of what lies under it";
+      << "the key of the robot, not of a section below it";
   EXPECT_EQ(answer_to_team("  -\n"),
             "f:5: robots[0]: has no value; expected a mapping of keys to values");
   EXPECT_EQ(answer_to_robot("", "wind: {x_mps: 1,\n  y_mps: 2,\n  x_mps: 3}\n"),
@@ -199,7 +199,7 @@ TEST(ScenarioRules, StartsKeepClearanceToWallsObstaclesAndRobots) {
                           "planner: {separation_m: 0.375}\n"),
             "f:7: robots[1]: limits: planner.separation_m must be at least the radii of A and B, "
             "0.5 m together; is 0.375")
-      << "where neither says it, of the robot";
+      << "default values of the robot";
 }
 
 TEST(ScenarioRules, WholeRobotsStayBelowTheCeiling) {
@@ -271,8 +271,8 @@ TEST(ScenarioRules, RealAutopilotsHaveAnIdAndAKey) {
       real(", key_file: k").find("f:6: robots[0].autopilot: must contain the system_id, 1 to 255"),
       0U);
   EXPECT_EQ(real(", system_id: 1").find("f:6: robots[0].autopilot: must contain the key_file"), 0U);
-  EXPECT_EQ(real("", "wire"), "taken") << "a simulated one need not";
-  EXPECT_EQ(answer_to_robot(", device: real"), "taken") << "without an autopilot there is none";
+  EXPECT_EQ(real("", "wire"), "taken") << "not required for a simulated robot";
+  EXPECT_EQ(answer_to_robot(", device: real"), "taken") << "not required without an autopilot";
 }
 
 TEST(ScenarioRules, FirmwareIsOfTheVehiclesKind) {
@@ -330,7 +330,7 @@ TEST(ScenarioRules, FirmwareRequiresASimulatedVehicleWithAutopilot) {
   EXPECT_EQ(scenario.robots[1].firmware->serial, "s");
   EXPECT_FALSE(scenario.robots[1].firmware->instance);
   EXPECT_EQ(scenario.firmware_instance(scenario.robots[0]), 0);
-  EXPECT_EQ(scenario.firmware_instance(scenario.robots[1]), 1) << "its place";
+  EXPECT_EQ(scenario.firmware_instance(scenario.robots[1]), 1) << "its index";
   EXPECT_EQ(scenario.firmware_instance(scenario.robots[2]), 9);
 }
 

@@ -54,7 +54,7 @@ TEST(ScenarioRules, RoundsAreLongEnough) {
   EXPECT_EQ(with("horizon_steps: 7, execute_steps: 8"),
             "f:7: planner.execute_steps: must be at most horizon_steps, 7, is 8");
   const std::string round = "execute_steps: 3, step_s: 0.25, publish_margin_s: 0.125, ";
-  EXPECT_EQ(with(round + "team_budget_s: 0.625"), "taken") << "just as long as the round";
+  EXPECT_EQ(with(round + "team_budget_s: 0.625"), "taken") << "exactly the duration of the round";
   EXPECT_EQ(with(round + "team_budget_s: 0.75"),
             "f:7: planner.team_budget_s: must fit with publish_margin_s, 0.125, into a round of "
             "execute_steps · step_s = 0.75 s; is 0.75");
@@ -127,7 +127,8 @@ TEST(ScenarioRules, GridsFitIntoAMessage) {
             "which every belief contains, into at most 499825 cells; 1 "
             "gives 499849");
   EXPECT_EQ(with("707", "1", "0", "6"), "taken") << "499850 cells";
-  EXPECT_EQ(with("1000", "0.5", "80"), "taken") << "four millions, and 400 by 400 of them are told";
+  EXPECT_EQ(with("1000", "0.5", "80"), "taken")
+      << "four million cells, of which 400 by 400 are published";
   EXPECT_EQ(with("1000", "0.4999", "80"),
             "f:6: estimator.grid_resolution_m: must divide world.bounds into at most 4000000 "
             "cells; 0.4999 gives 4004001");

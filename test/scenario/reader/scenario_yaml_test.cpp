@@ -176,7 +176,7 @@ mocap:
   EXPECT_EQ(parse_scenario(std::string(kSmallest) + "\nmocap: {protocol: vrpn}\n", "vrpn")
                 .mocap.actual_port(),
             3883)
-      << "the protocol's own";
+      << "default port of the protocol";
 }
 
 TEST(ParseScenario, ReadsTheMocapServersUrl) {
@@ -308,7 +308,7 @@ hosts:
   EXPECT_EQ(scenario.hosts[0].name, "LAB");
   EXPECT_EQ(scenario.hosts[0].runs, (std::vector<std::string>{"sim", "logger", "B"}));
   EXPECT_EQ(scenario.hosts[1].runs, std::vector<std::string>{"A"});
-  EXPECT_TRUE(scenario.runs_on("LAB", kMocapPart)) << "named by none: the first";
+  EXPECT_TRUE(scenario.runs_on("LAB", kMocapPart)) << "not assigned: runs on the first host";
 }
 
 TEST(ParseScenario, ReadsAttacksAndTheExpectedNumber) {

@@ -103,7 +103,7 @@ TEST(TreeBuilder, LimitsTheNestingDepth) {
     tree.add(Node::Kind::kWord, 33, "leaf");
     try {
       tree.add(kind, 34);
-      ADD_FAILURE() << "no refusal";
+      ADD_FAILURE() << "the file was not refused";
     } catch (const StartupError& error) {
       EXPECT_STREQ(error.what(), "f:34: nested deeper than 32");
     }
@@ -159,7 +159,7 @@ TEST(ParseYaml, RefusesASecondDocument) {
   }
   try {
     static_cast<void>(parse_yaml("a: 1\n---\n~\n", "f"));
-    ADD_FAILURE() << "nothing";
+    ADD_FAILURE() << "no value was returned";
   } catch (const StartupError& error) {
     EXPECT_STREQ(error.what(),
                  "f:1: a second YAML document begins here; a "

@@ -118,7 +118,7 @@ TEST(Value, ReadsUnquotedFlagsOnly) {
 TEST(Value, ReadsTextWithOrWithoutQuotes) {
   EXPECT_EQ(yaml("'a b'").text(), "a b");
   EXPECT_EQ(yaml("a").text(), "a");
-  EXPECT_EQ(yaml("7").text(), "7") << "YAML's words need no quotes";
+  EXPECT_EQ(yaml("7").text(), "7") << "plain YAML words need no quotes";
   EXPECT_EQ(yaml("''").text_or_empty(), "");
   EXPECT_EQ(refusal([] { static_cast<void>(yaml("''").text()); }), "f:1: must not be empty");
   EXPECT_EQ(refusal([] { static_cast<void>(yaml("[a]").text()); }), "f:1: must be text, is a list");
@@ -144,7 +144,7 @@ TEST(Value, ReturnsItemsInOrderWithTheirPath) {
   EXPECT_EQ(items[1].point(any_number()), Eigen::Vector2d(2.0, 4.0));
   EXPECT_EQ(items[1].items()[1].path, "[1][1]");
   EXPECT_EQ(items[1].items()[1].line, 4);
-  EXPECT_EQ(items[2].line, 1) << "nothing has no line of its own: its list's";
+  EXPECT_EQ(items[2].line, 1) << "an empty item has the line of its list";
   EXPECT_EQ(refusal([&] { static_cast<void>(items[2].number(any_number())); }),
             "f:1: [2]: must be a number, is nothing");
   EXPECT_EQ(items[3].line, 6);
@@ -180,9 +180,10 @@ TEST(Shortened, KeepsFortyBytesOfWholeCharacters) {
   EXPECT_EQ(shortened("abc", 2), "ab…");
   EXPECT_EQ(shortened("abc", 3), "abc");
   EXPECT_EQ(shortened("", 3), "");
-  EXPECT_EQ(shortened("aäb", 2), "aä…") << "a character that begins within is whole";
+  EXPECT_EQ(shortened("aäb", 2), "aä…") << "characters are not split";
   EXPECT_EQ(shortened("aä", 2), "aä");
-  EXPECT_EQ(shortened("\xFF\xFF\xFF", 2), "\xFF\xFF…") << "bytes that are no text count one each";
+  EXPECT_EQ(shortened("\xFF\xFF\xFF", 2), "\xFF\xFF…")
+      << "bytes that are not text count as one each";
 }
 
 TEST(DiffersInUnit, ComparesTheLastPartOfTheName) {
@@ -190,7 +191,7 @@ TEST(DiffersInUnit, ComparesTheLastPartOfTheName) {
   EXPECT_TRUE(differs_in_unit("range", "range_m"));
   EXPECT_TRUE(differs_in_unit("range_max_kmh", "range_max_mps"));
   EXPECT_FALSE(differs_in_unit("range_m", "range_m"));
-  EXPECT_FALSE(differs_in_unit("range_min", "range_max")) << "minutes are a unit, max is none";
+  EXPECT_FALSE(differs_in_unit("range_min", "range_max")) << "min is a unit, max is not";
   EXPECT_FALSE(differs_in_unit("range_m", "rage_m"));
   EXPECT_FALSE(differs_in_unit("m_range", "mm_range"));
 }
@@ -242,7 +243,8 @@ TEST(NearestWord, AllowsTwoEditsOrAThirdOfTheLength) {
   EXPECT_EQ(nearest_word("axyz", {"abcd"}), "");
   EXPECT_EQ(nearest_word("abcdefxyz", {"abcdefghi"}), "abcdefghi");
   EXPECT_EQ(nearest_word("abcdewxyz", {"abcdefghi"}), "");
-  EXPECT_EQ(nearest_word("abcdefghxyz", {"abcdefghi"}), "abcdefghi") << "two more, one other";
+  EXPECT_EQ(nearest_word("abcdefghxyz", {"abcdefghi"}), "abcdefghi")
+      << "two additional letters, one different letter";
 }
 
 // A name with another unit is preferred to a nearer name, for units of any length.
