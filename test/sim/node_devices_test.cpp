@@ -185,11 +185,11 @@ TEST(SimNode, CountsLateTicksAndCatchesUp) {
   instants.erase(std::unique(instants.begin(), instants.end()), instants.end());
   EXPECT_EQ(instants.size(), 20u);
   EXPECT_EQ(lab.node.next_tick(), lab.clock.now() + Duration{1'000})
-      << "it hears the bus meanwhile";
+      << "the bus is handled meanwhile";
   for (int k = 0; k < 3; ++k) {
     lab.tick();
   }
-  EXPECT_EQ(lab.count("sim.catch_up_chunks"), 2) << "60 instants at most";
+  EXPECT_EQ(lab.count("sim.catch_up_chunks"), 2) << "at most 60 instants per call";
   EXPECT_GT(lab.node.next_tick(), lab.clock.now());
 }
 
@@ -301,8 +301,8 @@ TEST(SimNode, ServesMocapOnTheWire) {
     SimNode node(net.own, clock, scenario);
     clock.time = kStart + Duration{4'999};
     node.tick(clock.time);
-    EXPECT_TRUE(receiver.read_reply().empty()) << "the latency has not passed";
-    EXPECT_EQ(node.next_tick(), kStart + Duration{5'999}) << "a pause, and then";
+    EXPECT_TRUE(receiver.read_reply().empty()) << "the latency has not passed yet";
+    EXPECT_EQ(node.next_tick(), kStart + Duration{5'999}) << "a pause, then the latency";
     clock.time = kStart + Duration{6'000};
     node.tick(clock.time);
     const std::vector<std::uint8_t> datagram = receiver.read_reply();
@@ -356,9 +356,10 @@ TEST(SimNode, FollowsTheClockForWireVehicles) {
     EXPECT_EQ(delivered[k] - frames[k].stamp.time, Duration{5'000});
   }
   EXPECT_EQ(frames[0].bodies[1].name, "Q2");
-  EXPECT_NEAR(frames[0].bodies[1].world_from_body.translation_m.z(), 0.0, 0.01) << "it stands";
+  EXPECT_NEAR(frames[0].bodies[1].world_from_body.translation_m.z(), 0.0, 0.01)
+      << "stationary on the ground";
   EXPECT_NEAR(frames[0].bodies[0].world_from_body.translation_m.z(), 1.0, 0.01);
-  EXPECT_FALSE(receiver.read_reply().empty()) << "its autopilot speaks";
+  EXPECT_FALSE(receiver.read_reply().empty()) << "its autopilot sends messages";
 }
 
 }  // namespace

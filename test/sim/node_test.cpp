@@ -184,7 +184,7 @@ TEST(SimNode, CatchesUpInStepsAfterAStall) {
   EXPECT_LE(lab.frames.size() - before, 20u);
   EXPECT_GT(lab.node.next_tick(), lab.clock.now());
   lab.run_until(kStart + std::chrono::seconds(4));
-  EXPECT_NEAR(static_cast<double>(lab.frames.size()), 200.0, 1.0) << "no frame is left out";
+  EXPECT_NEAR(static_cast<double>(lab.frames.size()), 200.0, 1.0) << "no frame is missing";
   EXPECT_GT(lab.count("sim.catch_up_chunks"), 0);
   EXPECT_GT(lab.node.deadlines_missed(), 0);
 }
@@ -236,7 +236,7 @@ TEST(SimNode, IsDeterministicForASeed) {
   const auto first = bytes_of_run(5, Duration{5'000});
   EXPECT_GT(first.size(), 100'000u);
   EXPECT_EQ(first, bytes_of_run(5, Duration{5'000}));
-  EXPECT_EQ(first, bytes_of_run(5, Duration{1'000})) << "depends on how often it is called";
+  EXPECT_EQ(first, bytes_of_run(5, Duration{1'000})) << "depends on the number of calls";
   EXPECT_NE(first, bytes_of_run(6, Duration{5'000}));
 }
 

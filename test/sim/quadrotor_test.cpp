@@ -115,7 +115,7 @@ TEST(Quadrotor, HoversAtItsStartWithoutAPlan) {
   EXPECT_NEAR(vehicle.yaw_rad(), 0.5, 1e-9);
   EXPECT_EQ(vehicle.status(now).plan_round, -1);
   EXPECT_GT((vehicle.position_world_m() - Eigen::Vector3d(1.0, 2.0, 1.5)).norm(), 1e-6)
-      << "there should be wind";
+      << "the wind has an effect";
 }
 
 // In hover x″ + c x′ + ω² x = w, with c = 1/T, ω² = k/T and a wind w with decay rate β. The
@@ -175,7 +175,7 @@ TEST(Quadrotor, MakesTheShorterTurnAcrossPi) {
       for (Time now = kStart; now < kStart + Duration{4'000'000}; now += kStep) {
         vehicle.step(now, kDtS);
         const double step_rad = side * wrap_to_pi(vehicle.yaw_rad() - last_rad);
-        EXPECT_GT(step_rad, -0.005) << "turning back";
+        EXPECT_GT(step_rad, -0.005) << "turned in the wrong direction";
         turned_rad += step_rad;
         last_rad = vehicle.yaw_rad();
       }

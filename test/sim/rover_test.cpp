@@ -176,7 +176,7 @@ TEST_P(RoversFor300S, NeverTouchAndReachWaypoints) {
   }
   for (const double metres : each_m) {
     travelled_m += metres / 5.0;
-    EXPECT_GT(metres, 15.0) << "a rover that hardly moves";
+    EXPECT_GT(metres, 15.0) << "the rover hardly moves";
   }
   EXPECT_GT(wall_m, 0.0);
   EXPECT_GT(pair_m, 0.0);
@@ -213,7 +213,7 @@ TEST(RoverFleet, StaysAtItsGoal) {
     fleet.decide(RoverFleet::kDecisionPeriodS);
     fleet.step(RoverFleet::kDecisionPeriodS);
     if (fleet.way_points_reached() > before) {
-      ASSERT_EQ(fleet.state(0).speed_mps, 0.0) << "way point " << before;
+      ASSERT_EQ(fleet.state(0).speed_mps, 0.0) << " waypoint " << before;
     }
   }
   EXPECT_GT(fleet.way_points_reached(), 150);

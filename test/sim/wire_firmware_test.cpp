@@ -111,7 +111,7 @@ TEST(WireFirmware, ReturnsItsPoseAtTheRequestedTime) {
     }
     return;
   }
-  FAIL() << "the machine was away each time";
+  FAIL() << "the machine was busy each time";
 }
 
 // In a wind without gusts the body drifts with the wind, as far as drag accelerates it.

@@ -109,7 +109,7 @@ TEST(WireQuadrotor, ReportsAgesFromTheNewestCapture) {
   driver.send(wire::mavlink::SetPositionTargetLocalNed{});
   vehicle.exchange(kStart);
   const auto counts = counts_of(vehicle);
-  EXPECT_EQ(counts.at("wire.Q2.pose_max_us"), vision_us) << "the longest of both";
+  EXPECT_EQ(counts.at("wire.Q2.pose_max_us"), vision_us) << "the longer of both";
   // The tolerance is a minute, the maximum duration of this test.
   const std::int64_t between_us = vision_us - counts.at("wire.Q2.setpoint_max_us");
   EXPECT_NEAR(static_cast<double>(between_us), 23.0 * static_cast<double>(kHourUs), 60e6);
@@ -144,7 +144,7 @@ TEST(WireQuadrotor, StartsAtAWholeStepAndNeverGoesBack) {
   vehicle.step(kStart, 0.005);
   vehicle.exchange(kStart + Duration{1'002'000});
   hear();
-  EXPECT_EQ(heartbeats, 2) << "a second after its beginning";
+  EXPECT_EQ(heartbeats, 2) << "one second after the start";
 }
 
 TEST(WireQuadrotor, ReportsWhyItCannotBeSimulated) {
@@ -296,7 +296,8 @@ TEST(WireFirmware, WaitsForItsFirmwareAtItsStart) {
     WireFirmware vehicle(robot, {}, instance, 1);
     EXPECT_FALSE(is_free());
     robot.firmware->serial = "/nowhere/at/all";
-    EXPECT_EQ(is_free(), dialect == models::AutopilotDialect::kPx4) << "a board needs no port";
+    EXPECT_EQ(is_free(), dialect == models::AutopilotDialect::kPx4)
+        << "a serial board needs no port";
     EXPECT_EQ(vehicle.name(), "Q2");
     EXPECT_EQ(vehicle.radius_m(), robot.limits.radius_m);
     vehicle.step(kStart, 0.005);

@@ -101,7 +101,8 @@ TEST(WorldSimulation, IsIndependentOfTheStepLength) {
   once.advance_to(kStart + 2000 * WorldSimulation::kStep);
   EXPECT_EQ(numbers_of(often.truth()), numbers_of(once.truth()));
   once.advance_to(kStart);
-  EXPECT_EQ(numbers_of(often.truth()), numbers_of(once.truth())) << "time went backwards";
+  EXPECT_EQ(numbers_of(often.truth()), numbers_of(once.truth()))
+      << "the result depends on the step length";
 }
 
 TEST(WorldSimulation, KeepsStaticTargetsAndOmitsRealRobots) {
@@ -201,7 +202,7 @@ TEST(WorldSimulation, RoversAvoidTheGroundOnlyBelowALowVehicle) {
   };
   EXPECT_GE(nearest_m(120), WorldSimulation::kKeepOutM - 0.03);  // m; prediction tolerance
   const std::int64_t reached = world.ground().rovers()->way_points_reached();
-  EXPECT_GT(reached, 20) << "the rovers stand still";
+  EXPECT_GT(reached, 20) << "the rovers do not move";
   puppet.centre_m.z() = WorldSimulation::kLowM + 0.1;
   EXPECT_LT(nearest_m(120), 0.7);
 }

@@ -121,7 +121,7 @@ TEST(Airframe, DelaysTurnAndThrustByTheirLags) {
   const Eigen::Vector3d nose = body.local_from_body() * Eigen::Vector3d::UnitX();
   EXPECT_NEAR(nose.x(), 0.0, 1e-6);
   EXPECT_GT(nose.y(), 0.8);
-  EXPECT_GT(nose.z(), 0.4) << "it looks down where it accelerates";
+  EXPECT_GT(nose.z(), 0.4) << "the nose points down during acceleration";
 }
 
 TEST(Airframe, IsStationaryOnTheGroundBeforeLiftAndAfterAFall) {
@@ -256,7 +256,7 @@ TEST(PoseEstimator, IsReadyAfterContinuousPosesAndLostWithoutThem) {
   EXPECT_FALSE(belief.estimator.is_ready(belief.now));
   EXPECT_TRUE(belief.estimator.is_lost(belief.now));
   belief.see();
-  EXPECT_TRUE(belief.estimator.is_ready(belief.now)) << "it was ready before";
+  EXPECT_TRUE(belief.estimator.is_ready(belief.now)) << "the estimator remains ready";
   EXPECT_TRUE(belief.estimator.is_fed(belief.now + 100 * kMs, 0.1));
   EXPECT_FALSE(belief.estimator.is_fed(belief.now + 101 * kMs, 0.1));
 }
@@ -304,12 +304,14 @@ TEST(PoseEstimator, CorrectsThirtyPercentPerPoseAndAllAfterReset) {
     EXPECT_LT((belief.estimator.position_m() - kHere - (1.0 - left) * jump_m).norm(), 1e-12);
   }
   belief.see(-jump_m, 1);
-  EXPECT_LT((belief.estimator.position_m() - kHere + jump_m).norm(), 1e-12) << "a reset";
+  EXPECT_LT((belief.estimator.position_m() - kHere + jump_m).norm(), 1e-12)
+      << "a reset corrects the complete error";
   belief.see(jump_m, 1);
-  EXPECT_NEAR(belief.off_m(), 0.4 * jump_m.norm(), 1e-12) << "which counts once";
+  EXPECT_NEAR(belief.off_m(), 0.4 * jump_m.norm(), 1e-12) << "a reset counts once";
   belief.wait(201);
   belief.see(jump_m, 1);
-  EXPECT_LT((belief.estimator.position_m() - kHere - jump_m).norm(), 1e-12) << "after a break";
+  EXPECT_LT((belief.estimator.position_m() - kHere - jump_m).norm(), 1e-12)
+      << "after a gap the complete error is corrected";
   // A pose with a new reset counter is accepted at any distance.
   belief.wait(10);
   belief.see({5.0, 0.0, 0.0}, 2);
@@ -321,18 +323,18 @@ TEST(PoseEstimator, RefusesFarPosesUntilTimeout) {
   Belief belief(traits_of(0.0));
   belief.see();
   belief.watch(100, {0.0, 0.0, 0.79});
-  EXPECT_GT(belief.off_m(), 0.7) << "that near it is believed";
+  EXPECT_GT(belief.off_m(), 0.7) << "a pose at this distance is accepted";
   belief.watch(200);
   EXPECT_LT(belief.off_m(), 0.01);
   belief.watch(200, far_m);
   EXPECT_LT(belief.off_m(), 0.01);
   EXPECT_TRUE(belief.estimator.is_ready(belief.now));
   belief.watch(20, far_m);
-  EXPECT_TRUE(belief.estimator.is_lost(belief.now)) << "it refuses for longer than 0.2 s";
+  EXPECT_TRUE(belief.estimator.is_lost(belief.now)) << "poses are refused for more than 0.2 s";
   belief.watch(80, far_m);
   EXPECT_LT(belief.off_m(), 0.01);
   belief.watch(10, far_m);
-  EXPECT_NEAR(belief.off_m(), 0.81, 1e-9) << "0.3 s after the first";
+  EXPECT_NEAR(belief.off_m(), 0.81, 1e-9) << "0.3 s after the first pose";
   EXPECT_TRUE(belief.estimator.is_ready(belief.now));
   // A good pose between the bad ones restarts the timer.
   belief.watch(250, Eigen::Vector3d::Zero());

@@ -53,7 +53,7 @@ TEST(EmulatorMessages, SendsHeartbeatEachSecond) {
     EXPECT_EQ(heartbeats.size(), 11u);
     EXPECT_EQ(bench.all<mavlink::Timesync>().size(), static_cast<std::size_t>(row.timesyncs));
     EXPECT_EQ(bench.all<mavlink::Timesync>().front().tc1, 0);
-    EXPECT_EQ(bench.all<mavlink::Timesync>().front().ts1, 5'000'000) << "its own time, in ns";
+    EXPECT_EQ(bench.all<mavlink::Timesync>().front().ts1, 5'000'000) << "its clock, in ns";
     const mavlink::Heartbeat& heartbeat = heartbeats.back();
     EXPECT_EQ(heartbeat.autopilot, row.id);
     EXPECT_EQ(heartbeat.type, 2) << "a quadrotor";
@@ -81,10 +81,11 @@ TEST(EmulatorMessages, SendsOwnMessagesAtRequestedRate) {
   EXPECT_EQ(bench.command(kInterval, 30.0F, 4'999.0F), 4);
   EXPECT_EQ(bench.command(kInterval, 30.0F, -1.0F), 4);
   EXPECT_EQ(bench.command(kInterval, 30.0F, std::numeric_limits<float>::quiet_NaN()), 4);
-  EXPECT_EQ(bench.command(kInterval, 9'999.0F, 20'000.0F), 4) << "nobody's";
+  EXPECT_EQ(bench.command(kInterval, 9'999.0F, 20'000.0F), 4) << "unknown message";
   EXPECT_EQ(bench.command(kInterval, 193.0F, 20'000.0F), 4);
   EXPECT_EQ(bench.command(kInterval, 230.0F, 20'000.0F), 0);
-  EXPECT_EQ(bench.command(kInterval, 242.0F, 20'000.0F), 0) << "of which it has no source";
+  EXPECT_EQ(bench.command(kInterval, 242.0F, 20'000.0F), 0)
+      << "accepted, although it has no source";
   bench.frames.clear();
   bench.run(1.0);
   EXPECT_EQ(bench.all<mavlink::Attitude>().size(), 200u);
@@ -106,10 +107,11 @@ TEST(EmulatorMessages, AcceptsOwnAddressAndBroadcastOnly) {
   EXPECT_EQ(bench.emulator.controller().mode(), 0x06040000U);
   EXPECT_EQ(bench.command(12'345), 3) << "unsupported";
   EXPECT_EQ(bench.command(mavlink::command::kTakeOff, 0.0F, 0.0F, 0.0F, 1.0F), 1);
-  EXPECT_EQ(bench.command(mavlink::command::kArmDisarm, 0.0F), 0) << "it is not armed anyway";
+  EXPECT_EQ(bench.command(mavlink::command::kArmDisarm, 0.0F), 0)
+      << "disarming a disarmed vehicle is accepted";
   EmulatorBench other(AutopilotDialect::kArdupilot);
   EXPECT_EQ(other.command(mavlink::command::kSetMode, 1.0F, 9.0F, 3.0F), 0);
-  EXPECT_EQ(other.emulator.controller().mode(), 9U) << "it has no sub modes";
+  EXPECT_EQ(other.emulator.controller().mode(), 9U) << "ArduPilot has no sub-modes";
 }
 
 TEST(EmulatorMessages, ReportsPoseInAutopilotAxes) {
@@ -142,7 +144,7 @@ TEST(EmulatorMessages, ReportsPoseInAutopilotAxes) {
   const Quaternion truth = convert_axes(bench.emulator.world_from_body().rotation);
   EXPECT_LT((told - truth.toRotationMatrix()).norm(), 1e-5);
   EXPECT_GT(std::abs(attitude.roll), 0.02);
-  EXPECT_LT(attitude.pitch, -0.02) << "nose down, it flies forwards";
+  EXPECT_LT(attitude.pitch, -0.02) << "nose down in forward flight";
   EXPECT_NEAR(attitude.yawspeed, bench.emulator.controller().airframe().yaw_rate_radps(), 1e-6);
   EXPECT_GT(attitude.yawspeed, 0.1);
   EXPECT_EQ(attitude.time_boot_ms, motion.time_boot_ms);
@@ -241,7 +243,8 @@ TEST(EmulatorMessages, ReadsWritesAndResetsParameters) {
   EXPECT_EQ(ask("PART")[0].param_value, 7.5F);
   EXPECT_EQ(ask("PART")[0].param_count, count + 2);
   bench.emulator.set_parameter("PART", 8.0);
-  EXPECT_EQ(ask("PART")[0].param_type, mavlink::parameter_type::kFloat) << "as it was made";
+  EXPECT_EQ(ask("PART")[0].param_type, mavlink::parameter_type::kFloat)
+      << "keeps the type with which it was created";
   bench.emulator.forget_parameter("PART");
   EXPECT_TRUE(ask("PART").empty());
 }

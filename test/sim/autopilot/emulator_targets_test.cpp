@@ -87,7 +87,7 @@ TEST(EmulatorTargets, InUnknownFramesAreIgnoredAndCounted) {
   auto others = velocity_of(0.5, 0.0, 0.0);
   others.target_system = 8;
   bench.send(others);
-  EXPECT_EQ(bench.emulator.ignored(), 1) << "another's is not even looked at";
+  EXPECT_EQ(bench.emulator.ignored(), 1) << "set-points for another vehicle are not counted";
   bench.send_poses(0.5, &stay);
   EXPECT_LT(bench.emulator.velocity_world_mps().norm(), 0.02);
 }
@@ -149,7 +149,7 @@ TEST(EmulatorMessages, AnswersAndSendsTimesync) {
   bench.frames.clear();
   asked.tc1 = 5;  // tc1 ≠ 0: a reply
   bench.send(asked);
-  EXPECT_TRUE(bench.all<mavlink::Timesync>().empty()) << "is not answered in turn";
+  EXPECT_TRUE(bench.all<mavlink::Timesync>().empty()) << "a reply is not answered";
 }
 
 // The host's clock is offset by five hours. The reply gives the host's time, valid half a round
@@ -195,7 +195,7 @@ TEST(EmulatorMessages, ConfirmsOrigin) {
     mavlink::SetGpsGlobalOrigin origin{421'234'567, -710'987'654, 12'345, 8};
     bench.frames.clear();
     bench.send(origin);
-    EXPECT_TRUE(bench.all<mavlink::GpsGlobalOrigin>().empty()) << "another's";
+    EXPECT_TRUE(bench.all<mavlink::GpsGlobalOrigin>().empty()) << "message for another vehicle";
     EXPECT_FALSE(bench.emulator.controller().has_origin());
     origin.target_system = 9;
     bench.send(origin);
@@ -258,7 +258,7 @@ TEST(EmulatorMessages, SendsTextsFor2_5SecondsAfterHeartbeat) {
   };
   EXPECT_GT(texts_after(AutopilotDialect::kPx4, 2.5), 0u);
   EXPECT_EQ(texts_after(AutopilotDialect::kPx4, 2.505), 0u);
-  EXPECT_GT(texts_after(AutopilotDialect::kArdupilot, 2.505), 0u) << "to everybody";
+  EXPECT_GT(texts_after(AutopilotDialect::kArdupilot, 2.505), 0u) << "sent on all links";
 }
 
 // When 1024 messages have not been fetched, the older half is dropped.

@@ -338,8 +338,8 @@ TEST(EmulatedAutopilot, ReportsBatteryLikeTheRealOne) {
   station.command(511, 147.0F, 50'000.0F);
   station.run(0.2);
   ASSERT_TRUE(station.last_battery);
-  EXPECT_EQ(station.last_battery->voltages[0], 12'600) << "full, and nothing turns";
-  EXPECT_EQ(station.last_battery->voltages[1], 0xFFFF) << "no cells are told apart";
+  EXPECT_EQ(station.last_battery->voltages[0], 12'600) << "full battery, motors off";
+  EXPECT_EQ(station.last_battery->voltages[1], 0xFFFF) << "single cells are not reported";
   EXPECT_EQ(station.last_battery->current_battery, 0);
   EXPECT_EQ(station.last_battery->temperature, 2'500) << "25 degrees Celsius";
   EXPECT_EQ(station.last_battery->charge_state, 1);

@@ -80,7 +80,7 @@ TEST(FlightController, ReachesItsSetPointWithinItsLimits) {
     }
     EXPECT_LT((pilot.place_m() - Eigen::Vector3d(8.0, -6.0, -3.5)).norm(), 0.05);
     EXPECT_NEAR(wrap_to_pi(pilot.controller.airframe().yaw_rad() - 3.0), 0.0, 0.01);
-    EXPECT_NEAR(most_mps.x(), 1.5, 0.12) << "as fast as it may";
+    EXPECT_NEAR(most_mps.x(), 1.5, 0.12) << "at the maximum speed";
     EXPECT_NEAR(most_mps.y(), 0.7, 0.1);
     EXPECT_NEAR(turn_radps, 1.0, 0.02);
     // Then the vehicle descends within the limit of the descent rate and turns back across ±π.
@@ -197,8 +197,8 @@ TEST(FlightController, DoesNotArmOrFlyWithAnEmptyBattery) {
     EXPECT_EQ(pilot.texts.back(), "Failsafe activated: battery empty");
     const std::size_t count = pilot.texts.size();
     pilot.run(pilot.profile.failsafe_pause_s);
-    EXPECT_EQ(pilot.texts.size(), count) << "once";
-    EXPECT_NEAR(pilot.place_m().z(), -1.5, 0.12) << "it waits before it comes down";
+    EXPECT_EQ(pilot.texts.size(), count) << "only one text";
+    EXPECT_NEAR(pilot.place_m().z(), -1.5, 0.12) << "waits before it descends";
     pilot.run(1.0);
     EXPECT_GT(pilot.place_m().z(), -1.3);
   }
@@ -263,8 +263,8 @@ TEST(FlightController, Px4RequiresSetPointsBeforeOffboardArming) {
     return pilot.controller.set_mode(pilot.profile.follow_mode, pilot.now) == 0;
   };
   EXPECT_TRUE(is_let_in(4, 500));
-  EXPECT_FALSE(is_let_in(3, 500)) << "a second is not more than one";
-  EXPECT_FALSE(is_let_in(10, 505)) << "each begins anew";
+  EXPECT_FALSE(is_let_in(3, 500)) << "the time must exceed one second";
+  EXPECT_FALSE(is_let_in(10, 505)) << "each gap restarts the time";
   EXPECT_TRUE(is_let_in(60, 20));
   Pilot pilot(AutopilotDialect::kPx4);
   pilot.target = FlightTarget{};
@@ -272,9 +272,9 @@ TEST(FlightController, Px4RequiresSetPointsBeforeOffboardArming) {
   EXPECT_EQ(pilot.controller.set_mode(pilot.profile.follow_mode, pilot.now), 0);
   pilot.target.reset();
   pilot.run(0.5);
-  EXPECT_EQ(pilot.controller.arm(pilot.now), 1) << "the last is too old";
+  EXPECT_EQ(pilot.controller.arm(pilot.now), 1) << "the last set-point is too old";
   EXPECT_EQ(pilot.controller.set_mode(pilot.profile.start_mode, pilot.now), 0);
-  EXPECT_EQ(pilot.controller.arm(pilot.now), 0) << "in another mode nobody asks";
+  EXPECT_EQ(pilot.controller.arm(pilot.now), 0) << "other modes need no set-points";
 }
 
 TEST(FlightController, TakesOffOnlyByCommandFromTheGround) {
@@ -283,7 +283,7 @@ TEST(FlightController, TakesOffOnlyByCommandFromTheGround) {
   pilot.run(25.0);
   EXPECT_EQ(pilot.controller.take_off(1.0), 4) << "not armed";
   EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
-  EXPECT_EQ(pilot.controller.take_off(1.0), 4) << "in another mode";
+  EXPECT_EQ(pilot.controller.take_off(1.0), 4) << "wrong mode";
   EXPECT_EQ(pilot.controller.set_mode(pilot.profile.follow_mode, pilot.now), 0);
   EXPECT_EQ(pilot.controller.take_off(0.0), 4);
   EXPECT_EQ(pilot.controller.take_off(-1.0), 4);
@@ -296,11 +296,11 @@ TEST(FlightController, TakesOffOnlyByCommandFromTheGround) {
   EXPECT_GT(to_seconds(pilot.now - begin), 0.99);
   EXPECT_LT(to_seconds(pilot.now - begin), 1.5);
   EXPECT_EQ(pilot.controller.landed_state(), 3);
-  EXPECT_EQ(pilot.controller.take_off(1.0), 4) << "it flies";
+  EXPECT_EQ(pilot.controller.take_off(1.0), 4) << "already in flight";
   pilot.run(7.0);
   EXPECT_NEAR(pilot.place_m().z(), -1.2, 0.05);
   EXPECT_LT(pilot.place_m().head<2>().norm(), 0.01);
-  EXPECT_EQ(pilot.controller.landed_state(), 3) << "until it has a target";
+  EXPECT_EQ(pilot.controller.landed_state(), 3) << "until it receives a target";
   pilot.target = FlightTarget{};
   pilot.run(0.1);
   EXPECT_EQ(pilot.controller.landed_state(), 2);
@@ -329,7 +329,7 @@ TEST(FlightController, ReportsEstimatorFlags) {
   EXPECT_EQ(pilot.controller.estimator_flags(last + Duration{600'000}), 0x12F);
   EXPECT_EQ(pilot.controller.estimator_flags(last + Duration{600'001}), 0x00F);
   pilot.run(4.0);
-  EXPECT_EQ(pilot.controller.mode(), pilot.profile.follow_mode) << "its owner wants no landing";
+  EXPECT_EQ(pilot.controller.mode(), pilot.profile.follow_mode) << "a landing is not configured";
   EXPECT_TRUE(pilot.texts.empty() || pilot.texts.back() == pilot.profile.arming_text);
 }
 
@@ -343,10 +343,10 @@ TEST(FlightController, FailsOnlyOnLossOfItsOwnStation) {
   pilot.run(1.0);
   EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
   pilot.run(2.0);
-  EXPECT_TRUE(pilot.controller.is_armed()) << "it was never heard";
+  EXPECT_TRUE(pilot.controller.is_armed()) << "the station was never received";
   pilot.controller.take_heartbeat(251, pilot.now);
   pilot.run(2.0);
-  EXPECT_TRUE(pilot.controller.is_armed()) << "another's";
+  EXPECT_TRUE(pilot.controller.is_armed()) << "another station";
   for (int time = 0; time < 2; ++time) {
     pilot.controller.take_heartbeat(250, pilot.now);
     pilot.run(1.0);
@@ -357,7 +357,7 @@ TEST(FlightController, FailsOnlyOnLossOfItsOwnStation) {
     const std::size_t count = pilot.texts.size();
     EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
     pilot.run(1.0);
-    EXPECT_EQ(pilot.texts.size(), count + 1) << "once each";
+    EXPECT_EQ(pilot.texts.size(), count + 1) << "one text for each";
     EXPECT_TRUE(pilot.controller.is_armed());
   }
 }

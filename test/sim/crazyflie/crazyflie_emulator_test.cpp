@@ -129,7 +129,7 @@ TEST_F(CrazyflieEmulatorTest, LevelsAndThenLocksWithoutSetpoints) {
   setpoint->velocity_world_mps.x() = 0.0;
   setpoint.reset();
   run(1.9);
-  EXPECT_GT(lowest_m, 0.9) << "levelled, it keeps its height";
+  EXPECT_GT(lowest_m, 0.9) << "it levels and keeps its height";
   EXPECT_FALSE(has(info::kLocked));
   EXPECT_TRUE(has(info::kFlying)) << "the levelling is not visible";
   EXPECT_NEAR(until(info::kLocked, true, 1.0), 0.1, 0.06);

@@ -64,7 +64,7 @@ TEST_F(ArdupilotLinkTest, MapsPulsesOfOneToTwoMillisecondsToThrottle) {
 }
 
 TEST_F(ArdupilotLinkTest, AnswersEachDatagramOnce) {
-  EXPECT_FALSE(link->send({})) << "nobody has spoken";
+  EXPECT_FALSE(link->send({})) << "no firmware has sent a packet";
   for (int time = 0; time < 2; ++time) {
     transmit(1'000, 1'000);
     ASSERT_TRUE(link->receive(kLong));

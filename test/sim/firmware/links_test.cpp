@@ -110,7 +110,7 @@ TEST(ArdupilotLink, ReturnsTheNewestThrottlePerMotor) {
   }
   EXPECT_FALSE(firmware.link->receive(Duration{0}));
   firmware.transmit(std::vector<std::uint8_t>{1, 2, 3});
-  EXPECT_FALSE(firmware.link->receive(kLong)) << "and nothing else";
+  EXPECT_FALSE(firmware.link->receive(kLong)) << "no other packet";
   EXPECT_TRUE(firmware.link->is_lockstep());
   EXPECT_EQ(firmware.link->period(), Duration{1'250});
 }
@@ -233,7 +233,7 @@ TEST(Px4Link, ReturnsCommandsThatAnswerTheLastSensors) {
   ASSERT_TRUE(motors);
   EXPECT_EQ(motors->throttles, (Throttles{0.125, 0.25, 0.375, 0.5}));
   ASSERT_TRUE(firmware.link->send(Px4::at(8'000)));
-  EXPECT_FALSE(firmware.link->receive(Duration{0})) << "one answer is one answer";
+  EXPECT_FALSE(firmware.link->receive(Duration{0})) << "each answer is returned once";
   EXPECT_EQ(firmware.link->counts().stale, 0);
   firmware.transmit(7'999, 0.2F);
   EXPECT_FALSE(firmware.link->receive(Duration{2'000}));
@@ -353,7 +353,7 @@ TEST(FirmwareFlight, InterpolatesAndExtrapolatesBriefly) {
     EXPECT_LT(flight.battery_share(), 1.0);
     return;
   }
-  FAIL() << "the thread was away each time";
+  FAIL() << "the thread was delayed each time";
 }
 
 }  // namespace

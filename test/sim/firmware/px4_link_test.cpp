@@ -65,12 +65,12 @@ class FakeFirmware {
       pollfd polled{fd_, POLLIN, 0};
       std::array<std::uint8_t, 1024> bytes{};
       if (poll(&polled, 1, 5000) != 1) {
-        ADD_FAILURE() << "no sensors";
+        ADD_FAILURE() << "no sensor message";
         return {};
       }
       const ssize_t got = read(fd_, bytes.data(), bytes.size());
       if (got <= 0) {
-        ADD_FAILURE() << "the simulator hung up";
+        ADD_FAILURE() << "the simulator closed the connection";
         return {};
       }
       parser_.feed(
@@ -187,7 +187,7 @@ TEST(Px4Link, ReturnsTheMotorsForTheLastSensors) {
   ASSERT_TRUE(command);
   EXPECT_FLOAT_EQ(static_cast<float>(command->throttles[0]), 0.1F);
   EXPECT_FLOAT_EQ(static_cast<float>(command->throttles[3]), 0.4F);
-  EXPECT_EQ(link->receive(Duration{0}), std::nullopt) << "one answer is one answer";
+  EXPECT_EQ(link->receive(Duration{0}), std::nullopt) << "each answer is returned once";
 
   ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
   firmware.transmit(4'000, {0.9F, 0.9F, 0.9F, 0.9F});  // reply to older sensors
@@ -226,7 +226,7 @@ TEST(Px4Link, AcceptsRestartedFirmware) {
   EXPECT_TRUE(link->receive(kLong));
 
   fresh.hang_up();
-  EXPECT_EQ(link->receive(kLong), std::nullopt) << "waits for nobody who has gone";
+  EXPECT_EQ(link->receive(kLong), std::nullopt) << "does not wait for a closed connection";
   EXPECT_FALSE(link->send(sensors_at(Duration{12'000})));
   FakeFirmware third(FakeFirmware::connected_to(port));
   EXPECT_TRUE(link->send(sensors_at(Duration{16'000})));
@@ -280,7 +280,7 @@ TEST(Px4Link, NeverBlocksOnAStalledFirmware) {
     last_usec = received.time_usec;
     received_usec.push_back(last_usec);
   }
-  EXPECT_EQ(received_usec, sent_usec) << "what it said it could not say is not said later";
+  EXPECT_EQ(received_usec, sent_usec) << "a sample that could not be sent is dropped";
 }
 
 TEST(Px4Link, ReportsUnavailablePort) {

@@ -108,13 +108,13 @@ TEST(Course, PrunesOnlyPlansOlderThanLookback) {
     course.follow(straight(kStart + k * kSecond, k, 0.0, 1.0), k);
   }
   course.prune(kStart + 3 * kSecond);
-  EXPECT_EQ(course.round(kStart + kSecond), 1) << "a second ago the second plan began";
+  EXPECT_EQ(course.round(kStart + kSecond), 1) << "the second plan began one second ago";
   course.prune(kStart + 3 * kSecond + kInstant);
-  EXPECT_EQ(course.round(kStart + kSecond), 2) << "the first is forgotten";
+  EXPECT_EQ(course.round(kStart + kSecond), 2) << "the first plan was removed";
   EXPECT_EQ(course.round(kStart + 3 * kSecond), 3);
   EXPECT_EQ(course.round(kStart + 4 * kSecond), 4);
   course.prune(kStart + 100 * kSecond);
-  EXPECT_EQ(course.round(kStart + 2 * kSecond), 4) << "the last one always stays";
+  EXPECT_EQ(course.round(kStart + 2 * kSecond), 4) << "the last plan is always kept";
   EXPECT_EQ(course.newest_start(), kStart + 4 * kSecond);
 }
 

@@ -396,7 +396,7 @@ TEST(Quadrotor, AcceptsPlansUpToTheirLimits) {
             PlanVerdict::kAccepted);
   EXPECT_EQ(flight.vehicle.offer(plan_of({kStart, {0.0, 0.0, 0.0}, 1.5, {}}, 2), kStart),
             PlanVerdict::kAccepted)
-      << "as old as the newest is not older";
+      << "a plan of equal age is not older";
 }
 
 TEST(Quadrotor, RequiresAFiniteStartAboveTheGround) {
@@ -441,7 +441,7 @@ TEST(Quadrotor, ReportsStateSetPointAndBattery) {
   EXPECT_TRUE(status.reasons.empty());
   vehicle.command(OperatorAction::kHold, kStart);
   status = vehicle.status(kStart);
-  EXPECT_EQ(status.setpoint_height_m, 1.5) << "it holds at its own height";
+  EXPECT_EQ(status.setpoint_height_m, 1.5) << "holds at its current height";
   EXPECT_EQ(status.reasons, std::vector<std::string>{"operator"});
   vehicle.command(OperatorAction::kLand, kStart);
   EXPECT_EQ(vehicle.status(kStart).setpoint_height_m, 0.0);

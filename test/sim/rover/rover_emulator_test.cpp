@@ -76,7 +76,8 @@ TEST(RoverEmulator, ExecutesCommandsAfterDelay) {
   EXPECT_NEAR(bench.rover.state().speed_mps, 0.05, 1e-9);
   EXPECT_EQ(bench.rover.state().yaw_rate_radps, 0.0);
   bench.rover.advance_to(kStart + Duration{170'000});
-  EXPECT_NEAR(bench.rover.state().yaw_rate_radps, 5 * 0.005 * 8.0, 1e-9) << "the second, in turn";
+  EXPECT_NEAR(bench.rover.state().yaw_rate_radps, 5 * 0.005 * 8.0, 1e-9)
+      << "the second command, at its own time";
 }
 
 // Each command takes effect at its own time, for any step length of the emulator.
@@ -139,7 +140,7 @@ TEST(RoverEmulator, SlipAndDriftAreUnmeasured) {
 
 TEST(RoverEmulator, SendsTelemetryEvery50Ms) {
   Bench bench;
-  ASSERT_TRUE(bench.rover.take_output()) << "at once";
+  ASSERT_TRUE(bench.rover.take_output()) << "sent immediately";
   EXPECT_FALSE(bench.rover.take_output());
   wire::Telemetry telemetry = bench.read_telemetry();
   EXPECT_EQ(telemetry.robot, 7U);
@@ -154,7 +155,7 @@ TEST(RoverEmulator, SendsTelemetryEvery50Ms) {
   bench.drive_for(1.0, 0.5F, -1.0F);
   const std::int64_t said_us = to_utime(bench.now) - 20'000 - 5;
   telemetry = bench.read_telemetry();
-  EXPECT_EQ(telemetry.sequence, 2U) << "of those taken";
+  EXPECT_EQ(telemetry.sequence, 2U) << "number of sent messages";
   EXPECT_EQ(telemetry.session, 11U);
   EXPECT_EQ(telemetry.command_sequence, bench.sequence);
   EXPECT_EQ(telemetry.command_time_us, said_us);
@@ -181,7 +182,7 @@ TEST(RoverEmulator, ReportsWhyItDoesNotDrive) {
   wire::Command release = bench.drive(0.5F);
   release.flags = wire::kReleaseStop;
   bench.transmit(release);
-  EXPECT_EQ(bench.read_telemetry().flags, 0U) << "received, and not asked to drive";
+  EXPECT_EQ(bench.read_telemetry().flags, 0U) << "commands are received but do not request driving";
   bench.drive_for(0.5, 0.5F);
   EXPECT_NEAR(bench.rover.state().speed_mps, 0.5, 1e-6);
   bench.rover.fail_motor();
@@ -243,11 +244,11 @@ TEST(RoverEmulator, AcceptsAnotherDriverAfterItsWatchdog) {
   bench.transmit(other);
   EXPECT_EQ(bench.rover.refused(), 1);
   bench.transmit(bench.drive(0.1F));
-  EXPECT_EQ(bench.rover.refused(), 2) << "the first one has lost it";
+  EXPECT_EQ(bench.rover.refused(), 2) << "the first driver has lost control";
   EXPECT_EQ(bench.read_telemetry().session, 12U);
   EXPECT_EQ(bench.read_telemetry().refused, 2U);
   bench.rover.receive({}, bench.now);
-  EXPECT_EQ(bench.read_telemetry().refused, 3U) << "no command at all";
+  EXPECT_EQ(bench.read_telemetry().refused, 3U) << "not a command";
 }
 
 TEST(RoverEmulator, HasDocumentedDefaults) {
@@ -261,7 +262,7 @@ TEST(RoverEmulator, HasDocumentedDefaults) {
   empty.battery_per_s = 0.01;
   Bench bench(empty);
   bench.now += Duration{1'000'000};
-  EXPECT_EQ(bench.read_telemetry().battery_share, 0.0F) << "and no less";
+  EXPECT_EQ(bench.read_telemetry().battery_share, 0.0F) << "not negative";
   bench.rover.push_to({4.0, 5.0, -1.0});
   EXPECT_EQ(bench.rover.state().world_from_body, (Pose2{4.0, 5.0, -1.0}));
 }
@@ -280,7 +281,7 @@ TEST(RoverEndpoint, ExchangesCommandsAndTelemetry) {
   });
   ASSERT_EQ(received.size(), 1u);
   EXPECT_EQ(received[0].session, 11U);
-  EXPECT_EQ(received[0].speed_mps, 0.0F) << "it was received at the end of the time";
+  EXPECT_EQ(received[0].speed_mps, 0.0F) << "received at the end of the step";
   endpoint.run_to(kStart + Duration{200'000});
   EXPECT_NEAR(endpoint.emulator().state().speed_mps, 0.1, 1e-9);
   EXPECT_EQ(endpoint.send_errors(), 0);

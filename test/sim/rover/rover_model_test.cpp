@@ -62,7 +62,7 @@ TEST(RoverModel, MovesAlongTheChordOfItsArc) {
     EXPECT_NEAR(to.world_from_body.y_m, side * (-2.0 + way_m * std::sin(chord_rad)), 1e-12);
     EXPECT_NEAR(to.world_from_body.yaw_rad, side * (3.0 + turned_rad), 1e-12);
     const double wrapped_rad = drive(mirrored, {0.8, side * 1.5}, 1.0).world_from_body.yaw_rad;
-    EXPECT_NEAR(wrapped_rad, side * (4.5 - 2.0 * kPi), 1e-9) << "across the back";
+    EXPECT_NEAR(wrapped_rad, side * (4.5 - 2.0 * kPi), 1e-9) << "across ±π";
   }
 }
 
@@ -137,7 +137,8 @@ TEST(StoppingPathDistance, IsALowerBoundWhenFar) {
   // The rovers drive towards each other: the result is the distance minus both stopping distances.
   const double found_m = distance_m(along, stop_from(3.0, 0.0, kPi));
   EXPECT_NEAR(found_m, 3.0 - 0.3 - 0.3, 1e-9);
-  EXPECT_NEAR(distance_m(along, stop_from(0.0, 2.7, 0.0)), 2.1, 1e-9) << "a bound beyond 2 m";
+  EXPECT_NEAR(distance_m(along, stop_from(0.0, 2.7, 0.0)), 2.1, 1e-9)
+      << "beyond 2 m, a lower bound";
   EXPECT_NEAR(distance_m(along, stop_from(0.0, 2.5, 0.0)), 2.5, 1e-9) << "exact below";
 }
 

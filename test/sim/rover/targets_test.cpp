@@ -73,7 +73,7 @@ TEST(TargetStarts, KeepDistancesAndCoverTheWorld) {
     }
   }
   EXPECT_GE(gap_m, 0.3);
-  EXPECT_LT(gap_m, 0.35) << "and no more than that is asked";
+  EXPECT_LT(gap_m, 0.35) << "not more than required";
   EXPECT_GE(wall_m, 0.1);
   EXPECT_LT(wall_m, 0.12);
   EXPECT_GE(robot_m, 1.0);
@@ -264,7 +264,7 @@ TEST(RoverFleet, RoversOfDifferentSizesTouchNothing) {
   });
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_GT(gap_m[i], 0.0) << i;
-    EXPECT_LT(gap_m[i], 0.3) << i << ": they do come near";
+    EXPECT_LT(gap_m[i], 0.3) << i << ": rovers come near the circle";
     EXPECT_GT(wall_m[i], 0.0) << i;
     EXPECT_LT(wall_m[i], 0.3) << i;
   }
@@ -288,7 +288,7 @@ TEST(RoverFleet, AvoidsReservedDiscs) {
     }
   };
   watch(fleet, 100.0, look);
-  EXPECT_GE(nearest_m[0][0], 0.6 - 1e-3) << "began within";
+  EXPECT_GE(nearest_m[0][0], 0.6 - 1e-3) << "started inside the circle";
   EXPECT_GE(nearest_m[0][1], 0.8 - 1e-3);
   EXPECT_GE(nearest_m[1][0], 0.8 - 1e-3);
   EXPECT_GE(nearest_m[1][1], 0.8 - 1e-3);
@@ -324,7 +324,7 @@ TEST(RoverFleet, AvoidsSmallReservedDiscs) {
     }
   }
   EXPECT_GE(nearest_m, kNearM - 1e-3);
-  EXPECT_LT(nearest_m, kNearM + 0.01) << "it does come near";
+  EXPECT_LT(nearest_m, kNearM + 0.01) << "the rover comes near";
   EXPECT_GT(fastest_mps, 1.0);
   EXPECT_GT(fleet.way_points_reached(), 20);
 }

@@ -150,7 +150,7 @@ TEST(DataStreamPeer, SendsNamePoseAndLatencyOfEachBody) {
       EXPECT_EQ(quality.quality, 1.0);
       const auto light = packet.get<wire::LightweightSegments>(wire::kLightweightSegments, i);
       EXPECT_EQ(light.subject_id, id);
-      EXPECT_EQ(light.poses.size(), body.is_occluded ? 0u : 1u) << "whatever the style";
+      EXPECT_EQ(light.poses.size(), body.is_occluded ? 0u : 1u) << "for any style";
       for (const auto type : {wire::kGlobalSegments, wire::kLocalSegments}) {
         const auto segments = packet.get<wire::Segments>(type, i);
         EXPECT_EQ(segments.subject_id, id);
@@ -234,7 +234,7 @@ TEST(DataStreamPeer, SendsStaticBlocksOnceAndOnChange) {
   EXPECT_EQ(names_after(frame), (Names{"Q1", "OTHER"}));
   EXPECT_EQ(names_after(frame), Names{});
   EXPECT_TRUE(peer.receive(packet_of(wire::ObjectEnums{{wire::kSubjectInfo}})));
-  EXPECT_EQ(names_after(frame), (Names{"Q1", "OTHER"})) << "asked again, said again";
+  EXPECT_EQ(names_after(frame), (Names{"Q1", "OTHER"})) << "requested again, sent again";
   EXPECT_EQ(names_after(frame), Names{});
 }
 
@@ -257,7 +257,7 @@ TEST(DataStreamPeer, SendsRequestedNumberOfFrames) {
   const auto next = [](std::uint32_t count) { return packet_of(wire::RequestNextFrame{count}); };
   EXPECT_EQ(sent_after({}), 0);
   EXPECT_EQ(sent_after({one}), 1);
-  EXPECT_EQ(sent_after({one, one}), 1) << "one that is still to come is enough";
+  EXPECT_EQ(sent_after({one, one}), 1) << "a pending request is sufficient";
   EXPECT_EQ(sent_after({next(3)}), 3);
   EXPECT_EQ(sent_after({next(3), next(4)}), 7);
   EXPECT_EQ(sent_after({next(3), one}), 3);
@@ -265,7 +265,7 @@ TEST(DataStreamPeer, SendsRequestedNumberOfFrames) {
   EXPECT_EQ(sent_after({next(0xFFFFFFFF)}), 1'000);
   EXPECT_EQ(sent_after({next(500), next(0xFFFFFFFF)}), 1'000);
   EXPECT_EQ(sent_after({all}), 1'100);
-  EXPECT_EQ(sent_after({next(3), all, one}), 1) << "what was pushed is no longer owed";
+  EXPECT_EQ(sent_after({next(3), all, one}), 1) << "a sent frame is no longer pending";
 }
 
 TEST(DataStreamPeer, AnswersPingsAndSkipsFramesWhileItsBacklogIsFull) {
@@ -280,7 +280,7 @@ TEST(DataStreamPeer, AnswersPingsAndSkipsFramesWhileItsBacklogIsFull) {
   EXPECT_TRUE(peer.receive(packet_of(wire::Ping{1})));
   EXPECT_EQ(peer.outgoing.size(), 200u);
   peer.on_frame(frame_of(1));
-  EXPECT_GT(peer.outgoing.size(), 200u) << "it is no more than full";
+  EXPECT_GT(peer.outgoing.size(), 200u) << "up to its limit";
   EXPECT_EQ(peer.frames_skipped, 0);
   peer.outgoing.assign(201, 0);
   peer.on_frame(frame_of(2));
@@ -301,7 +301,7 @@ TEST(DataStreamPeer, ReassemblesPacketsAndClosesOnInvalidOnes) {
     peer.outgoing.clear();
     for (std::size_t k = 0; k < asked.size(); ++k) {
       peer.on_frame(frame_of(1));
-      EXPECT_TRUE(peer.outgoing.empty()) << "not asked yet";
+      EXPECT_TRUE(peer.outgoing.empty()) << "not requested yet";
       EXPECT_TRUE(peer.receive(wire::Bytes(asked).subspan(k, 1)));
     }
     peer.on_frame(frame_of(2));
@@ -394,7 +394,7 @@ TEST(ObjectStreamServer, SendsVisibleAndHiddenBodies) {
   EXPECT_EQ(objects_of(zero, frame_of(2)).at("Q2").euler_xyz_rad, Eigen::Vector3d::Zero());
   ObjectStreamServer repeated(settings_of(OcclusionStyle::kRepeated));
   EXPECT_EQ(objects_of(repeated, frame_of(0)).at("Q2").translation_mm, Eigen::Vector3d::Zero())
-      << "never seen";
+      << "no pose was seen yet";
   const auto before = objects_of(repeated, seen);
   for (std::uint32_t k = 2; k < 5; ++k) {
     EmulatedFrame frame = frame_of(k);
@@ -406,7 +406,7 @@ TEST(ObjectStreamServer, SendsVisibleAndHiddenBodies) {
   objects_of(repeated, seen);
   EXPECT_EQ(objects_of(repeated, frame_of(9)).at("Q2").translation_mm,
             Eigen::Vector3d(1e3, 5e3, 6e3))
-      << "the last one, not the first";
+      << "the last pose, not the first";
 }
 
 }  // namespace

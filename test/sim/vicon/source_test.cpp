@@ -107,7 +107,7 @@ TEST(ReadFlight, ReadsNamesPeriodsAndPoses) {
             ":2: expected eight numbers: time, position, quaternion w x y z");
   EXPECT_EQ(why("t\n1,0,0,1,1,0.1,0,0\n"), ":2: the quaternion must have length 1");
   EXPECT_EQ(why("t\n" + good + good), ": contains no flight") << "no time has passed";
-  EXPECT_EQ(why("t\n" + good + "0.99,0,0,1,1,0,0,0\n"), ": contains no flight") << "nor backwards";
+  EXPECT_EQ(why("t\n" + good + "0.99,0,0,1,1,0,0,0\n"), ": contains no flight") << "time decreases";
   EXPECT_EQ(why("t\n" + good), "") << "one pose, at 100 Hz";
   EXPECT_EQ(why("t\n" + good + "1.01,0,0,1,1,0,0,0\n1.0200999,0,0,1,1,0,0,0\n"), "");
   EXPECT_EQ(why("t\n" + good + "1.01,0,0,1,1,0,0,0\n1.0201001,0,0,1,1,0,0,0\n"),
@@ -326,8 +326,8 @@ TEST(SocketServer, ServesSixtyFourClients) {
   }
   EXPECT_EQ(server.clients(), 64u);
   std::uint8_t byte = 0;
-  EXPECT_EQ(recv(clients[65], &byte, 1, 0), 0) << "is hung up on";
-  EXPECT_EQ(recv(clients[0], &byte, 1, 0), 1) << "is told what there is";
+  EXPECT_EQ(recv(clients[65], &byte, 1, 0), 0) << "disconnected";
+  EXPECT_EQ(recv(clients[0], &byte, 1, 0), 1) << "receives the greeting";
   for (std::size_t k = 0; k < clients.size(); ++k) {
     if (k % 2 == 0) {
       close(clients[k]);
@@ -340,7 +340,7 @@ TEST(SocketServer, ServesSixtyFourClients) {
   ASSERT_EQ(send(clients[1], foreign.data(), foreign.size(), 0),
             static_cast<ssize_t>(foreign.size()));
   server.wait(std::chrono::nanoseconds(0));
-  EXPECT_EQ(server.clients(), 31u) << "nor who speaks otherwise";
+  EXPECT_EQ(server.clients(), 31u) << "clients with another protocol do not count";
   for (std::size_t k = 1; k < clients.size(); k += 2) {
     close(clients[k]);
   }

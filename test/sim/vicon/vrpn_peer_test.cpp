@@ -167,7 +167,7 @@ TEST(VrpnPeer, SendsEachBodyWithTheCaptureTime) {
     frame.bodies.push_back({"LATE", lift({}, 0.0), false});
     EXPECT_EQ(client.show(frame).size(), 3u);
     EXPECT_EQ(client.announced, 3);
-    EXPECT_EQ(client.senders.size(), 3u) << "each has a number of its own";
+    EXPECT_EQ(client.senders.size(), 3u) << "one number per sender";
   }
 }
 
@@ -209,7 +209,7 @@ TEST(VrpnPeer, AnswersPingsOfKnownBodies) {
   EXPECT_EQ(client.pongs.size(), 2u);
   client.name(wire::kVrpnSenderDescription, 5, "Q1");
   client.say(5, 8);
-  EXPECT_EQ(client.pongs.back(), "Q1") << "named anew";
+  EXPECT_EQ(client.pongs.back(), "Q1") << "the new name";
 }
 
 TEST(VrpnPeer, LimitsAClientToAThousandNames) {
@@ -242,7 +242,7 @@ TEST(VrpnPeer, SkipsFramesAndPingsWhileItsBacklogIsFull) {
   EXPECT_EQ(client.peer.frames_sent, 1);
   client.peer.outgoing.assign(200, 0);
   EXPECT_TRUE(client.peer.receive(ping));
-  EXPECT_GT(client.peer.outgoing.size(), 200u) << "it is no more than full";
+  EXPECT_GT(client.peer.outgoing.size(), 200u) << "up to its limit";
   client.peer.outgoing.assign(200, 0);
   client.peer.on_frame(frame_of(3.0));
   EXPECT_GT(client.peer.outgoing.size(), 200u);

@@ -54,7 +54,8 @@ TEST(Ground, VelocityIsRateOfPosition) {
         moves += has_bounced ? 0 : 1;
         fastest_mps = std::max(fastest_mps, mean_mps.norm());
         if (motion == scenario::TargetMotion::kDoubleIntegrator) {
-          EXPECT_EQ(ground.world_from_body(i).yaw_rad, before[i].yaw_rad) << "it only slides";
+          EXPECT_EQ(ground.world_from_body(i).yaw_rad, before[i].yaw_rad)
+              << "drifting targets do not turn";
         }
       }
     }

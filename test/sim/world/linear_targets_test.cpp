@@ -59,7 +59,7 @@ TEST(LinearTargets, NeverLeaveTheWorld) {
       EXPECT_TRUE(kBounds.contains(state.head<2>())) << state.transpose();
     }
   }
-  EXPECT_NE(targets.states()[0], targets.states()[1]) << "each has noise of its own";
+  EXPECT_NE(targets.states()[0], targets.states()[1]) << "separate noise for each target";
 }
 
 TEST(LinearTargets, RefuseAModelWithoutVelocities) {
