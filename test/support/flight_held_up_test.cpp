@@ -202,7 +202,7 @@ TEST(DelayedFlight, ReportsTheLongestWaitWithinOneRun) {
   impatient.held_up_max_s = 0.071;
   EXPECT_FALSE(held_up(flight.record(), impatient));
   impatient.held_up_max_s = 0.0;
-  EXPECT_FALSE(held_up(MadeUpFlight().record(), impatient)) << "of a log that does not say it";
+  EXPECT_FALSE(held_up(MadeUpFlight().record(), impatient)) << "the log lacks the waiting times";
 
   MadeUpFlight older;
   older.add_messages = [](double t_s, FlightRecord& told) {
@@ -213,7 +213,7 @@ TEST(DelayedFlight, ReportsTheLongestWaitWithinOneRun) {
     MadeUpFlight::give(told, "HEALTH_SIM", MadeUpFlight::at(t_s), health);
   };
   const FlightRecord of_older = older.record();
-  EXPECT_FALSE(held_up(of_older, impatient)) << "nor of one that says what was used alone";
+  EXPECT_FALSE(held_up(of_older, impatient)) << "the log contains processor use only";
   EXPECT_NEAR(processors_used(of_older, MadeUpFlight::at(5.0), MadeUpFlight::at(9.0)), 0.5, 1e-6);
 }
 
@@ -293,7 +293,7 @@ TEST(DelayedFlight, NamesAProcessThatUsesTooMuchProcessorTime) {
     slowed.is_slowed = true;
     EXPECT_EQ(broken(record, slowed), Names{});
   }
-  EXPECT_EQ(processors_used(MadeUpFlight().record()), 0.0) << "of a log that does not say it";
+  EXPECT_EQ(processors_used(MadeUpFlight().record()), 0.0) << "the log lacks the processor use";
 }
 
 }  // namespace
