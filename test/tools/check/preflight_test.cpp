@@ -112,7 +112,7 @@ TEST(RoomForPlanners, IsThatOfTheHostWithMostPlanners) {
                 ": memory: 3 planners on one host need up to 0.4 GB; 0.3 GB are free on this host");
   scenario.hosts = {{"LAB", {"Q1"}}, {"AIR", {"Q2", "Q3"}}};
   EXPECT_TRUE(check_planner_memory(scenario, 300'000'000).is_enough) << "two on one host";
-  EXPECT_TRUE(check_planner_memory(scenario, std::nullopt).is_enough) << "nobody can say";
+  EXPECT_TRUE(check_planner_memory(scenario, std::nullopt).is_enough) << "unknown memory";
   EXPECT_GT(free_memory_bytes().value_or(0), 1'000'000U);
 }
 
@@ -144,7 +144,7 @@ TEST(CheckPreflight, NotesTheStoppingDistanceOfAFailedDriver) {
   scenario.planner.obstacle_margin_m = 0.1;
   scenario.planner.separation_from_above = false;
   const Preflight preflight = check_preflight(scenario);
-  EXPECT_TRUE(preflight.is_ready()) << "it is told, not refused";
+  EXPECT_TRUE(preflight.is_ready()) << "a note, not a refusal";
   ASSERT_EQ(preflight.notes.size(), 1U);
   const std::string& note = preflight.notes[0];
   EXPECT_NE(note.find("at 1 m/s"), std::string::npos) << note;
@@ -166,7 +166,7 @@ TEST(CheckPreflight, NotesTheStoppingDistanceOfAFailedDriver) {
   scenario.planner.obstacle_margin_m = 0.4;
   EXPECT_TRUE(check_preflight(scenario).notes.empty());
   scenario = lab();
-  EXPECT_TRUE(check_preflight(scenario).notes.empty()) << "nobody drives them";
+  EXPECT_TRUE(check_preflight(scenario).notes.empty()) << "simulated vehicles have no driver";
 }
 
 TEST(CheckPreflight, NotesPlansThatArriveAfterTheirFirstTurn) {
@@ -181,7 +181,7 @@ TEST(CheckPreflight, NotesPlansThatArriveAfterTheirFirstTurn) {
             std::string::npos);
   scenario = lab();
   scenario.planner.publish_margin_s = 0.0;
-  EXPECT_TRUE(check_preflight(scenario).notes.empty()) << "they turn at once";
+  EXPECT_TRUE(check_preflight(scenario).notes.empty()) << "these vehicles turn immediately";
 }
 
 TEST(CheckPreflight, NotesWindWithoutEffect) {

@@ -91,7 +91,7 @@ TEST_P(CheckVehicles, ReportsEachDifferenceAndItsConsequence) {
   EXPECT_NE(bench.description().find(loss_name()), std::string::npos);
   EXPECT_NE(bench.description().find("it flies on for this time after the driver dies"),
             std::string::npos);
-  EXPECT_EQ(bench.vehicle.parameter(loss_name()), 3.0) << "nothing is written unasked";
+  EXPECT_EQ(bench.vehicle.parameter(loss_name()), 3.0) << "nothing is written without a request";
 }
 
 TEST_P(CheckVehicles, WritesDifferencesAndReadsThemBack) {

@@ -36,7 +36,7 @@ TEST(IsSameSecret, ComparesAllBytesAndRefusesEmptySecrets) {
     EXPECT_FALSE(is_same_secret(other, "abc")) << other;
     EXPECT_FALSE(is_same_secret("abc", other)) << other;
   }
-  EXPECT_FALSE(is_same_secret("", "")) << "a missing key is no key";
+  EXPECT_FALSE(is_same_secret("", "")) << "an empty key is refused";
 }
 
 }  // namespace

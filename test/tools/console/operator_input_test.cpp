@@ -54,7 +54,7 @@ TEST(KeyInput, SelectsAnyRobotByItsName) {
     KeyInput input;
     std::optional<OperatorRequest> request;
     for (const char key : std::string(row.typed)) {
-      ASSERT_FALSE(request) << row.typed << ": nothing before its last key";
+      ASSERT_FALSE(request) << row.typed << ": requested before its last key";
       request = input.on_key({&key, 1}, robots, "Q1");
     }
     ASSERT_EQ(request.has_value(), row.kind.has_value()) << row.typed;
@@ -166,7 +166,7 @@ TEST(Keys, AnEscapeSequenceIsOneKeyWithoutAnOrder) {
     EXPECT_FALSE(request_from_key(text, kRobots, ""));
     for (std::size_t part = 1; part < text.size(); ++part) {
       EXPECT_EQ(keys_of(text.substr(0, part)), Keys{text.substr(0, part) + "…"})
-          << "cut in two by " << part;
+          << "split by " << part;
     }
   }
 }

@@ -158,7 +158,7 @@ TEST(OrderSender, ShowsALogError) {
   };
   EXPECT_FALSE(tell(kStart, 1000));
   EXPECT_TRUE(tell(kStart + std::chrono::seconds(3), 1000));
-  EXPECT_FALSE(sender.is_log_lost(kStart + std::chrono::seconds(7))) << "nobody says so any more";
+  EXPECT_FALSE(sender.is_log_lost(kStart + std::chrono::seconds(7))) << "no longer reported";
   EXPECT_FALSE(tell(kStart + std::chrono::seconds(8), 2000));
 }
 
@@ -229,7 +229,7 @@ TEST(OrderSender, OrderArrivesDespiteHalfASecondOfLoss) {
     EXPECT_EQ(lab.count(action), 0);
     lab.pass(0.5);
     ASSERT_GE(lab.count(action), 1);
-    EXPECT_EQ(lab.heard.back().action, OperatorAction::kHeartbeat) << "the station goes on";
+    EXPECT_EQ(lab.heard.back().action, OperatorAction::kHeartbeat) << "the heartbeat continues";
     EXPECT_FALSE(lab.sender.is_repeating());
   }
 }
@@ -239,7 +239,8 @@ TEST(OrderSender, RepeatsOrderForALimitedTime) {
   const Time given = lab.now;
   lab.send(OperatorAction::kEmergencyStop, "Q1");
   lab.pass(0.06);
-  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop, "Q1"), 2) << "the second comes soon";
+  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop, "Q1"), 2)
+      << "the second transmission follows soon";
   lab.pass(10.0);
   EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop, "Q1"), OrderSender::kTransmissions);
   for (const models::OperatorCommand& command : lab.heard) {
@@ -250,7 +251,7 @@ TEST(OrderSender, RepeatsOrderForALimitedTime) {
   lab.heard.clear();
   lab.send(OperatorAction::kArm);
   lab.pass(2.0);
-  EXPECT_EQ(lab.count(OperatorAction::kArm), 1) << "what makes nothing safer is said once";
+  EXPECT_EQ(lab.count(OperatorAction::kArm), 1) << "orders that are not safer are sent once";
 }
 
 TEST(OrderSender, DoesNotRepeatRevokedOrder) {
@@ -262,7 +263,8 @@ TEST(OrderSender, DoesNotRepeatRevokedOrder) {
   lab.send(OperatorAction::kHold, "Q2");
   lab.send(OperatorAction::kFollow, "Q1");
   lab.pass(2.0);
-  EXPECT_EQ(lab.count(OperatorAction::kHold, "Q2"), OrderSender::kTransmissions) << "Q1 is another";
+  EXPECT_EQ(lab.count(OperatorAction::kHold, "Q2"), OrderSender::kTransmissions)
+      << "orders for Q1 are separate";
   lab.send(OperatorAction::kEmergencyStop);
   lab.send(OperatorAction::kArm, "Q1");
   lab.pass(2.0);
@@ -336,7 +338,7 @@ TEST(ArmingWatch, ReportsMessagesRefusedDuringArming) {
   };
   report({{"COMMAND.unsigned", 3}});
   report({{"COMMAND.unsigned", 3}});
-  EXPECT_FALSE(mentions(watch.blocks(), "COMMAND: process")) << "before anybody watched";
+  EXPECT_FALSE(mentions(watch.blocks(), "COMMAND: process")) << "before the watch begins";
   report({{"COMMAND.unsigned", 3}, {"VICON.bad_mac", 12}, {"VICON.lost", 5}});
   EXPECT_TRUE(mentions(watch.blocks(),
                        "VICON: process QUADROTOR_Q1 refused 12 messages "
@@ -477,7 +479,7 @@ TEST(OrderSender, LimitsNumberOfVehicles) {
   const auto robots = sender.robots();
   EXPECT_EQ(robots.size(), OrderSender::kVehiclesMax);
   EXPECT_TRUE(std::find(robots.begin(), robots.end(), "Q1") != robots.end())
-      << "in the place of one that fell silent";
+      << "replaces a silent vehicle";
 }
 
 TEST(CheckPreflight, AppliesTheRulesOfFlightSafety) {

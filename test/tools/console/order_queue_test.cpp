@@ -133,7 +133,7 @@ TEST_F(OrderQueueTest, PendingBroadcastDoesNotUndoSaferOrderOfOneVehicle) {
   EXPECT_EQ(heard, (Words{"land Q1", "follow"}));
   heard.clear();
   pass(1.0);
-  EXPECT_EQ(heard, (Words{"land Q1", "follow Q2"})) << "said last of all to Q1";
+  EXPECT_EQ(heard, (Words{"land Q1", "follow Q2"})) << "the last order for Q1";
 }
 
 // A vehicle executes only the most urgent order of a tick: if `arm` and `take-off` arrived
@@ -180,7 +180,7 @@ TEST_F(OrderQueueTest, RefusesUnknownRobotButStopsAllOnEmergencyStop) {
   EXPECT_TRUE(orders.was_refused());
   heard.clear();
   add(OperatorAction::kEmergencyStop, "Q6");
-  EXPECT_EQ(heard, Words{"estop"}) << "at once";
+  EXPECT_EQ(heard, Words{"estop"}) << "immediately";
 }
 
 TEST_F(OrderQueueTest, SendsOrderWithoutKnownVehicles) {

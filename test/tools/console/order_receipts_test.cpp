@@ -46,7 +46,7 @@ TEST(OrderReceipts, AreDecidedByTheVehiclesStatus) {
   for (const Row& row : rows) {
     OrderReceipts receipts;
     receipts.on_status(status_of(row.state, row.reasons), kStart);
-    EXPECT_TRUE(receipts.receipts().empty()) << "nothing was ordered";
+    EXPECT_TRUE(receipts.receipts().empty()) << "no order was sent";
     receipts.on_order(row.action, {"Q1"}, kStart);
     receipts.on_status(status_of(row.state, row.reasons), kStart);
     EXPECT_EQ(receipts.receipts().at("Q1").outcome, Outcome::kAwaited) << "an old status";

@@ -55,7 +55,7 @@ TEST(TrialDisplay, ShowsRowsAndEventsBelowATable) {
   display.show(from_utime(1'000'000), lab.scenario, lab.metrics, 0.0, {"a row"}, "LAB 7/7");
   const std::string shown = testing::internal::GetCapturedStdout();
   EXPECT_LT(shown.find("a row"), shown.find("! event 2"));
-  EXPECT_EQ(shown.find("event 1"), std::string::npos) << "the last six";
+  EXPECT_EQ(shown.find("event 1"), std::string::npos) << "only the last six events";
   EXPECT_NE(shown.find("event 7"), std::string::npos);
   EXPECT_EQ(shown.find("LAB 7/7"), std::string::npos);
   EXPECT_TRUE(display.is_due(from_utime(1'500'000)));

@@ -135,7 +135,7 @@ TEST(PlanReport, HasEveryKeyOfTheInterface) {
         "nodes_expanded", "elapsed_s", "cpu_s", "peak_bytes", "stop_reason"}) {
     EXPECT_TRUE(printed.contains(key)) << key;
   }
-  EXPECT_TRUE(printed["epsilon"].is_null()) << "infinite after the greedy pass alone";
+  EXPECT_TRUE(printed["epsilon"].is_null()) << "infinite after the greedy pass only";
   EXPECT_EQ(printed["stop_reason"], "converged");
   EXPECT_GT(printed["peak_bytes"], 0);
 }
@@ -189,7 +189,7 @@ TEST(PlanReport, ScoresThePublicProblems) {
   const std::filesystem::path folder =
       std::filesystem::path(VANTAGE_DATA_DIR).parent_path() / "problems";
   if (!std::filesystem::exists(folder)) {
-    GTEST_SKIP() << "no problems beside " << VANTAGE_DATA_DIR;
+    GTEST_SKIP() << "no problems next to " << VANTAGE_DATA_DIR;
   }
   int problems = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {

@@ -45,7 +45,7 @@ TEST(RestartSchedule, NeverAbandonsAFlyingVehiclesDriver) {
     now_ns = *next_ns;
     schedule.on_start(now_ns);
   }
-  EXPECT_FALSE(schedule.on_end(now_ns, false)) << "on the ground it may be";
+  EXPECT_FALSE(schedule.on_end(now_ns, false)) << "on the ground it may be abandoned";
 }
 
 TEST(RestartSchedule, AbandonsAProcessThatFailsImmediately) {
@@ -60,7 +60,7 @@ TEST(RestartSchedule, AbandonsAProcessThatFailsImmediately) {
   }
   EXPECT_EQ(deaths, 5);
   EXPECT_EQ(schedule.restarts(), 5);
-  EXPECT_EQ(now_ns, seconds(0.2 + 0.4 + 0.8 + 1.6 + 3.2)) << "that is how long it takes to be sure";
+  EXPECT_EQ(now_ns, seconds(0.2 + 0.4 + 0.8 + 1.6 + 3.2)) << "time until the process is abandoned";
 }
 
 TEST(RestartSchedule, KeepsRestartingRareFailures) {
@@ -89,7 +89,7 @@ TEST(RestartSchedule, ForgetsRestartsOutsideTheWindow) {
   schedule.on_start(62 * kSecond_ns);
   EXPECT_TRUE(schedule.on_end(62 * kSecond_ns)) << "so is the second";
   schedule.on_start(63 * kSecond_ns);
-  EXPECT_FALSE(schedule.on_end(63 * kSecond_ns)) << "two within two seconds";
+  EXPECT_FALSE(schedule.on_end(63 * kSecond_ns)) << "two restarts within two seconds";
 }
 
 TEST(RestartSchedule, AllowsNoRestartIfTheLimitIsZero) {

@@ -75,7 +75,7 @@ TEST(Child, EndsWithItsDescendants) {
     ASSERT_EQ(::read(pipe_fds[0], text.data(), text.size()), 6);
   }
   pollfd ended{pipe_fds[0], POLLIN, 0};  // signalled when no process holds the write end
-  ASSERT_EQ(::poll(&ended, 1, static_cast<int>(kLong.count())), 1) << "it lives on";
+  ASSERT_EQ(::poll(&ended, 1, static_cast<int>(kLong.count())), 1) << "the process still runs";
   EXPECT_EQ(::read(pipe_fds[0], text.data(), text.size()), 0);
   ::close(pipe_fds[0]);
 }
@@ -88,7 +88,8 @@ TEST(Child, InheritsTheEnvironmentWithChanges) {
       "[ \"$HOME\" = /elsewhere ] && [ \"$VANTAGE_NEW\" = a=b ] && [ -n \"$PATH\" ]";
   Child child = std::move(Child::start({"sh", "-c", asked}, options)).value();
   EXPECT_TRUE(child.wait(kLong)->is_success());
-  EXPECT_EQ(home, std::getenv("HOME") == nullptr ? "" : std::getenv("HOME")) << "ours stays";
+  EXPECT_EQ(home, std::getenv("HOME") == nullptr ? "" : std::getenv("HOME"))
+      << "the environment of this process is unchanged";
   EXPECT_EQ(std::getenv("VANTAGE_NEW"), nullptr);
 }
 
@@ -366,7 +367,8 @@ TEST(Supervisor, SendsDriversASecondSignal) {
   watched.supervisor.end_drivers();
   watched.supervisor.end_drivers();
   EXPECT_TRUE(watched.until([&] { return watched.supervisor.have_drivers_ended(); }, 0));
-  EXPECT_EQ(watched.status().in_flight, InFlight::kYes) << "left to its autopilot, and named";
+  EXPECT_EQ(watched.status().in_flight, InFlight::kYes)
+      << "the vehicle is left to its autopilot and reported";
   EXPECT_EQ(watched.count(Kind::kStarted), 0);
 }
 

@@ -49,20 +49,21 @@ TEST(Watchdog, LimitsTheTimeToTheFirstHeartbeatAfterARestart) {
     dog.on_sign("a", at(begin_s));
     EXPECT_EQ(overdue_between(dog, begin_s, begin_s + 1.5), Names{"a"});
     dog.on_end("a");
-    EXPECT_EQ(overdue_between(dog, begin_s + 1.6, begin_s + 40.0), Names{}) << "nothing runs";
+    EXPECT_EQ(overdue_between(dog, begin_s + 1.6, begin_s + 40.0), Names{})
+        << "the process does not run";
     for (const double start_s : {begin_s + 40.0, begin_s + 60.0}) {
       dog.on_start("a", at(start_s));
       EXPECT_EQ(overdue_between(dog, start_s, start_s + Watchdog::kFirstSignS), Names{});
       EXPECT_EQ(dog.overdue(at(start_s + Watchdog::kFirstSignS + 0.001)), Names{"a"});
       EXPECT_EQ(overdue_between(dog, start_s + Watchdog::kFirstSignS + 0.1, start_s + 19.9),
                 Names{})
-          << "named once";
+          << "reported once";
     }
     dog.on_start("a", at(begin_s + 80.0));
     dog.on_sign("a", at(begin_s + 81.0));
     EXPECT_EQ(overdue_between(dog, begin_s + 80.0, begin_s + 81.9), Names{});
     EXPECT_EQ(overdue_between(dog, begin_s + 82.0, begin_s + 82.1), Names{"a"})
-        << "its own patience from then on";
+        << "its own time limit applies from now on";
   }
 }
 
@@ -123,7 +124,7 @@ TEST(Watchdog, CountsTimeOnlyWhileChecked) {
   dog.on_sign("a", at(0.0));
   dog.on_start("a", at(0.0));
   EXPECT_EQ(overdue_between(dog, 0.0, 1.0), Names{});
-  EXPECT_EQ(dog.overdue(at(101.0)), Names{}) << "a hundred seconds of nobody's";
+  EXPECT_EQ(dog.overdue(at(101.0)), Names{}) << "a hundred seconds without a check";
   const double left_s = Watchdog::kFirstSignS - 1.0 - Watchdog::kPollS;
   EXPECT_EQ(overdue_between(dog, 101.0, 101.0 + left_s - 0.01), Names{});
   EXPECT_EQ(dog.overdue(at(101.0 + left_s + 0.01)), Names{"a"});

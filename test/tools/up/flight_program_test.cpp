@@ -108,7 +108,7 @@ TEST(FlightProgram, TakesOffAndLandsEveryVehicle) {
   EXPECT_TRUE(trial.program.is_down());
   const std::size_t orders_before = trial.orders.size();
   trial.run(5.0);
-  EXPECT_EQ(trial.orders.size(), orders_before) << "it goes on talking to vehicles that are down";
+  EXPECT_EQ(trial.orders.size(), orders_before) << "orders are sent to landed vehicles";
 }
 
 TEST(FlightProgram, RepeatsFollowAfterVehicleHolds) {

@@ -44,12 +44,12 @@ TEST(UsageMeter, ReturnsSharesPerInterval) {
   status.pid = 7;
   models::SupervisedProcess process;
   meter.fill(status, UsageMeter::Reading{1'000'000, 50}, at_s(0.0), process);
-  EXPECT_EQ(process.cpu_share, 0.0) << "of a first reading nothing is known";
+  EXPECT_EQ(process.cpu_share, 0.0) << "the first reading gives no share";
   EXPECT_EQ(process.memory_bytes, 50);
   meter.fill(status, UsageMeter::Reading{1'250'000, 60}, at_s(1.0), process);
   EXPECT_DOUBLE_EQ(process.cpu_share, 0.25);
   meter.fill(status, UsageMeter::Reading{1'350'000, 60}, at_s(1.1), process);
-  EXPECT_DOUBLE_EQ(process.cpu_share, 0.25) << "too soon for another";
+  EXPECT_DOUBLE_EQ(process.cpu_share, 0.25) << "too early for another reading";
   status.pid = 8;
   meter.fill(status, UsageMeter::Reading{10'000, 60}, at_s(3.0), process);
   EXPECT_EQ(process.cpu_share, 0.0) << "a new process counts from 0";
@@ -59,11 +59,11 @@ TEST(UsageMeter, ReturnsSharesPerInterval) {
 
 TEST(HostBoard, ReportsHostAppearanceSilenceAndReturn) {
   HostBoard board(two_hosts(), "LAB", 1, at_s(0.0));
-  EXPECT_FALSE(board.on_report(report_of("LAB", 1), at_s(0.1))) << "that is us";
+  EXPECT_FALSE(board.on_report(report_of("LAB", 1), at_s(0.1))) << "the report of this host";
   EXPECT_TRUE(board.fallen_silent(at_s(3.0)).empty());
   EXPECT_EQ(board.fallen_silent(at_s(4.0)),
             std::vector<std::string>{"host AIR has sent no report for 4 s"});
-  EXPECT_TRUE(board.fallen_silent(at_s(5.0)).empty()) << "once is enough";
+  EXPECT_TRUE(board.fallen_silent(at_s(5.0)).empty()) << "reported only once";
   EXPECT_EQ(board.on_report(report_of("AIR", 2), at_s(6.0)), "host AIR is up");
   EXPECT_FALSE(board.on_report(report_of("AIR", 2), at_s(7.0)));
   EXPECT_EQ(board.fallen_silent(at_s(11.0)),
@@ -79,7 +79,8 @@ TEST(HostBoard, LimitsTheNumberOfHosts) {
     (void)board.on_report(
         report_of("X" + std::to_string(i), 7, i == 0 ? many : std::vector{many[0]}), at_s(1.0));
   }
-  EXPECT_EQ(board.on_report(report_of("AIR", 2), at_s(2.0)), "host AIR is up") << "keeps its place";
+  EXPECT_EQ(board.on_report(report_of("AIR", 2), at_s(2.0)), "host AIR is up")
+      << "keeps its position";
   EXPECT_EQ(board.table(at_s(2.0)).size(), 1U + 1U + 1U + 1'024U + 31U);
 }
 

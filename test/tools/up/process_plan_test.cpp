@@ -106,7 +106,7 @@ TEST(ProcessPlan, RunsContactsNextToMocapForRealRobots) {
       return process.name == "contacts" && process.arguments.front() == "./vantage-contacts";
     });
   };
-  EXPECT_EQ(judges_at(""), 0) << "the simulator judges its own";
+  EXPECT_EQ(judges_at(""), 0) << "the simulator judges its own vehicles";
   scenario.robots[1].device = scenario::DeviceSource::kReal;
   EXPECT_EQ(judges_at(""), 1);
   scenario.hosts = {{"LAB", {scenario::kMocapPart}}, {"AIR", {"Q1", "Q2"}}};
@@ -229,10 +229,10 @@ TEST(ProcessPlan, StartsTheProcessesOfItsHost) {
   EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", "", "LAB"})),
             (std::vector<std::string>{"sim", "vicon", "quadrotor Q2", "sensor Q2", "estimator Q2",
                                       "planner Q2"}))
-      << "vicon, which none names, runs on the first";
+      << "vicon is not assigned and runs on the first host";
   EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", "", "AIR"})),
             (std::vector<std::string>{"quadrotor Q1", "sensor Q1", "estimator Q1", "planner Q1"}));
-  EXPECT_EQ(process_plan(scenario, {".", "s.yaml", "", ""}).size(), 10U) << "all on one";
+  EXPECT_EQ(process_plan(scenario, {".", "s.yaml", "", ""}).size(), 10U) << "all parts on one host";
 }
 
 TEST(ProcessPlan, TreatsSimulatorAndMocapDriverAsEssential) {

@@ -36,7 +36,7 @@ TEST(ScenarioMemory, IsReadableRepeatedlyAndByChildren) {
     return child.wait(std::chrono::seconds(30))->is_success();
   };
   EXPECT_TRUE(size_in_child({memory.descriptor()}));
-  EXPECT_FALSE(size_in_child({})) << "a program that is not of ours does not have it";
+  EXPECT_FALSE(size_in_child({})) << "foreign programs do not inherit it";
 }
 
 TEST(ScenarioMemory, IsReadOnly) {
