@@ -96,9 +96,10 @@ TEST_P(Neighbourhood, LimitsMessagesAndReplaysExactly) {
 
   const logs::IndexedLog log(options.log_path);
   const TrialMessages messages = trial_messages(log);
-  EXPECT_LE(messages.most_inputs, 60U) << "a plan and a status of each of some 20, and a few";
+  EXPECT_LE(messages.most_inputs, 60U)
+      << "a plan and a status of each of about 20 robots, and a few others";
   EXPECT_LE(messages.farthest_target_m, kNeighbourhood_m);
-  EXPECT_LE(messages.most_cells, 48U * 48U) << "2.5 neighbourhoods in 2 m";
+  EXPECT_LE(messages.most_cells, 48U * 48U) << "2.5 neighbourhoods in cells of 2 m";
   EXPECT_GE(messages.searched, 100U);
   for (const auto& [round, slots] : messages.slots) {
     EXPECT_LE(slots.size(), GetParam().empty() ? 65U : 32U);

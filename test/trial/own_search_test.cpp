@@ -55,7 +55,7 @@ TEST(AddAlgorithm, MakesAUsersSearchFlyInATrial) {
   planner::add_algorithm(own_algorithm());
   logs::TrialSummary own = flown_with("counted");
   EXPECT_EQ(own.algorithm, "counted");
-  EXPECT_GE(g_own_plans, 9) << "three robots, four rounds, the first without beliefs";
+  EXPECT_GE(g_own_plans, 9) << "three robots, four rounds; no beliefs in the first";
   own.algorithm = "greedy";
   EXPECT_EQ(logs::to_json(own).dump(), logs::to_json(flown_with("greedy")).dump());
   EXPECT_THROW(planner::add_algorithm(own_algorithm()), UsageError);

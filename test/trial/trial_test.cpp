@@ -194,7 +194,8 @@ TEST(RunTrial, ReportsProgressAHundredTimes) {
     for (std::size_t i = 0; i < 100; ++i) {
       EXPECT_NEAR(shares[i], 0.01 * static_cast<double>(i + 1), 0.5 / duration_s + 1e-9);
     }
-    EXPECT_EQ(asked, static_cast<int>(2.0 * duration_s) - 1) << "each half second but at the end";
+    EXPECT_EQ(asked, static_cast<int>(2.0 * duration_s) - 1)
+        << "every half second except at the end";
     EXPECT_FALSE(result.was_stopped);
     EXPECT_EQ(result.summary.duration_s, duration_s);
   }
@@ -208,7 +209,7 @@ TEST(RunTrial, EndsAtTheNextHalfSecondAfterAStop) {
     options.stop = [&] { return ++asked >= at; };
     const TrialResult result = run_trial(scenario, {}, options);
     EXPECT_EQ(result.summary.duration_s, 0.5 * at);
-    EXPECT_EQ(asked, at) << "and is not asked again";
+    EXPECT_EQ(asked, at) << "no further query";
     EXPECT_TRUE(result.was_stopped);
   }
 }
@@ -366,7 +367,7 @@ TEST(RunTrial, LogsTheScenarioFirst) {
                                     "VEHICLE_Q1", "HEALTH_SIM", "HEALTH_PLANNER_Q1"}) {
     EXPECT_GT(events[channel], 0) << channel;
   }
-  EXPECT_EQ(events["SCENARIO"], 1) << "and once more after 5 s";
+  EXPECT_EQ(events["SCENARIO"], 1) << "a second time after 5 s";
 }
 
 TEST(TrialRecipes, ListTheSimulatorThenNodesByKind) {

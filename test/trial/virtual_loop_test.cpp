@@ -195,8 +195,7 @@ TEST(VirtualTimeLoop, CountsLossAndDroppedMessages) {
     say("C", i);
   }
   loop.deliver();
-  EXPECT_EQ(loop.messages_lost(), 4 + 3 + 3 + 7)
-      << "of the first, which nobody knows to be missing";
+  EXPECT_EQ(loop.messages_lost(), 4 + 3 + 3 + 7) << "losses on the first bus are unknown";
 }
 
 TEST(VirtualTimeLoop, CountsTheTicksOfEachNode) {
@@ -210,10 +209,10 @@ TEST(VirtualTimeLoop, CountsTheTicksOfEachNode) {
   loop.add_node(recipe("B", diary, std::chrono::milliseconds(250)), 2);
   loop.run_until(kStart + std::chrono::microseconds(3'000'001));
   ASSERT_EQ(newest.size(), 2U);
-  EXPECT_EQ(newest["A"].loops, 7) << "at 0, 0.5, ... and 3 s, when it reports";
+  EXPECT_EQ(newest["A"].loops, 7) << "at 0, 0.5, ... and 3 s, the time of the report";
   EXPECT_EQ(newest["B"].loops, 13);
   for (const auto& [name, health] : newest) {
-    EXPECT_EQ(health.loop_worst_s, 0.0) << "virtual time passes in no loop";
+    EXPECT_EQ(health.loop_worst_s, 0.0) << "virtual time does not advance in a loop";
     EXPECT_EQ(health.stamp.time, kStart + std::chrono::seconds(3));
   }
 }

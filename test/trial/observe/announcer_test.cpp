@@ -65,7 +65,7 @@ TEST_F(AnnouncerTest, WaitsFiveSecondsAfterItsLastMessage) {
   announcer.tick(kStart + microseconds(4'999'999));
   EXPECT_EQ(received().size(), 1U);
   announcer.publish(kStart + seconds(2));
-  EXPECT_EQ(received().size(), 1U) << "asked to, it says it at any time";
+  EXPECT_EQ(received().size(), 1U) << "published at any time on request";
   EXPECT_EQ(announcer.next_tick(), kStart + seconds(7));
   announcer.tick(kStart + microseconds(6'999'999));
   EXPECT_TRUE(received().empty());

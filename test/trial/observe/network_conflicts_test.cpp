@@ -37,7 +37,7 @@ TEST(ConflictsWithUp, AreNotTheOtherHostsOfTheTrial) {
   EXPECT_TRUE(conflicts_with_up(scenario, "AIR", of_lab).empty());
   EXPECT_TRUE(conflicts_with_up(scenario, "LAB", Channels{"HOST_AIR", "PLAN_Q2"}).empty());
   EXPECT_EQ(conflicts_with_up(scenario, "LAB", of_lab).size(), 2U)
-      << "the same host, its simulator";
+      << "the same host and its simulator";
   EXPECT_EQ(conflicts_with_up(scenario, "AIR", Channels{"HOST_LOCAL"}).size(), 1U);
   EXPECT_EQ(conflicts_with_up(scenario, "AIR", Channels{"VEHICLE_X"}).size(), 1U);
   EXPECT_EQ(conflicts_with_up(scenario, "", Channels{"HOST_AIR"}).size(), 1U) << "with --all-hosts";
@@ -64,7 +64,7 @@ TEST(ConflictsWithUp, AreReportedInOneSentenceEach) {
   EXPECT_EQ(conflicts_with_up(scenario, "LAB", Channels{"VEHICLE_X"}),
             Sentences{"vehicle X is alive on this network (VEHICLE_X is published)"});
   EXPECT_TRUE(conflicts_with_up(scenario, "AIR", Channels{"TRUTH"}).empty())
-      << "the simulator is LAB's";
+      << "the simulator belongs to LAB";
   EXPECT_TRUE(conflicts_with_up(scenario, "LAB", Channels{"HOST_", "VEHICLE_", "TRUTHS"}).empty());
 }
 
@@ -142,7 +142,7 @@ class Recording : public bus::Transport {
   }
   void unsubscribe(const std::string& /*channel*/) override {}
   bool publish(const std::string& /*channel*/, std::span<const std::uint8_t> /*bytes*/) override {
-    ADD_FAILURE() << "who listens says nothing";
+    ADD_FAILURE() << "a listener must not publish";
     return false;
   }
   int handle(std::chrono::microseconds timeout) override {
@@ -170,8 +170,8 @@ TEST(ActiveChannels, AreLimitedToTenThousandNames) {
     Recording recording(channels);
     const Channels active = find_active_channels(recording, std::chrono::hours(1), never);
     EXPECT_EQ(active.size(), static_cast<std::size_t>(std::min(channels, 10'000)));
-    EXPECT_LE(recording.longest(), std::chrono::milliseconds(50)) << "so that Ctrl-C is heeded";
-    EXPECT_GT(recording.longest(), std::chrono::milliseconds(10)) << "and it does not spin";
+    EXPECT_LE(recording.longest(), std::chrono::milliseconds(50)) << "Ctrl-C is noticed in time";
+    EXPECT_GT(recording.longest(), std::chrono::milliseconds(10)) << "the loop does not spin";
   }
   Recording recording(5'000);
   EXPECT_TRUE(find_active_channels(recording, std::chrono::hours(1), [] { return true; }).empty());
@@ -186,8 +186,8 @@ TEST(ActiveChannels, AreCollectedForTheGivenTime) {
   find_active_channels(*listens, std::chrono::milliseconds(75), [&asked] { return ++asked > 9; });
   EXPECT_GE(monotonic_ns() - begin_ns, 75'000'000);
   EXPECT_LE(asked, 3);
-  EXPECT_GT(kListenTime, std::chrono::seconds(1)) << "supervisors speak once a second";
-  EXPECT_LT(kListenTime, std::chrono::seconds(2)) << "somebody waits";
+  EXPECT_GT(kListenTime, std::chrono::seconds(1)) << "supervisors publish once per second";
+  EXPECT_LT(kListenTime, std::chrono::seconds(2)) << "a user waits for it";
 }
 
 }  // namespace

@@ -173,7 +173,7 @@ TEST(TrialObserver, HasTheBeliefOfEachRobotAndTheTeamsEstimateOfEachTarget) {
     EXPECT_EQ(belief.robot, robot);
     EXPECT_GT(belief.stamp.time, trial.planned_end() - std::chrono::seconds(1)) << "the newest";
   }
-  EXPECT_TRUE(observer.maps().empty()) << "of a team that tracks";
+  EXPECT_TRUE(observer.maps().empty()) << "a tracking team has no maps";
   const logs::Scene scene = observer.scene();
   int known = 0;
   ASSERT_EQ(scene.targets.size(), scenario.targets.size());

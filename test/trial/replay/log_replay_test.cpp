@@ -317,7 +317,7 @@ TEST_F(ReplayLog, ReportsOutputsThatCannotBeReproduced) {
   EXPECT_LE(plans.not_replayed(), 1);
   const ReplayReport beliefs = replay(path, "estimator:Q1");
   EXPECT_EQ(beliefs.outputs.different(), 0);
-  EXPECT_EQ(beliefs.not_replayed(), 1) << "the step after the lost one goes on from the log";
+  EXPECT_EQ(beliefs.not_replayed(), 1) << "the step after the lost one continues from the log";
 }
 
 // A plan with a lost input delays later plans by at most two seconds. Tested with one lost input,
@@ -407,14 +407,14 @@ TEST(OutputComparison, DetectsBitDifferencesWithEqualText) {
   plan.run_id = 5;
   plan.sequence = 9;
   comparison.add_replayed(logs::test::encoded(plan));
-  EXPECT_TRUE(comparison.is_exact()) << "who published it does not matter";
+  EXPECT_TRUE(comparison.is_exact()) << "the publisher does not matter";
   plan.height_m = -0.0;
   comparison.add_replayed(logs::test::encoded(plan));
   EXPECT_EQ(comparison.different(), 1);
   plan.height_m = 0.0;
   plan.utime = 1;
   comparison.add_replayed(logs::test::encoded(plan));
-  EXPECT_EQ(comparison.different(), 2) << "it matters when it is for";
+  EXPECT_EQ(comparison.different(), 2) << "the time matters";
 }
 
 }  // namespace

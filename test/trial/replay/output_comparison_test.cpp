@@ -56,7 +56,7 @@ TEST(OutputComparison, ComparesAllBytesExceptThePublishers) {
   comparison.add_logged(logged);
   mixture.robot = "Q12";
   comparison.add_replayed(encoded(mixture));
-  EXPECT_EQ(comparison.different(), 1) << "they are of two lengths";
+  EXPECT_EQ(comparison.different(), 1) << "the lengths differ";
 }
 
 TEST(OutputComparison, SeparatesKindsOfEqualNumber) {
@@ -104,7 +104,7 @@ TEST(OutputComparison, ComparesProposalsOfTheSameSolution) {
   EXPECT_EQ(comparison.unexpected(), 1);
   vantage_lcm::team_proposal_t first{};
   first.round = 4;
-  EXPECT_FALSE(comparison.has_logged(encoded(first))) << "of no solution yet";
+  EXPECT_FALSE(comparison.has_logged(encoded(first))) << "no solution is logged yet";
 }
 
 TEST(OutputComparison, ReportsTheDifferenceWithTheLowestNumber) {
@@ -134,7 +134,7 @@ TEST(OutputComparison, ReportsTheDifferenceWithTheLowestNumber) {
   EXPECT_EQ(first.member, "height_m");
   EXPECT_EQ(first.logged, "0.0");
   EXPECT_EQ(first.replayed, "2.5");
-  EXPECT_EQ(first.members_different, 2) << "and a speed; who said it is no difference";
+  EXPECT_EQ(first.members_different, 2) << "and a speed; the publisher does not count";
   EXPECT_EQ(first.inputs, (std::vector<std::string>{"BELIEF_Q1 11/12", "PLAN_Q2 21/22"}));
 }
 
@@ -147,7 +147,8 @@ TEST(OutputComparison, ReportsLongerListsAndBitDifferences) {
   comparison.add_replayed(encoded(longer));
   ASSERT_TRUE(comparison.first_difference());
   EXPECT_EQ(comparison.first_difference()->member, "num_segments");
-  EXPECT_EQ(comparison.first_difference()->members_different, 2) << "their number and the list";
+  EXPECT_EQ(comparison.first_difference()->members_different, 2)
+      << "the number of items and the list";
 
   OutputComparison last;
   last.add_logged(encoded(plan_of(1)));
@@ -205,7 +206,7 @@ TEST(ReplayReport, CountsOutputsThatWereNotReproduced) {
   for (const int round : {2, 4, 9}) {
     report.outputs.add_replayed(encoded(plan_of(round)));
   }
-  EXPECT_EQ(report.not_replayed(), 3) << "what the log does not have is none of them";
+  EXPECT_EQ(report.not_replayed(), 3) << "outputs that the log lacks do not count";
 }
 
 TEST(DescribeDifference, StatesChannelTimeFieldAndValues) {

@@ -121,7 +121,7 @@ TEST_F(SignedReplay, AcceptsAllAndWarnsWithoutKeys) {
   EXPECT_TRUE(report.lacks_keys);
   EXPECT_EQ(report.refused, 0);
   EXPECT_EQ(report.events, events_ + forged_);
-  EXPECT_FALSE(report.outputs.is_exact()) << "forged plans were said, too";
+  EXPECT_FALSE(report.outputs.is_exact()) << "forged plans were published, too";
 }
 
 TEST_F(SignedReplay, ChecksNothingInUnsignedLogs) {
@@ -134,7 +134,7 @@ TEST_F(SignedReplay, ChecksNothingInUnsignedLogs) {
     EXPECT_EQ(report.events, events_);
   }
   const ReplayReport warned = replay(plain(), "planner:Q1", scenario::SecurityMode::kWarn, keys());
-  EXPECT_TRUE(warned.outputs.is_exact()) << "what is not signed was taken all the same";
+  EXPECT_TRUE(warned.outputs.is_exact()) << "unsigned messages are accepted";
   EXPECT_EQ(warned.refused, 0);
   EXPECT_FALSE(warned.lacks_keys);
 }

@@ -75,7 +75,7 @@ TEST_F(ConfigFolder, AcceptsNamesWithExtensionAndListsAlternatives) {
   const std::string lab = (fs::path(config_folder()) / "lab.yaml").string();
   EXPECT_EQ(config_path("lab"), lab);
   EXPECT_EQ(config_path("lab.yaml"), lab);
-  EXPECT_EQ(scenario_path(""), "") << "said by whoever reads it";
+  EXPECT_EQ(scenario_path(""), "") << "the reader reports the error";
   std::string all;
   for (const std::string& name : config_names()) {
     all += (all.empty() ? "" : ", ") + name;
