@@ -122,7 +122,7 @@ TEST(Broker, RefusesDuplicateAndUnknownSubscriptions) {
   broker.on_request(*client, Declined{"advertise"});
   EXPECT_EQ(pop_text(*client)["level"], 1);
   broker.on_request(*client, PlaybackControl{});
-  EXPECT_TRUE(broker.take_controls().empty()) << "a live bus cannot be sought in";
+  EXPECT_TRUE(broker.take_controls().empty()) << "a live bus has no seek";
   broker.disconnect(client);
 }
 
@@ -169,7 +169,7 @@ TEST(Broker, SendsPlaybackStateToNewViewer) {
           playback_state_frame({PlaybackStatus::kPlaying, from_utime(5'000'000), 2.0F, false, ""}));
     }
     client->push(control("{}"));
-    EXPECT_TRUE(pop_text(*client).empty()) << "nothing else";
+    EXPECT_TRUE(pop_text(*client).empty()) << "no other text";
     broker.disconnect(client);
   }
 }
@@ -187,7 +187,7 @@ TEST(Broker, CountsAndReportsMissedMessagesOfASlowViewer) {
   EXPECT_GE(broker.dropped(), 12);
   EXPECT_LE(broker.dropped(), 13);
   broker.disconnect(client);
-  EXPECT_GE(broker.dropped(), 12) << "also after it has gone";
+  EXPECT_GE(broker.dropped(), 12) << "counted also after the viewer has left";
 }
 
 TEST(Broker, CountsRecordsWithoutSubscribers) {
@@ -214,7 +214,7 @@ TEST(Broker, ReportsLogTimeAndJumpsWithCounts) {
   EXPECT_EQ(counted(), std::pair(json(0), json(2.75)));
   for (int jumps = 1; jumps <= 2; ++jumps) {
     broker.forget();
-    EXPECT_EQ(counted(), std::pair(json(jumps), json())) << "nowhere, on the way";
+    EXPECT_EQ(counted(), std::pair(json(jumps), json())) << "no numbers during a seek";
     broker.reached(from_utime(1'000'000));
     EXPECT_EQ(counted(), std::pair(json(jumps), json(1.0)));
   }
@@ -226,7 +226,7 @@ TEST(Broker, SendsRawMessagesOnlyToSubscribers) {
   const auto client = broker.connect(true);
   broker.on_request(*client, Subscribe{{{1, 1}}});
   broker.hold();
-  EXPECT_TRUE(broker.wants("/lcm/PLAN_Q1", Schema::kLcm, false)) << "also on the way to an instant";
+  EXPECT_TRUE(broker.wants("/lcm/PLAN_Q1", Schema::kLcm, false)) << "also during a seek";
 }
 
 TEST(Broker, SendsStatusUntilWithdrawn) {
@@ -248,7 +248,7 @@ TEST(Broker, SendsStatusUntilWithdrawn) {
   pop_text(*newcomer);
   pop_text(*newcomer);
   EXPECT_EQ(pop_text(*newcomer)["message"], "as well");
-  EXPECT_EQ(pop_text(*newcomer)["message"], "4 % read") << "the newest alone";
+  EXPECT_EQ(pop_text(*newcomer)["message"], "4 % read") << "only the newest status";
   broker.set_status("reading", "");
   for (const auto& each : {client, newcomer}) {
     EXPECT_EQ(pop_text(*each), (json{{"op", "removeStatus"}, {"statusIds", {"reading"}}}));
@@ -259,7 +259,7 @@ TEST(Broker, SendsStatusUntilWithdrawn) {
   pop_text(*late);
   EXPECT_EQ(pop_text(*late)["message"], "as well");
   late->push(control("{}"));
-  EXPECT_TRUE(pop_text(*late).empty()) << "and no more";
+  EXPECT_TRUE(pop_text(*late).empty()) << "no further status";
   broker.disconnect(late);
 }
 
@@ -272,7 +272,7 @@ TEST(Broker, StartsANewSessionWhenTheLogGrows) {
   pop_text(*client);
   broker.set_range(range.first, range.second);
   client->push(control("{}"));
-  EXPECT_TRUE(pop_text(*client).empty()) << "as was said before";
+  EXPECT_TRUE(pop_text(*client).empty()) << "unchanged";
   broker.set_range(range.first, from_utime(12'000'000));
   const json info = pop_text(*client);
   EXPECT_EQ(info["op"], "serverInfo");
@@ -280,7 +280,7 @@ TEST(Broker, StartsANewSessionWhenTheLogGrows) {
   EXPECT_EQ(info["dataStartTime"]["sec"], 1);
   EXPECT_EQ(info["dataEndTime"]["sec"], 12);
   const json channels = pop_text(*client)["channels"];
-  ASSERT_EQ(channels.size(), 1U) << "which a new session has to be told of";
+  ASSERT_EQ(channels.size(), 1U) << "a new session advertises the channels again";
   EXPECT_EQ(channels[0]["topic"], "/state");
   broker.disconnect(client);
   const auto newcomer = broker.connect(true);

@@ -23,7 +23,7 @@ TEST(ConnectionTable, EndsConnectionWithoutRequest) {
   EXPECT_EQ(table.update(open, late), (Peers{{kOne, 3}}));
   EXPECT_TRUE(table.update(open, late + std::chrono::hours(1)).empty());
   EXPECT_TRUE(table.update({}, late).empty());
-  EXPECT_TRUE(table.update(open, late).empty()) << "new ones, though of the same ports";
+  EXPECT_TRUE(table.update(open, late).empty()) << "new connections with the same ports";
 }
 
 TEST(ConnectionTable, ClosesTheOldestConnectionOfAnAddress) {
@@ -38,7 +38,7 @@ TEST(ConnectionTable, ClosesTheOldestConnectionOfAnAddress) {
   EXPECT_EQ(table.update(open, kStart + milliseconds(40)), (Peers{{kOne, 100}, {kOne, 99}}));
   table.on_viewer({kOne, 98}, kStart);
   open.insert({kOne, 3});
-  EXPECT_TRUE(table.update(open, kStart + milliseconds(50)).empty()) << "a viewer does not count";
+  EXPECT_TRUE(table.update(open, kStart + milliseconds(50)).empty()) << "a viewer is not counted";
 }
 
 // Three addresses have 30 or 20 connections each: below the limit per address, but together the

@@ -58,7 +58,7 @@ TEST(History, ThinsFrequentTopicsButForwardsAll) {
     way = record[0] == "/paths" ? record[2] : way;
   }
   EXPECT_EQ(kept, (std::map<std::string, int>{{"/team", 100}, {"/vehicle/Q1", 2}, {"/paths", 10}}));
-  EXPECT_EQ(way, (json{{"Q1", {1.23, 2.0, 3.0}}})) << "to a centimetre";
+  EXPECT_EQ(way, (json{{"Q1", {1.23, 2.0, 3.0}}})) << "rounded to a centimetre";
   for (const char* topic : {"/vehicle/Q1", "/transforms", "/team", "/robots"}) {
     EXPECT_EQ(audience.written[topic], 100) << topic;
   }

@@ -86,7 +86,7 @@ TEST(PlaybackClock, SeeksWithinTheLogAndAnswersTheRequest) {
   EXPECT_TRUE(state.did_seek);
   EXPECT_EQ(state.request_id, "r7");
   const PlaybackState again = clock.control({true, 1.0F, std::nullopt, "r8"}, 0);
-  EXPECT_EQ(again.time, from_utime(0)) << "play at the end begins anew";
+  EXPECT_EQ(again.time, from_utime(0)) << "play at the end restarts";
   EXPECT_TRUE(again.did_seek);
 }
 
@@ -98,7 +98,7 @@ class SampleLog : public ::testing::Test {
     if (std::system(("xz -dkc " + std::string(VANTAGE_SOURCE_DIR) +
                      "/logs/sample/lab_60s.lcmlog.xz > " + path + " 2>/dev/null")
                         .c_str()) != 0) {
-      GTEST_SKIP() << "no xz";
+      GTEST_SKIP() << "xz is not installed";
     }
     log_.emplace(path);
   }
@@ -216,7 +216,7 @@ TEST_F(SampleLog, StepsWithoutJumpAndRepeatsRequestedInstant) {
   };
   ask(viewer.begin);
   const auto [poses, jumps] = ask(viewer.begin + std::chrono::milliseconds(100));
-  EXPECT_GT(poses, 1) << "all that lies between, as in playing";
+  EXPECT_GT(poses, 1) << "all poses in between, as during playback";
   EXPECT_FALSE(jumps);
   EXPECT_EQ(ask(viewer.begin + std::chrono::milliseconds(100)), (std::pair(1, true)));
   EXPECT_EQ(ask(viewer.begin + std::chrono::seconds(5)), (std::pair(1, true)));
@@ -257,7 +257,7 @@ TEST_F(SampleLog, ContainsTheWholeLogsNumbersInOrder) {
   const json history = json::parse(log_history(log, {}, broker));
   const auto client = broker.connect(true);
   pop_text(*client);
-  EXPECT_GT(pop_text(*client)["channels"].size(), 30U) << "a newcomer is told of every topic";
+  EXPECT_GT(pop_text(*client)["channels"].size(), 30U) << "a new viewer receives every topic";
   broker.disconnect(client);
   std::map<std::string, int> records;
   std::int64_t last = 0;
@@ -282,7 +282,7 @@ TEST_F(SampleLog, ReturnsOneNumberOfATopicOverTime) {
   EXPECT_NEAR(static_cast<double>(raw.size()), 60.0, 3.0);
   EXPECT_EQ(raw, told);
   const json late = json::parse(log_series(log, {}, "/plan/Q1/status", "/late"));
-  EXPECT_EQ(late.front()[1], 0.0) << "false is a number, too";
+  EXPECT_EQ(late.front()[1], 0.0) << "false is charted as 0";
   EXPECT_TRUE(json::parse(log_series(log, {}, "/vehicle/Q1", "/nowhere")).empty());
   EXPECT_TRUE(json::parse(log_series(log, {}, "/vehicle/Q1", "battery_share")).empty());
   EXPECT_TRUE(json::parse(log_series(log, {}, "/nobody", "/a")).empty());
@@ -338,16 +338,16 @@ TEST(SeekPreroll, CountsRecordsAndSendsLastOfEachTopic) {
   preroll.count();
   hear_three();
   EXPECT_TRUE(made.empty());
-  EXPECT_EQ(json::parse(broker.topics_text())["topics"], json::array()) << "nobody was asked";
+  EXPECT_EQ(json::parse(broker.topics_text())["topics"], json::array()) << "no topic was requested";
   preroll.make_last();
   hear_three();
   EXPECT_EQ(made, (std::vector{20, 3}));
   preroll.end();
   hear_three();
-  EXPECT_EQ(made, (std::vector{20, 3, 1, 2, 20, 3})) << "each again";
+  EXPECT_EQ(made, (std::vector{20, 3, 1, 2, 20, 3})) << "each series again";
   const json told = json::parse(broker.topics_text());
   for (const json& topic : told["topics"]) {
-    EXPECT_EQ(topic["count"], topic["topic"] == "/often" ? 6 : 2) << "asked of each";
+    EXPECT_EQ(topic["count"], topic["topic"] == "/often" ? 6 : 2) << "requested for each topic";
   }
 }
 
@@ -402,7 +402,7 @@ TEST_F(UnreadLog, IsShownCompletelyAfterItsFirstPass) {
   const Time instant = from_utime(kStart_us + 50'000'000);
   LogView view(log, types, broker, instant);
   view.play(0);
-  EXPECT_EQ(jammed(broker), R"(["Q1"])") << "what was said beyond what is read is missing";
+  EXPECT_EQ(jammed(broker), R"(["Q1"])") << "messages beyond the read part are missing";
   view.tick(0);
   EXPECT_EQ(jammed(broker), R"(["Q1"])");
   const auto client = broker.connect(true);
@@ -433,7 +433,7 @@ TEST_F(UnreadLog, IsShownCompletelyAfterItsFirstPass) {
   EXPECT_TRUE(is_withdrawn);
   EXPECT_GT(percents.size(), 10U);
   EXPECT_TRUE(std::is_sorted(percents.begin(), percents.end()));
-  EXPECT_GT(percents.front(), 8) << "its head was read before";
+  EXPECT_GT(percents.front(), 8) << "the start was read before";
   EXPECT_LT(percents.front(), 50);
   EXPECT_GT(percents.back(), 90);
 
@@ -453,7 +453,7 @@ TEST_F(UnreadLog, IsShownCompletelyAfterItsFirstPass) {
                     {PlaybackStatus::kPlaying, instant + std::chrono::seconds(3), 1.0F, true, ""}));
     }
   }
-  EXPECT_EQ(states, 1) << "viewers begin anew there";
+  EXPECT_EQ(states, 1) << "viewers start again there";
   EXPECT_EQ(json::parse(last_attack)["jammed"].dump(), R"(["Q2"])");
   // The instant is sent again only once.
   view.tick(3 * kSecond_ns);
