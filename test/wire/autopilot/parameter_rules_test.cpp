@@ -148,7 +148,7 @@ TEST(ParameterRules, RequireTheNumbersOfTheirKind) {
   }
   EXPECT_EQ(rule("EXACTLY_16_CHARS 1 # exactly: b").name, "EXACTLY_16_CHARS");
   EXPECT_NE(refusal("ONE_MORE_THAN_16_ 1 # exactly: b"), "taken");
-  EXPECT_EQ(rule("A:B 1 # exactly: b").name, "A:B") << "the colon that counts is the rule's";
+  EXPECT_EQ(rule("A:B 1 # exactly: b").name, "A:B") << "a name may contain a colon";
 }
 
 TEST(ParameterRules, NumberEveryLine) {

@@ -239,7 +239,7 @@ TEST(HeartbeatOf, DescribesAGroundStation) {
   EXPECT_EQ(heartbeat.type, 18);
   EXPECT_EQ(heartbeat.autopilot, 8);
   EXPECT_EQ(heartbeat.system_status, 4);
-  EXPECT_EQ(heartbeat.mavlink_version, 3) << "of the protocol's dialect";
+  EXPECT_EQ(heartbeat.mavlink_version, 3) << "version of the dialect";
   EXPECT_EQ(heartbeat.base_mode, 0);
   EXPECT_EQ(heartbeat.custom_mode, 0U);
 }

@@ -15,7 +15,7 @@ TEST(SigningTimestamp, CountsTenMicrosecondsSince2015) {
   EXPECT_EQ(signing_timestamp_10us(from_utime(1'420'070'401'000'000)), 100'000U);
   EXPECT_EQ(signing_timestamp_10us(from_utime(0)), 0U);
   EXPECT_EQ(signing_timestamp_10us(from_utime(9'000'000'000'000'000'000)), 0xFFFF'FFFF'FFFFU)
-      << "48 bits are on the wire";
+      << "the timestamp has 48 bits";
 }
 
 // Bytes of a signed HEARTBEAT, computed from the specification with Python's hashlib and a separate

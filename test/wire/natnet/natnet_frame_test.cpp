@@ -83,7 +83,7 @@ TEST(NatNetFrame, ReadsTheReferenceBytesOfEachVersion) {
       Frame frame;
       const auto payload = full_frame(version, {.has_unknown_section = has_unknown});
       if (has_unknown && version < kSizedSince) {
-        EXPECT_FALSE(decode_frame(payload, version, frame)) << "its size is not stated";
+        EXPECT_FALSE(decode_frame(payload, version, frame)) << "the stated size is missing";
         continue;
       }
       ASSERT_TRUE(decode_frame(payload, version, frame)) << to_text(version);

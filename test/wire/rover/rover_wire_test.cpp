@@ -108,7 +108,7 @@ TEST(RoverWire, RefusesInvalidNumbers) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Command received;
   Telemetry told;
-  EXPECT_EQ(decode(kWorkedCommand, told), Verdict::kKind) << "the other way round";
+  EXPECT_EQ(decode(kWorkedCommand, told), Verdict::kKind) << "telemetry instead of a command";
   for (const float bad : {kNan, kInfinity, -kInfinity}) {
     Command command = worked_command();
     command.speed_mps = bad;
@@ -126,7 +126,7 @@ TEST(RoverWire, RefusesInvalidNumbers) {
     telemetry.battery_share = bad;
     EXPECT_EQ(decode(encode(telemetry), told), Verdict::kValue) << bad;
   }
-  EXPECT_EQ(received, Command{}) << "written only when accepted";
+  EXPECT_EQ(received, Command{}) << "changed only if accepted";
   EXPECT_EQ(told, Telemetry{});
   for (const float share : {-0.001F, 0.0F, 0.5F, 1.0F, 1.001F}) {
     Telemetry telemetry = worked_telemetry();
@@ -174,7 +174,7 @@ TEST(RoverWire, SequencesWrap) {
   EXPECT_FALSE(is_after(0, 1));
   EXPECT_TRUE(is_after(0, 0xFFFFFFFF));
   EXPECT_TRUE(is_after(5, 0xFFFFFFF0));
-  EXPECT_TRUE(is_after(0x7FFFFFFF, 0)) << "by less than half of the numbers";
+  EXPECT_TRUE(is_after(0x7FFFFFFF, 0)) << "by less than half of the range";
   EXPECT_FALSE(is_after(0x80000001, 0));
 }
 
@@ -239,14 +239,14 @@ TEST(RoverLink, CountsRefusedDatagrams) {
   }
   EXPECT_TRUE(link.receive(kWorkedTelemetry, kNow));
   EXPECT_EQ(link.taken_command_age_s(kNow + Duration{30'000}), 0.03);
-  EXPECT_FALSE(link.receive(kWorkedTelemetry, kNow)) << "the same again";
+  EXPECT_FALSE(link.receive(kWorkedTelemetry, kNow)) << "repeated message";
   Telemetry other = worked_telemetry();
   other.robot = 8;
   EXPECT_FALSE(link.receive(encode(other), kNow));
   other = worked_telemetry();
   other.boot = 1;
   other.sequence = 0;
-  EXPECT_TRUE(link.receive(encode(other), kNow)) << "a rover that was started again";
+  EXPECT_TRUE(link.receive(encode(other), kNow)) << "a restarted rover";
   Noise noise;
   for (int i = 0; i < 100'000; ++i) {
     (void)link.receive(noise.next(), kNow);
@@ -301,7 +301,7 @@ TEST_F(RoverRules, WatchdogStopsTheRover) {
   }
   EXPECT_NEAR(rover.state().speed_mps, 0.5, 1e-9);
   run(kWatchdogS - 0.03);
-  EXPECT_NEAR(rover.state().speed_mps, 0.5, 1e-9) << "not before its time";
+  EXPECT_NEAR(rover.state().speed_mps, 0.5, 1e-9) << "not before the delay";
   run(0.03 + 0.02 + 0.5 / 2.0);
   EXPECT_EQ(rover.state().speed_mps, 0.0);
 }
@@ -319,7 +319,7 @@ TEST_F(RoverRules, RefusesOldAndForeignCommands) {
   run(kWatchdogS + 0.02);
   other.robot = 1;
   say(other);
-  EXPECT_EQ(rover.refused(), 4) << "after the first driver's silence another may speak";
+  EXPECT_EQ(rover.refused(), 4) << "after the first driver's silence, another driver may send";
 }
 
 TEST_F(RoverRules, AcceptsAnyEmergencyStopAndReleaseByTheDriver) {
@@ -339,7 +339,7 @@ TEST_F(RoverRules, AcceptsAnyEmergencyStopAndReleaseByTheDriver) {
   Command release = drive(7);
   release.flags = kReleaseStop | kDrive;
   say(release);
-  EXPECT_TRUE(rover.is_stopped()) << "not while it is asked to drive";
+  EXPECT_TRUE(rover.is_stopped()) << "not while driving is requested";
   release.sequence = 8;
   release.flags = kReleaseStop;
   say(release);

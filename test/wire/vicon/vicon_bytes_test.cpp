@@ -81,7 +81,7 @@ TEST(Reader, ReturnsZerosAfterReadingBeyondTheEnd) {
   EXPECT_EQ(number.u8(), 0);
   EXPECT_FALSE(number.ok());
   Reader<std::endian::little> counted(bytes);
-  EXPECT_EQ(counted.count(2), 0U) << "three of two bytes each";
+  EXPECT_EQ(counted.count(2), 0U) << "three elements of two bytes each";
   EXPECT_FALSE(counted.ok());
   EXPECT_EQ(counted.left(), 0U);
   EXPECT_EQ(counted.u8(), 0);
@@ -119,13 +119,13 @@ TEST(StreamBuffer, IsEmptyAfterConsumeOrClear) {
   StreamBuffer buffer(8);
   for (const bool is_consumed : {true, false}) {
     EXPECT_EQ(buffer.push(bytes), 8U);
-    EXPECT_EQ(buffer.push(bytes), 0U) << "it is full";
+    EXPECT_EQ(buffer.push(bytes), 0U) << "the buffer is full";
     is_consumed ? buffer.consume(8) : buffer.clear();
     EXPECT_TRUE(buffer.view().empty());
   }
   EXPECT_EQ(buffer.push(Bytes(bytes).first(6)), 6U);
   buffer.consume(4);
-  EXPECT_EQ(buffer.push(bytes), 6U) << "the four places before are used";
+  EXPECT_EQ(buffer.push(bytes), 6U) << "including the four free bytes at the front";
   const std::vector<std::uint8_t> expected{5, 6, 1, 2, 3, 4, 5, 6};
   EXPECT_TRUE(std::equal(expected.begin(), expected.end(), buffer.view().begin()));
   EXPECT_EQ(buffer.view().size(), 8U);

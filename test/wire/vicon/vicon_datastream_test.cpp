@@ -45,7 +45,7 @@ Value there_and_back(const Value& value, std::uint32_t type) {
   }
   std::vector<std::uint8_t> longer(block.body.begin(), block.body.end());
   longer.insert(longer.end(), 3, 0xEE);
-  EXPECT_TRUE(decode(longer, read)) << "bytes behind the known ones are a later version's";
+  EXPECT_TRUE(decode(longer, read)) << "additional bytes belong to a later version";
   EXPECT_TRUE(decode(block.body, read));
   EXPECT_EQ(packet_of(read), packet);
   return read;

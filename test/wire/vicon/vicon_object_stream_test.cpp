@@ -131,7 +131,7 @@ TEST(DecodeObjectBlock, SkipsUnknownItemsAndReads24ByteNames) {
   datagram.insert(datagram.end(), 48, 0);
   ObjectBlock block;
   ASSERT_TRUE(decode_object_block(datagram, block));
-  EXPECT_EQ(block.skipped_items, 3) << "another kind, a short one, a nameless one";
+  EXPECT_EQ(block.skipped_items, 3) << "another kind, a short item, an item without a name";
   ASSERT_EQ(block.objects.size(), 1u);
   EXPECT_EQ(block.objects[0].name(), std::string(24, 'x'));
 }

@@ -50,7 +50,7 @@ TEST(RotationFromMatrix, RefusesOtherMatrices) {
   const Eigen::Matrix3d R = product_of_turns({0.3, -1.2, 2.0});
   ASSERT_TRUE(rotation_from_matrix(R));
   EXPECT_TRUE(is_near(rotation_from_matrix(R)->toRotationMatrix(), R, 1e-14));
-  EXPECT_FALSE(rotation_from_matrix(-R)) << "turns hands";
+  EXPECT_FALSE(rotation_from_matrix(-R)) << "changes handedness";
   EXPECT_FALSE(rotation_from_matrix(1.01 * R));
   EXPECT_FALSE(rotation_from_matrix(Eigen::Matrix3d::Zero()));
   for (Eigen::Index entry = 0; entry < 9; ++entry) {

@@ -84,7 +84,7 @@ TEST(VrpnMessage, PoseMatchesTheReferenceBytes) {
   EXPECT_EQ(pose->position_m, Eigen::Vector3d(1.0, -2.0, 0.5));
   EXPECT_EQ(pose->quaternion_xyzw, Eigen::Vector4d(0.0, 0.0, 0.6, 0.8));
   EXPECT_FALSE(decode_vrpn_pose(framed.body.first(56)));
-  EXPECT_FALSE(decode_vrpn_pose(std::vector<std::uint8_t>(72))) << "that is a velocity";
+  EXPECT_FALSE(decode_vrpn_pose(std::vector<std::uint8_t>(72))) << "a velocity message";
 }
 
 TEST(VrpnMessage, LengthOfANameExcludesItsPadding) {
@@ -160,7 +160,7 @@ TEST(VrpnMessage, NamesRoundTripInSequence) {
     rest = rest.subspan(framed.bytes);
   }
   EXPECT_TRUE(rest.empty());
-  EXPECT_EQ(decode_vrpn_name(from_hex("00000003 616263")), "abc") << "without a NUL, too";
+  EXPECT_EQ(decode_vrpn_name(from_hex("00000003 616263")), "abc") << "also without a NUL";
 }
 
 TEST(VrpnMessage, PlainMessageMatchesTheReferenceBytes) {
@@ -182,7 +182,7 @@ TEST(VrpnCallback, RequiresAValidPort) {
     text.append(" 40123");
     return decode_vrpn_callback(from_text(text));
   };
-  EXPECT_TRUE(of_a_name_of(74)) << "80 bytes are looked at";
+  EXPECT_TRUE(of_a_name_of(74)) << "80 bytes are checked";
   EXPECT_FALSE(of_a_name_of(80));
 }
 
@@ -261,7 +261,7 @@ TEST(IdentifyStream, WaitsForEnoughBytes) {
         << bytes;
   }
   std::vector<std::uint8_t> qualisys = from_hex("0000002b 00000001");
-  EXPECT_EQ(identify_stream(qualisys), ServerType::kUnknown) << "a header of anything";
+  EXPECT_EQ(identify_stream(qualisys), ServerType::kUnknown) << "a header of an unknown type";
   qualisys.push_back('Q');
   EXPECT_EQ(identify_stream(qualisys), ServerType::kQualisys);
   qualisys.push_back('R');
@@ -297,12 +297,13 @@ TEST(IdentifyDatagram, RefusesOtherDatagrams) {
     }
     ObjectBlock changed = block;
     changed.objects[k].set_name("");
-    EXPECT_EQ(identified(changed), ServerType::kUnknown) << "nameless";
+    EXPECT_EQ(identified(changed), ServerType::kUnknown) << "without a name";
   }
   std::vector<std::uint8_t> datagram;
   encode_object_block(block, 0, datagram);
   EXPECT_EQ(identify_datagram(Bytes(datagram).first(datagram.size() - 1)), ServerType::kUnknown);
-  EXPECT_EQ(identify_datagram(from_hex("01000000 00")), ServerType::kUnknown) << "of no object";
+  EXPECT_EQ(identify_datagram(from_hex("01000000 00")), ServerType::kUnknown)
+      << "without an object";
   EXPECT_EQ(identify_datagram(from_hex("0100 2B1A")), ServerType::kDataStream);
   EXPECT_EQ(identify_datagram(from_hex("0100 2B")), ServerType::kUnknown);
 }
