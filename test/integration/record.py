@@ -119,7 +119,7 @@ def of(log, *channels):
     return [(channel, data) for _, _, channel, data in events(log) if channel in channels]
 
 
-def test_signals_end_it_whole():
+def test_signals_end_it_with_a_complete_log():
     for how in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
         recorder = Recorder(FOLDER / f"{how.name}.lcmlog").start()
         for i in range(100):
@@ -130,7 +130,7 @@ def test_signals_end_it_whole():
         assert numbers == list(range(len(numbers)))
 
 
-def test_kill_9_loses_100_ms_at_most():
+def test_kill_9_loses_at_most_100_ms():
     rng, worst_s = random.Random(7), 0.0
     for turn in range(12):
         recorder = Recorder(FOLDER / f"kill{turn}.lcmlog").start()
@@ -193,7 +193,7 @@ def hears_refusal(port=PORT):
     return has_said
 
 
-def test_a_full_disk_is_said_at_once_and_leaves_a_whole_log():
+def test_full_disk_is_reported_at_once_and_leaves_a_complete_log():
     disk = small_disk("full", "size=1m")
     refused = hears_refusal()
     recorder = Recorder(disk / "a.lcmlog", "--free-mib", "0").start()
@@ -213,7 +213,7 @@ def test_a_full_disk_is_said_at_once_and_leaves_a_whole_log():
     assert [struct.unpack(">I", data[:4])[0] for _, data in ticks] == list(range(sent)), "lost"
 
 
-def test_a_disk_that_stays_full_ends_a_log_with_its_last_whole_event():
+def test_log_ends_with_a_complete_event_if_the_disk_stays_full():
     disk = small_disk("stays_full", "size=256k")
     recorder = Recorder(disk / "a.lcmlog", "--free-mib", "0").start()
     while "LOG NOT WRITTEN" not in recorder.said():
@@ -224,7 +224,7 @@ def test_a_disk_that_stays_full_ends_a_log_with_its_last_whole_event():
     assert "events were lost" in recorder.said(), recorder.said()
 
 
-def test_a_limit_on_files_is_an_error_like_any_other():
+def test_file_size_limit_is_reported_as_a_write_error():
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
     recorder = Recorder(FOLDER / "limit.lcmlog", before=limit).start()
@@ -236,7 +236,7 @@ def test_a_limit_on_files_is_an_error_like_any_other():
     assert 190_000 < os.path.getsize(recorder.log) <= 200_000 and of(recorder.log, "TICK")
 
 
-def test_what_cannot_be_written_is_refused_at_the_start():
+def test_unwritable_paths_are_refused_at_the_start():
     disk = small_disk("read_only", "size=1m,ro")
     recorder = Recorder(disk / "a.lcmlog", "--free-mib", "0")
     assert recorder.process.wait(PATIENCE_S) == 2 and "Read-only file system" in recorder.said()
@@ -271,7 +271,7 @@ def hostile(rng):
     ])()
 
 
-def test_datagrams_that_end_lcm_logger_do_not_end_it():
+def test_survives_datagrams_that_end_lcm_logger():
     rng = random.Random(21)
     recorder = Recorder(FOLDER / "hostile.lcmlog", "--channels", "GOOD", "KNOCK").start()
     attacker, good = Sender(), []
@@ -295,7 +295,7 @@ def test_datagrams_that_end_lcm_logger_do_not_end_it():
     print("  lcm-logger:", "signal", -stock.process.wait(PATIENCE_S))
 
 
-def test_its_log_is_lcm_loggers():
+def test_log_equals_that_of_lcm_logger():
     rng = random.Random(4)
     stock_log = FOLDER / "beside_stock.lcmlog"
     stock = Recorder(stock_log, command=["lcm-logger", "-q", f"--lcm-url={url()}", stock_log]).start()
@@ -340,7 +340,7 @@ def paced(sender, channel, data):
     sender.raw = raw
 
 
-def test_large_messages_are_recorded_or_named():
+def test_large_messages_are_recorded_or_reported():
     picture = random.Random(3).randbytes(6_200_000)
     recorder = Recorder(FOLDER / "large.lcmlog").start()
     for count in range(1, 6):
@@ -360,7 +360,7 @@ def test_large_messages_are_recorded_or_named():
         assert (words in small.said()) == (code == 1), small.said()
 
 
-def test_a_message_that_lacks_a_part_is_reported():
+def test_incomplete_message_is_reported():
     recorder = Recorder(FOLDER / "lacks.lcmlog").start()
     recorder.sender.raw(fragment(900, 100_000, 0, 0, 2, b"CAMERA\0" + bytes(60_000)))
     # The incomplete message is dropped one second after its newest fragment.
@@ -370,7 +370,7 @@ def test_a_message_that_lacks_a_part_is_reported():
     assert "1 messages are not in the log: parts of them never arrived" in recorder.said(), recorder.said()
 
 
-def test_files_follow_one_another():
+def test_files_continue_each_other():
     recorder = Recorder(FOLDER / "turn.lcmlog", "--rotate-mib", "1").start()
     recorder.sender.publish("SCENARIO", b"what is flown")
     for i in range(300):
