@@ -15,7 +15,7 @@ PAGE = SOURCE / "docs/guide/python.md"
 
 
 class Page(unittest.TestCase):
-    def test_runs(self):
+    def test_code_of_the_page_runs(self):
         text = PAGE.read_text()
         blocks = list(re.finditer(r"^```python\n(.*?)^```$", text, re.M | re.S))
         self.assertGreater(len(blocks), 4)

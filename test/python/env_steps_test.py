@@ -11,7 +11,7 @@ STEPS = int(os.environ.get("VANTAGE_ENV_STEPS", "20000"))
 
 
 class RandomSteps(unittest.TestCase):
-    def test_of_gymnasium(self):
+    def test_gymnasium_environments_obey_the_rules(self):
         for name in vantage.env.tasks:
             with self.subTest(name=name):
                 env = CheckedEnv(self, vantage.env.make(name))
@@ -22,7 +22,7 @@ class RandomSteps(unittest.TestCase):
                         env.reset()
                     env.step(env.env.action_space.sample())
 
-    def test_of_pettingzoo(self):
+    def test_pettingzoo_environments_obey_the_rules(self):
         for name in vantage.env.tasks:
             with self.subTest(name=name):
                 env = CheckedTeam(self, vantage.env.make_team(name))
@@ -34,7 +34,7 @@ class RandomSteps(unittest.TestCase):
                         env.reset()
                     env.step({agent: env.env.action_space(agent).sample() for agent in env.env.agents})
 
-    def test_of_gymnasium_vectors(self):
+    def test_gymnasium_vectors_obey_the_rules(self):
         count = 50
         for name in vantage.env.tasks:
             with self.subTest(name=name):

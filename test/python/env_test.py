@@ -33,13 +33,13 @@ def bytes_of(name, seed, steps=60):
 
 
 class Seeds(unittest.TestCase):
-    def test_give_the_same_bytes(self):
+    def test_equal_seeds_give_equal_bytes(self):
         for name in vantage.env.tasks:
             one, again, other = (bytes_of(name, seed) for seed in (7, 7, 8))
             self.assertEqual(one, again, name)
             self.assertNotEqual(one[0], other[0], name)
 
-    def test_of_later_episodes_follow_from_the_first(self):
+    def test_later_episodes_depend_on_the_first_seed(self):
         firsts = []
         for _ in range(2):
             env = vantage.env.make("TargetTracking")
@@ -48,7 +48,7 @@ class Seeds(unittest.TestCase):
         self.assertEqual(firsts[0], firsts[1])
         self.assertEqual(len(set(firsts[0])), 3)
 
-    def test_give_a_team_what_they_give_one_agent(self):
+    def test_team_and_single_agent_tasks_agree(self):
         single, team = vantage.env.make("TeamTracking"), vantage.env.make_team("TeamTracking")
         together, _ = single.reset(seed=11)
         apart, _ = team.reset(seed=11)
@@ -60,7 +60,7 @@ class Seeds(unittest.TestCase):
             apart, rewards, _, _, _ = team.step(dict(zip(team.possible_agents, actions)))
             self.assertEqual(set(rewards.values()), {reward})
 
-    def test_of_a_vector_do_not_depend_on_its_threads(self):
+    def test_vector_is_independent_of_its_threads(self):
         for name in ("ResilientTracking", "TeamMapping"):
             told = []
             for threads in (1, 2, 5):
@@ -75,7 +75,7 @@ class Seeds(unittest.TestCase):
             self.assertEqual(told[0], told[1])
             self.assertEqual(told[0], told[2])
 
-    def test_of_a_vector_are_those_of_single_ones(self):
+    def test_vector_equals_single_environments(self):
         vector = vantage.env.make_vector("TargetTracking", 3, 2)
         observations, _ = vector.reset(seed=20)
         for i in range(3):
@@ -84,7 +84,7 @@ class Seeds(unittest.TestCase):
         listed, _ = vector.reset(seed=[22, 21, 20])
         self.assertEqual(listed[0].tobytes(), observations[2].tobytes())
 
-    def test_that_are_none_are_refused(self):
+    def test_invalid_seeds_are_refused(self):
         env = vantage.env.make("TargetTracking")
         for seed in (-1, 1.5, "a", 2**64, True):
             with self.assertRaises(Exception, msg=seed) as refusal:
@@ -94,7 +94,7 @@ class Seeds(unittest.TestCase):
 
 
 class Rules(unittest.TestCase):
-    def test_hold_for_two_episodes(self):
+    def test_are_obeyed_in_two_episodes(self):
         for name in vantage.env.tasks:
             env = CheckedEnv(self, vantage.env.make(name, episode_steps=30))
             env.reset(seed=1, options={})
@@ -118,7 +118,7 @@ class Rules(unittest.TestCase):
             with self.assertRaises(RuntimeError):
                 team.env.step({})
 
-    def test_notice_a_violation(self):
+    def test_checker_detects_a_violation(self):
         class Wrong(vantage.env.TaskEnv):
             def step(self, action):
                 observation, reward, terminated, truncated, info = super().step(action)
@@ -129,7 +129,7 @@ class Rules(unittest.TestCase):
             for _ in range(20):
                 env.step(0)
 
-    def test_refuse_actions_that_are_none(self):
+    def test_invalid_actions_are_refused(self):
         env = vantage.env.make("TargetTracking")
         env.reset(seed=1)
         for action in (10, -1, [1, 2]):
@@ -144,7 +144,7 @@ class Rules(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "missing robot_2"):
             team.step({"robot_0": 0, "robot_1": 0})
 
-    def test_refuse_options_that_are_none(self):
+    def test_invalid_options_are_refused(self):
         for options, words in (({"robot": 3}, "unknown option robot; valid options are robots"),
                                ({"robots": 0}, "robots: must be ≥ 1"),
                                ({"targets": 2.5}, "targets: must be a whole number, got 2.5"),
@@ -159,7 +159,7 @@ class Rules(unittest.TestCase):
             vantage.env.make("Exploration", world="forest")
 
     @unittest.skipUnless(gymnasium, "gymnasium is not installed")
-    def test_of_gymnasium_itself_hold(self):
+    def test_gymnasium_checker_passes(self):
         from gymnasium.utils.env_checker import check_env
         for name in vantage.env.tasks:
             check_env(vantage.env.make(name), skip_render_check=True)
@@ -171,7 +171,7 @@ class Rules(unittest.TestCase):
             vector.step(vector.action_space.sample())
 
     @unittest.skipUnless(pettingzoo, "pettingzoo is not installed")
-    def test_of_pettingzoo_itself_hold(self):
+    def test_pettingzoo_checker_passes(self):
         from pettingzoo.test import parallel_api_test, parallel_seed_test
         for name in vantage.env.tasks:
             parallel_api_test(vantage.env.make_team(name), num_cycles=250)
@@ -179,7 +179,7 @@ class Rules(unittest.TestCase):
 
 
 class Task(unittest.TestCase):
-    def test_tells_what_it_knows(self):
+    def test_observation_contains_the_beliefs(self):
         env = vantage.env.make("TeamTracking")
         observation, _ = env.reset(seed=2)
         known = env.snapshot()
@@ -199,7 +199,7 @@ class Task(unittest.TestCase):
         _, reward, _, _, _ = env.step([0, 0, 0])
         self.assertAlmostEqual(reward, -env.snapshot()["entropy_nats"])
 
-    def test_of_mapping_is_rewarded_by_what_the_map_gained(self):
+    def test_mapping_reward_is_the_information_gain(self):
         env = vantage.env.make("TeamMapping", attacks=1, attack_period_steps=3)
         env.reset(seed=2)
 
@@ -217,7 +217,7 @@ class Task(unittest.TestCase):
             self.assertEqual(after["jammed"].sum(), 1)
             before = after
 
-    def test_of_a_patch_shows_the_map_around(self):
+    def test_patch_observation_shows_the_nearby_map(self):
         env = vantage.env.make("Exploration", patch_cells=8)
         observation, _ = env.reset(seed=3)
         known = env.snapshot()
@@ -225,7 +225,7 @@ class Task(unittest.TestCase):
         column, row = numpy.floor(known["poses"][0, :2] / known["map_resolution_m"]).astype(int)
         numpy.testing.assert_allclose(patch, 2 * known["map"][row - 4:row + 4, column - 4:column + 4] - 1, atol=1e-6)
 
-    def test_jams_so_many(self):
+    def test_jams_the_stated_number_of_robots(self):
         for attacker in ("greedy", "random"):
             env = vantage.env.make("ResilientTracking", attacker=attacker, attack_period_steps=5)
             env.reset(seed=1)
@@ -253,7 +253,7 @@ class Task(unittest.TestCase):
 
 
 class Baselines(unittest.TestCase):
-    def test_that_plan_beat_chance(self):
+    def test_planning_baselines_beat_random_actions(self):
         env = vantage.env.make("TargetTracking", episode_steps=100)
         chance, greedy, arvi, beam = (baselines.evaluate(env, policy, episodes=6).mean() for policy in (
             baselines.Random(env), baselines.Planner(env, "greedy"), baselines.Planner(env, "arvi"),
@@ -265,14 +265,14 @@ class Baselines(unittest.TestCase):
             baselines.Random(env), baselines.Planner(env, "forward", horizon_steps=3)))
         self.assertGreater(forward, 1.2 * chance)
 
-    def test_play_through_either_interface_alike(self):
+    def test_both_interfaces_give_equal_results(self):
         for name in ("TeamTracking", "TeamMapping"):
             results = []
             for env in (vantage.env.make(name, episode_steps=12), vantage.env.make_team(name, episode_steps=12)):
                 results.append(baselines.evaluate(env, baselines.Planner(env, "greedy"), episodes=2, seed=4).tolist())
             self.assertEqual(results[0], results[1])
 
-    def test_refuse_what_a_task_has_not(self):
+    def test_refuse_unsupported_options(self):
         with self.assertRaisesRegex(vantage.UsageError, "algorithm: must be forward for mapping, got arvi"):
             baselines.Planner(vantage.env.make("Exploration"), "arvi")
         with self.assertRaisesRegex(ValueError, "replan_steps"):
@@ -303,14 +303,14 @@ class SecondOpinion(unittest.TestCase):
         self.assertLess(abs(one - other), 4 * numpy.hypot(one_error, other_error), means)
         self.assertLess(numpy.hypot(one_error, other_error), 0.15 * max(1.0, abs(one)))
 
-    def test_of_tracking(self):
+    def test_tracking_rewards_agree(self):
         self.compare(vantage.env.make("TeamTracking"), numpy_tasks.Tracking(3, 8), episodes=80, steps=60)
 
-    def test_of_mapping(self):
+    def test_mapping_rewards_agree(self):
         self.compare(vantage.env.make("TeamMapping"), numpy_tasks.Mapping(numpy_tasks.pillars(), 3),
                      episodes=60, steps=12)
 
-    def test_observes_alike(self):
+    def test_observations_agree(self):
         for env, task in ((vantage.env.make("TeamTracking"), numpy_tasks.Tracking(3, 8)),
                           (vantage.env.make("TeamMapping"), numpy_tasks.Mapping(numpy_tasks.pillars(), 3))):
             self.assertEqual(env.reset(seed=0)[0].shape, task.reset(0).shape)

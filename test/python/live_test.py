@@ -75,7 +75,7 @@ class Live(unittest.TestCase):
         self.assertLess(abs(heard[0][1].utime - receiver.utime), 60e6)
         self.assertEqual(list(heard[0][1].detections[0].z), [1.0, 0.5])
 
-    def test_counts_what_does_not_decode_and_hands_on_what_a_handler_raises(self):
+    def test_counts_undecodable_messages_and_raises_handler_errors(self):
         sender, receiver = live.Bus(URL), live.Bus(URL)
         receiver.subscribe("BELIEF_Q1", vantage_lcm.belief_t, lambda *said: self.fail("decoded"))
         receiver.subscribe("BAD", None, lambda channel, data: 1 / 0)
@@ -100,7 +100,7 @@ class Live(unittest.TestCase):
         self.assertGreater(turns, 1000)
         waiter.join()
 
-    def test_is_heard_by_stock_lcm(self):
+    def test_lcm_receives_its_messages(self):
         log = pathlib.Path(FOLDER.name, "stock.lcmlog")
         with Started("lcm-logger", "--quiet", "--force", f"--lcm-url={URL}", log):
             bus = live.Bus(URL)
@@ -132,11 +132,11 @@ class Stack(unittest.TestCase):
         self.assertIn("DETECTOR", health)
         return beliefs
 
-    def test_an_estimator_believes_what_python_measures(self):
+    def test_estimator_uses_measurements_of_python(self):
         beliefs = self.follow((SOURCE / "config/lab.yaml").read_text())
         self.assertEqual([each.target_id for each in beliefs[-1].targets], [3])
 
-    def test_signed_it_is_believed_where_strangers_are_not(self):
+    def test_signed_measurements_are_used_and_unsigned_ones_refused(self):
         keys = pathlib.Path(FOLDER.name, "keys")
         subprocess.run([BINARY, "keys", "new", keys], check=True, capture_output=True)
         lab = (SOURCE / "config/lab.yaml").read_text()

@@ -27,7 +27,7 @@ class Log(unittest.TestCase):
         del cls.log
         cls.folder.cleanup()
 
-    def test_has_the_channels_of_the_command(self):
+    def test_channels_equal_those_of_the_command(self):
         said, _ = command("log", "info", self.path)
         self.assertIn("PLAN_Q1", self.log)
         for name, channel in self.log.channels.items():
@@ -35,7 +35,7 @@ class Log(unittest.TestCase):
             self.assertEqual(len(self.log[name].log_utime), channel.messages)
             self.assertEqual(self.log[name].refused, 0)
 
-    def test_has_the_values_of_the_tables(self):
+    def test_values_equal_those_of_the_tables(self):
         compared = 0
         for name in self.log:
             with open(os.path.join(self.tables, f"{name}.csv"), newline="", encoding="utf-8") as file:
@@ -70,7 +70,7 @@ class Log(unittest.TestCase):
             else:
                 self.assertEqual(float(text), float(value), column)
 
-    def test_lays_lists_end_to_end(self):
+    def test_lists_are_concatenated(self):
         plans = self.log["PLAN_Q1"]
         counts = numpy.diff(plans.offsets["segments"])
         self.assertEqual(len(counts), len(plans.log_utime))
@@ -81,14 +81,14 @@ class Log(unittest.TestCase):
         with self.assertRaisesRegex(KeyError, "no field cost; the fields are .*cost_nat"):
             plans["cost"]
 
-    def test_reads_a_part(self):
+    def test_reads_a_time_interval(self):
         whole, part = self.log["TRUTH"], self.log.read("TRUTH", from_s=20, to_s=30)
         since_s = 1e-6 * (whole.log_utime - self.log.start_utime)
         inside = (since_s >= 20) & (since_s < 30)
         self.assertEqual(part.log_utime.tolist(), whole.log_utime[inside].tolist())
         self.assertGreater(len(part.log_utime), 100)
 
-    def test_of_a_torn_file_is_what_is_left(self):
+    def test_truncated_file_gives_its_intact_events(self):
         torn = os.path.join(self.folder.name, "torn.lcmlog")
         data = pathlib.Path(self.path).read_bytes()
         pathlib.Path(torn).write_bytes(data[:len(data) // 3] + b"junk" * 50 + data[len(data) // 3:-7])
@@ -99,7 +99,7 @@ class Log(unittest.TestCase):
             each.messages for each in log.channels.values())
         self.assertIn(lost, (1, 2))
 
-    def test_refuses_what_is_none(self):
+    def test_refuses_other_files(self):
         with self.assertRaisesRegex(vantage.StartupError, "nowhere.lcmlog"):
             vantage.Log("nowhere.lcmlog")
         with self.assertRaisesRegex(KeyError, "no channel NOPE"):

@@ -8,11 +8,11 @@ import vantage
 
 
 class Motion(unittest.TestCase):
-    def test_turns_about_a_circle(self):
+    def test_follows_a_circle(self):
         pose = vantage.step_unicycle([1.0, 2.0, 0.0], [1.0, 1.0], math.pi / 2)
         numpy.testing.assert_allclose(pose, [2.0, 3.0, math.pi / 2], atol=1e-12)
 
-    def test_of_many_is_that_of_each(self):
+    def test_vectorised_call_equals_single_calls(self):
         random = numpy.random.default_rng(1)
         poses, controls = random.normal(size=(20, 3)), random.normal(size=(20, 2))
         together = vantage.step_unicycle(poses, controls, 0.5)
@@ -20,7 +20,7 @@ class Motion(unittest.TestCase):
         for pose, control, after in zip(poses, controls, together):
             self.assertEqual(vantage.step_unicycle(pose, control, 0.5).tolist(), after.tolist())
 
-    def test_of_one_row_stays_a_row(self):
+    def test_one_row_gives_one_row(self):
         self.assertEqual(vantage.step_unicycle(numpy.zeros((1, 3)), numpy.ones((1, 2)), 1.0).shape, (1, 3))
 
     def test_refuses_other_shapes(self):
@@ -33,7 +33,7 @@ class Motion(unittest.TestCase):
 
 
 class Target(unittest.TestCase):
-    def test_double_integrator(self):
+    def test_double_integrator_has_its_closed_form(self):
         model = vantage.TargetModel("double_integrator", q=0.2)
         numpy.testing.assert_allclose(model.transition(0.5), numpy.eye(4) + 0.5 * numpy.eye(4, k=2))
         W = model.process_noise(0.5)
@@ -41,7 +41,7 @@ class Target(unittest.TestCase):
         self.assertAlmostEqual(W[0, 2], 0.2 * 0.5**2 / 2)
         self.assertAlmostEqual(W[2, 2], 0.2 * 0.5)
 
-    def test_refuses_what_is_none(self):
+    def test_refuses_invalid_values(self):
         with self.assertRaisesRegex(vantage.UsageError, "kind: must be one of .*random_walk.*got walk"):
             vantage.TargetModel("walk")
         with self.assertRaisesRegex(vantage.UsageError, "q: must be ≥ 0"):
@@ -56,7 +56,7 @@ class Sensor(unittest.TestCase):
         self.assertTrue(sensor.in_view([1.0, 1.0, 0.0, 0.0], [1.0, 4.0]))
         self.assertFalse(sensor.in_view([1.0, 1.0, 0.0, 0.0], [1.0, 12.0]))
 
-    def test_has_the_jacobian_of_its_differences(self):
+    def test_jacobian_equals_finite_differences(self):
         for kind in ("position", "range", "bearing", "range_bearing"):
             sensor = vantage.SensorModel(kind)
             viewpoint, target, h = [0.3, -0.2, 0.0, 0.7], numpy.array([2.0, 1.5]), 1e-6
@@ -68,19 +68,19 @@ class Sensor(unittest.TestCase):
             V = sensor.noise_covariance(viewpoint, target)
             numpy.testing.assert_allclose(sensor.information(viewpoint, target), H.T @ numpy.linalg.inv(V) @ H)
 
-    def test_draws_by_its_seed(self):
+    def test_seed_determines_the_noise(self):
         sensor = vantage.SensorModel("range", range_sigma_m=0.5)
         one, again, other = (sensor.sample([0, 0, 0, 0], [3.0, 0.0], seed)[0][0] for seed in (1, 1, 2))
         self.assertEqual(one, again)
         self.assertNotEqual(one, other)
 
-    def test_finds_the_place_again_where_it_can(self):
+    def test_position_from_inverts_observe_if_possible(self):
         sensor = vantage.SensorModel("range_bearing")
         z = sensor.observe([0.5, 0.5, 0.0, 0.3], [2.0, 3.0])
         numpy.testing.assert_allclose(sensor.position_from([0.5, 0.5, 0.0, 0.3], z), [2.0, 3.0], atol=1e-12)
         self.assertIsNone(vantage.SensorModel("range").position_from([0, 0, 0, 0], [3.0]))
 
-    def test_refuses_a_field_that_it_has_not(self):
+    def test_refuses_unknown_fields(self):
         with self.assertRaisesRegex(TypeError, "no range_m"):
             vantage.SensorModel("range", range_m=3.0)
         with self.assertRaisesRegex(TypeError, "no range_rate_sigma_mps; own parameters of kind range: none"):
@@ -88,7 +88,7 @@ class Sensor(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "own parameters of kind range_rate: range_rate_sigma_mps"):
             vantage.SensorModel("range_rate", rate_sigma=0.1)
 
-    def test_has_the_own_parameters_of_its_kind(self):
+    def test_has_the_parameters_of_its_kind(self):
         sensor = vantage.SensorModel("range_rate", range_min_m=0.1)
         self.assertEqual(sensor.own_parameters, {"range_rate_sigma_mps": 0.1})
         sensor.range_rate_sigma_mps = 0.3
@@ -114,7 +114,7 @@ class Sensor(unittest.TestCase):
 
 
 class World(unittest.TestCase):
-    def test_knows_what_is_near_and_what_hides(self):
+    def test_computes_clearance_and_line_of_sight(self):
         world = vantage.World([0, 0, 10, 10], [[4, 4, 6, 6]])
         self.assertAlmostEqual(world.clearance_m([1.0, 5.0]), 1.0)
         self.assertAlmostEqual(world.clearance_m([3.5, 5.0]), 0.5)
@@ -128,13 +128,13 @@ class Belief(unittest.TestCase):
     model = vantage.TargetModel("double_integrator", q=0.01)
     mean, covariance = numpy.array([2.0, 1.0, 0.1, 0.0]), numpy.diag([0.01, 0.01, 0.04, 0.04])
 
-    def test_is_predicted_linearly(self):
+    def test_prediction_is_linear(self):
         mean, covariance = vantage.predict(self.mean, self.covariance, self.model, 0.5)
         A = self.model.transition(0.5)
         numpy.testing.assert_allclose(mean, A @ self.mean, atol=1e-15)
         numpy.testing.assert_allclose(covariance, A @ self.covariance @ A.T + self.model.process_noise(0.5))
 
-    def test_is_measured_as_by_a_kalman_filter(self):
+    def test_update_equals_a_kalman_filter(self):
         sensor = vantage.SensorModel("range_bearing", range_sigma_m=0.1, bearing_sigma_rad=0.05)
         viewpoint = [0.0, 0.0, 0.0, 0.2]
         z = sensor.observe(viewpoint, [2.03, 0.98])
@@ -147,7 +147,7 @@ class Belief(unittest.TestCase):
             mean, self.mean + K @ (z - sensor.observe(viewpoint, self.mean[:2])), atol=1e-6)
         numpy.testing.assert_allclose(covariance, (numpy.eye(4) - K @ H) @ self.covariance, atol=1e-10)
 
-    def test_leaves_out_what_the_gate_does(self):
+    def test_gate_rejects_distant_measurements(self):
         sensor = vantage.SensorModel("position", position_sigma_m=0.1)
         z = sensor.observe([0, 0, 0, 0], [5.0, 1.0])
         V = 0.01 * numpy.eye(len(z))
@@ -155,18 +155,18 @@ class Belief(unittest.TestCase):
         self.assertFalse(used)
         self.assertEqual(mean.tolist(), self.mean.tolist())
 
-    def test_moves_away_from_where_nothing_was_seen(self):
+    def test_missed_detection_moves_the_belief_out_of_view(self):
         sensor = vantage.SensorModel("range", range_max_m=2.0)
         world = vantage.World([-10, -10, 10, 10])
         mean, _ = vantage.miss([1.5, 0.0], numpy.eye(2), sensor, [0, 0, 0, 0], world, 0.9)
         self.assertGreater(mean[0], 1.7)
 
-    def test_is_confined_to_the_world(self):
+    def test_belief_is_confined_to_the_world(self):
         world = vantage.World([0, 0, 4, 4])
         mean, _ = vantage.confine([3.9, 2.0], 0.5 * numpy.eye(2), world)
         self.assertLess(mean[0], 3.8)
 
-    def test_entropy(self):
+    def test_entropy_has_its_closed_form(self):
         self.assertAlmostEqual(vantage.entropy_nats(numpy.eye(2)), math.log(2 * math.pi * math.e))
         self.assertAlmostEqual(vantage.log_det(2 * numpy.eye(3)), 3 * math.log(2))
 

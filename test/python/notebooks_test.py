@@ -32,7 +32,7 @@ class Notebooks(unittest.TestCase):
         os.chdir(cls.here)
         cls.folder.cleanup()
 
-    def test_run(self):
+    def test_run_without_error(self):
         self.assertEqual(len(NOTEBOOKS), 4)
         for path in NOTEBOOKS:
             with self.subTest(path.name):
@@ -44,7 +44,7 @@ class Notebooks(unittest.TestCase):
                 self.assertNotIn("nan", said.getvalue())
                 self.assertGreater(len(said.getvalue().splitlines()), 0)
 
-    def test_have_no_output_and_are_notebooks(self):
+    def test_are_valid_and_contain_no_output(self):
         for path in NOTEBOOKS:
             notebook = json.loads(path.read_text())
             self.assertEqual((notebook["nbformat"], notebook["nbformat_minor"]), (4, 5))

@@ -48,7 +48,7 @@ class Turning(Frozen):
 
 
 class Planners(unittest.TestCase):
-    def test_of_ones_own_fly_in_a_trial(self):
+    def test_custom_planners_fly_in_a_trial(self):
         asked = []
 
         def ahead(question):
@@ -71,13 +71,13 @@ class Planners(unittest.TestCase):
         self.assertLessEqual({(robot, "searched") for robot in ROBOTS}, sources)  # others may occur later
         self.assertEqual(trial.metrics["collisions"], 0)
 
-    def test_that_say_nothing_or_nonsense_are_not_flown(self):
+    def test_missing_or_invalid_plans_are_not_flown(self):
         for answer in (None, [(100.0, 0.0, 1.0)], [(1.0, 0.0, -1.0)], [(0.5, 0.0, 1000.0)]):
             trial = vantage.Trial(lab(duration_s=3.0), planners={robot: lambda question: answer for robot in ROBOTS})
             trial.run()
             self.assertEqual({plan["source"] for plan in trial.plans.values()}, {"shifted"}, answer)
 
-    def test_fly_the_same_twice_and_are_replayed_from_the_log(self):
+    def test_are_reproducible_and_replayable(self):
         def turn(question):
             return [(0.4, 0.3 * numpy.sin(question["time_s"]), 1.0)]
 
@@ -91,7 +91,7 @@ class Planners(unittest.TestCase):
             self.assertTrue(one == two)
             command("log", "replay", logs[0], "--node", "planner:Q2")
 
-    def test_are_refused_by_name(self):
+    def test_refusals_name_the_argument(self):
         with self.assertRaisesRegex(vantage.UsageError, "has none for Q2"):
             vantage.Trial(lab(), planners={"Q1": lambda question: None})
         with self.assertRaisesRegex(vantage.UsageError, "no robot Q9"):
@@ -106,7 +106,7 @@ class Searches(unittest.TestCase):
     def search(self, robot="Q1", **how):
         return own.Search(lab(), robot, **{"width": 2, **how})
 
-    def test_with_an_own_cost_and_an_own_target_model_fly(self):
+    def test_use_a_custom_cost_and_target_model(self):
         model = Frozen()
         costs = []
 
@@ -128,7 +128,7 @@ class Searches(unittest.TestCase):
                 "height_m": 1.0, "horizon_steps": 4, "step_s": 0.5, "controls": vantage.lab_primitives(),
                 "beliefs": {0: (numpy.array([-1.0, -1.0, 0.0, 0.0]), numpy.diag([1.0, 1.0, 0.1, 0.1]))}, "team": {}}
 
-    def test_do_what_the_cost_says(self):
+    def test_minimise_the_custom_cost(self):
         for sign in (1.0, -1.0):
             rows = self.search(cost=lambda pose, beliefs, step: sign * pose[1], width=8)(self.question())
             pose = self.question()["pose"]
@@ -136,7 +136,7 @@ class Searches(unittest.TestCase):
                 pose = vantage.step_unicycle(pose, (speed, yaw_rate), duration_s)
             self.assertLess(sign * pose[1], -0.5)
 
-    def test_say_nothing_where_there_is_no_way(self):
+    def test_return_no_plan_without_a_feasible_path(self):
         question = self.question()
         question["pose"] = numpy.array([-3.9, -1.9, 0.0])
         self.assertIsNone(self.search()(question))
@@ -146,7 +146,7 @@ class Searches(unittest.TestCase):
 
 
 class Filters(unittest.TestCase):
-    def test_by_the_stacks_model_believe_about_what_the_stack_does(self):
+    def test_with_the_default_model_find_the_targets(self):
         scenario = lab(duration_s=8.0)
         trial = vantage.Trial(scenario, filters={"Q1": own.Filter(scenario, "Q1")})
         trial.run()
@@ -158,7 +158,7 @@ class Filters(unittest.TestCase):
         for i, mean in zip(mine["ids"], mine["means"]):
             self.assertLess(numpy.hypot(*(mean[:2] - trial.targets[i, :2])), 4.0)
 
-    def test_with_a_target_model_of_ones_own_fly(self):
+    def test_use_a_custom_target_model(self):
         for model in (Frozen(), Turning()):
             scenario = lab()
             trial = vantage.Trial(scenario, filters={robot: own.Filter(scenario, robot, model) for robot in ROBOTS})
@@ -167,7 +167,7 @@ class Filters(unittest.TestCase):
             known = {i for belief in trial.beliefs.values() for i in belief["ids"].tolist()}
             self.assertTrue(known)
 
-    def test_are_refused_by_name_and_shape(self):
+    def test_refusals_name_argument_and_shape(self):
         with self.assertRaisesRegex(vantage.UsageError, "no robot Q9"):
             vantage.Trial(lab(), filters={"Q9": lambda looks, time_s: {}})
         with self.assertRaisesRegex(ValueError, "mean: must have the shape"):

@@ -21,7 +21,7 @@ def loaded(file="tracking.json"):
 
 
 class Plan(unittest.TestCase):
-    def test_is_that_of_the_command_to_the_bit(self):
+    def test_equals_the_plan_of_the_command_bit_for_bit(self):
         for file in FILES:
             for algorithm in ["default", *vantage.algorithms()]:
                 with self.subTest(file=file, algorithm=algorithm):
@@ -39,7 +39,7 @@ class Plan(unittest.TestCase):
                     for key in ("nodes_generated", "nodes_expanded", "work_nodes", "passes", "stop_reason"):
                         self.assertEqual(printed[key], getattr(plan, key), key)
 
-    def test_is_the_same_of_file_text_and_dict(self):
+    def test_is_equal_for_file_text_and_dict(self):
         text = (PROBLEMS / "tracking.json").read_text()
         planner = vantage.Planner("arvi", nodes=3000)
         of_file = planner.plan(vantage.Problem(PROBLEMS / "tracking.json"))
@@ -50,13 +50,13 @@ class Plan(unittest.TestCase):
             self.assertEqual(of_file.states.tobytes(), other.states.tobytes())
             self.assertEqual(of_file.cost, other.cost)
 
-    def test_takes_numpy_in_a_dict(self):
+    def test_accepts_numpy_in_a_dict(self):
         problem = loaded()
         problem["targets"] = numpy.array(problem["targets"])
         problem["T"] = numpy.int64(problem["T"])
         self.assertEqual(vantage.plan(problem, nodes=500).cost, vantage.plan(loaded(), nodes=500).cost)
 
-    def test_costs_what_the_plain_recursion_says(self):
+    def test_cost_equals_the_plain_recursion(self):
         for file in FILES:
             problem = vantage.Problem(PROBLEMS / file)
             plan = vantage.plan(problem, algorithm="beam", nodes=20_000)
@@ -73,7 +73,7 @@ class Plan(unittest.TestCase):
             pose = vantage.step_unicycle(pose, control, problem.step_s)
             numpy.testing.assert_allclose(pose, state, atol=1e-9)
 
-    def test_of_a_changed_problem_is_that_of_a_new_one(self):
+    def test_changed_problem_gives_the_plan_of_a_new_problem(self):
         changed = loaded()
         changed["robot"]["yaw"] = 1.25
         changed["targets"] = changed["targets"][:3]
@@ -101,7 +101,7 @@ class Plan(unittest.TestCase):
             counted += 1
         self.assertGreater(counted, 1000)
 
-    def test_of_two_threads_on_one_planner_and_problem_are_the_same(self):
+    def test_two_threads_may_share_planner_and_problem(self):
         problem = vantage.Problem(PROBLEMS / "tracking.json")
         planner = vantage.Planner("beam", nodes=20_000)
         costs = []
@@ -112,7 +112,7 @@ class Plan(unittest.TestCase):
             thread.join()
         self.assertEqual(costs, 4 * [vantage.plan(problem, algorithm="beam", nodes=20_000).cost])
 
-    def test_without_time_is_still_a_plan(self):
+    def test_budget_of_zero_still_gives_a_plan(self):
         plan = vantage.plan(PROBLEMS / "tracking.json", budget_s=0.01)
         self.assertTrue(plan.found)
         self.assertEqual(plan.history.shape[1], 4)
@@ -153,15 +153,15 @@ class CtrlC(unittest.TestCase):
             self.assertEqual(child.stdout.read().split(), ["interrupted"])
         self.assertEqual(child.returncode, 0)
 
-    def test_ends_a_plan_of_an_hour(self):
+    def test_ends_a_long_plan(self):
         self.ends(PLANS_FOR_AN_HOUR)
 
-    def test_whose_handler_asks_for_the_plan_itself_is_refused(self):
+    def test_handler_that_uses_the_busy_planner_gets_an_error(self):
         self.ends(ASKS_IN_A_HANDLER)
 
 
 class Refusal(unittest.TestCase):
-    def test_has_the_words_of_the_command(self):
+    def test_text_equals_that_of_the_command(self):
         broken = []
         for change in ({"T": 0}, {"tau": "half"}, {"sensor": {"type": "sonar"}}, {"horizont": 3},
                        {"robot": {"x": 1e9, "y": 0}}):
@@ -197,7 +197,7 @@ class Refusal(unittest.TestCase):
             vantage.Planner(weight=float("nan"))
         self.assertTrue(issubclass(vantage.UsageError, ValueError))
 
-    def test_leaves_the_problem_as_it_was(self):
+    def test_problem_remains_unchanged(self):
         problem = vantage.Problem(loaded())
         start, covariances = problem.start, problem.covariances
         with self.assertRaises(vantage.UsageError):

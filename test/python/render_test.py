@@ -70,7 +70,7 @@ class Render(unittest.TestCase):
                 make("TeamTracking", render_mode="ansi")
 
     @unittest.skipUnless(HAS_RENDERER, "rsvg-convert is not installed")
-    def test_returns_a_picture_of_every_task_that_changes_with_the_steps(self):
+    def test_returns_a_changing_picture_of_every_task(self):
         for name in vantage.env.tasks:
             env = vantage.env.make_team(name, render_mode="rgb_array")
             env.reset(seed=3)
@@ -95,7 +95,7 @@ class Render(unittest.TestCase):
         env.close()
 
     @unittest.skipUnless(HAS_RENDERER, "rsvg-convert is not installed")
-    def test_opens_the_page_once_for_people_and_removes_it_at_the_end(self):
+    def test_human_mode_opens_one_page_and_removes_it_at_the_end(self):
         with unittest.mock.patch("webbrowser.open") as opened:
             env = vantage.env.make("TargetTracking", render_mode="human")
             env.reset(seed=1)

@@ -68,18 +68,18 @@ class Stub(unittest.TestCase):
                 compared.add(name)
         self.assertLessEqual({"Trial.__init__", "TargetModel.__init__", "Problem.parse", ".decide"}, compared)
 
-    def test_reads_what_pybind11_says(self):
+    def test_parses_the_signatures_of_pybind11(self):
         def function():
             """f(self: m.C, a: Dict[str, function] = {}, b: float = 1.0, *, c: object = None, **kwargs) -> None"""
         self.assertEqual(docstring_arguments(function), (["a", "b"], ["c"], True))
 
-    def test_of_plan_is_that_of_its_planner(self):
+    def test_plan_has_the_signature_of_planner_plan(self):
         arguments = {node.name: node.args.kwonlyargs for node in STUB.body if isinstance(node, ast.FunctionDef)}
         planner = next(node for node in STUB.body if getattr(node, "name", "") == "Planner").body[0]
         self.assertEqual([arg.arg for arg in arguments["plan"]],
                          [arg.arg for arg in planner.args.args[1:] + planner.args.kwonlyargs])
 
-    def test_every_public_name_says_what_it_is(self):
+    def test_every_public_name_has_a_docstring(self):
         for name in vantage.__all__:
             thing = getattr(vantage, name)
             self.assertTrue(inspect.getdoc(thing), name)

@@ -25,7 +25,7 @@ class Sweep(unittest.TestCase):
         self.assertEqual(self.columns["planner"].tolist(), 2 * (2 * ["greedy"] + 2 * ["arvi"]))
         self.assertEqual(self.columns["seed"].tolist(), 4 * [4, 2])
 
-    def test_says_what_each_trial_does(self):
+    def test_results_equal_single_trials(self):
         for i in (0, 3, 6):
             trial = vantage.Trial(LAB.replace(node_budget=int(self.columns["node_budget"][i]),
                                               planner=str(self.columns["planner"][i]), seed=SEEDS[i % 2]))
@@ -37,7 +37,7 @@ class Sweep(unittest.TestCase):
         self.assertTrue(numpy.isnan(self.columns["map_entropy"]).all())  # no robot maps
         self.assertNotIn("discovery_time_s", self.columns)  # a list
 
-    def test_takes_the_full_path_of_any_scenario_key(self):
+    def test_accepts_the_path_of_any_scenario_key(self):
         columns = vantage.sweep(LAB, {"planner.separation_m": [0.6, 0.7],
                                       "robot_defaults.sensor.range_sigma_m": numpy.array([0.1])}, [1], threads=2)
         self.assertEqual(columns["planner.separation_m"].tolist(), [0.6, 0.7])
@@ -47,7 +47,7 @@ class Sweep(unittest.TestCase):
             with self.assertRaisesRegex(vantage.StartupError, next(iter(refused)).split(".")[1]):
                 vantage.sweep(LAB, refused, [1])
 
-    def test_is_the_same_whatever_the_number_of_threads(self):
+    def test_is_independent_of_the_number_of_threads(self):
         for threads in (1, 5):
             columns = vantage.sweep(LAB, PARAMETERS, SEEDS, threads=threads)
             self.assertEqual(list(columns), list(self.columns))
@@ -55,12 +55,12 @@ class Sweep(unittest.TestCase):
                 self.assertEqual(column.dtype, self.columns[name].dtype)
                 self.assertEqual(column.tobytes(), self.columns[name].tobytes(), name)
 
-    def test_tells_how_far_it_is(self):
+    def test_reports_its_progress(self):
         shares = []
         vantage.sweep("lab", {"duration_s": [1.0], "node_budget": [50]}, range(3), threads=2, progress=shares.append)
         self.assertEqual(shares, [1 / 3, 2 / 3, 1.0])
 
-    def test_keeps_what_is_done_at_ctrl_c(self):
+    def test_keeps_finished_trials_at_ctrl_c(self):
         def interrupt(share):
             signal.raise_signal(signal.SIGINT)
         before = signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -75,7 +75,7 @@ class Sweep(unittest.TestCase):
         for i in range(len(columns["seed"])):
             self.assertEqual(row({**columns, "planner": columns["planner"].astype("U6")}, i), row(self.columns, i))
 
-    def test_is_refused_before_anything_flies(self):
+    def test_invalid_options_are_refused_before_the_first_trial(self):
         for words, parameters, seeds, options in (
                 ("unknown key horizon; valid keys are duration_s, planner", {"horizon": [1]}, [1], {}),
                 ("planner: must be a list of values, got arvi", {"planner": "arvi"}, [1], {}),

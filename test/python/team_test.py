@@ -108,7 +108,7 @@ class Case(unittest.TestCase):
 
 
 class Decided(Case):
-    def test_by_coordinate_descent_each_adds_most_to_those_before(self):
+    def test_coordinate_descent_adds_the_best_candidate_per_robot(self):
         for order in ((0, 1, 2), (2, 0, 1)):
             _, reference, choice = self.decide("coordinate_descent", order=order)
             self.assertEqual(reference.counts, [6, 6, 6])
@@ -116,12 +116,12 @@ class Decided(Case):
         _, _, choice = self.decide("coordinate_descent", order=[1])
         self.assertEqual([row is None for row in choice], [True, False, True])
 
-    def test_by_more_rounds_nobody_would_choose_another(self):
+    def test_further_rounds_reach_a_single_robot_optimum(self):
         decision, reference, choice = self.decide("coordinate_descent", rounds_max=20)
         for robot in range(3):
             self.assertLessEqual(max(reference.gains(choice, robot)), decision.value + 1e-6)
 
-    def test_greedily_the_best_of_all_comes_next(self):
+    def test_greedy_adds_the_best_candidate_of_all_robots(self):
         decision, reference, _ = self.decide("greedy")
         choice = (None,) * 3
         for _ in range(3):
@@ -130,7 +130,7 @@ class Decided(Case):
                          key=reference.value)
         self.assertAlmostEqual(decision.value, reference.value(choice), delta=1e-6)
 
-    def test_by_local_searches_only_so_much_is_an_improvement(self):
+    def test_local_search_requires_a_minimum_improvement(self):
         for algorithm in ("local_search", "distributed_local_search"):
             decision, reference, _ = self.decide(algorithm, alpha=1e9)  # then no change is large enough
             self.assertEqual(decision.choice.count(None), 2)
@@ -139,14 +139,14 @@ class Decided(Case):
             self.assertEqual(decision.messages > 0, algorithm == "distributed_local_search")
             self.assertEqual(self.decide(algorithm)[2].count(None), 0)
 
-    def test_exhaustively_nothing_is_better(self):
+    def test_exhaustive_search_finds_the_optimum(self):
         for measure in ("mutual", "logdet"):
             decision, reference, _ = self.decide("exhaustive", measure=measure)
             self.assertAlmostEqual(decision.value, max(map(reference.value, reference.choices())), delta=1e-6)
             self.assertEqual(decision.bound, decision.value)
             self.assertEqual(decision.oracle_calls, 7**3)
 
-    def test_is_within_its_bound(self):
+    def test_value_is_at_most_its_bound(self):
         best = self.decide("exhaustive")[0].value
         for algorithm in CHOOSING:
             decision = self.decide(algorithm)[0]
@@ -155,7 +155,7 @@ class Decided(Case):
             self.assertGreaterEqual(decision.bound, best - 1e-6)
         self.assertIsNone(self.decide("greedy", measure="logdet")[0].bound)
 
-    def test_is_within_what_any_paths_give_attacked_or_not(self):
+    def test_value_is_at_most_the_paths_bound_with_and_without_attacks(self):
         for measure in ("mutual", "logdet"):
             for algorithm in (*CHOOSING, "rain", "max_min"):
                 attacks = 1 if algorithm in ("rain", "max_min") else 0
@@ -170,7 +170,7 @@ class Decided(Case):
             with self.assertRaisesRegex(ValueError, next(iter(argument))):
                 decision.paths_bound(**argument)
 
-    def test_gives_plans_that_can_be_driven(self):
+    def test_plans_are_feasible(self):
         problems = team()
         decision = vantage.decide(problems, **FEW)
         for problem, row, own, controls, states in zip(
@@ -181,7 +181,7 @@ class Decided(Case):
                 pose = vantage.step_unicycle(pose, control, problem.step_s)
                 numpy.testing.assert_allclose(pose, state, atol=1e-9)
 
-    def test_is_the_same_again_and_of_dicts(self):
+    def test_is_reproducible_and_accepts_dicts(self):
         for algorithm in vantage.team_algorithms():
             one, again = (vantage.decide(problems, algorithm, **FEW)
                           for problems in (team(), [spec(start) for start in STARTS]))
@@ -190,7 +190,7 @@ class Decided(Case):
 
 
 class WithCosts(unittest.TestCase):
-    def test_the_value_is_less_by_what_motion_costs(self):
+    def test_value_subtracts_the_motion_cost(self):
         costs = {"price_nats": 0.05, "move_cost": 1.0}  # every control of these problems moves
         for algorithm in CHOOSING:
             decision = vantage.decide(team(), algorithm, energy=costs, **FEW)
@@ -198,7 +198,7 @@ class WithCosts(unittest.TestCase):
             information = Reference(decision).value(tuple(decision.choice))
             self.assertAlmostEqual(decision.value, information - 0.05 * STEPS * moving, delta=1e-6)
 
-    def test_who_pays_too_much_does_nothing(self):
+    def test_robot_with_a_high_price_does_not_move(self):
         dear, free = {"price_nats": 1e6, "move_cost": 1}, {}
         decision = vantage.decide(team(), energy=[dear, free, dear], **FEW)
         self.assertEqual([row is None for row in decision.choice], [True, False, True])
@@ -207,12 +207,12 @@ class WithCosts(unittest.TestCase):
 
 
 class Attacked(Case):
-    def test_of_nobody_it_is_coordinate_descent(self):
+    def test_without_attacks_equals_coordinate_descent(self):
         decision, _, choice = self.decide("resilient")
         self.assertEqual(choice, self.decide("coordinate_descent")[2])
         self.assertEqual(decision.bait, [])
 
-    def test_the_bait_is_who_is_worth_most_alone_and_the_rest_ignores_it(self):
+    def test_bait_has_the_best_stand_alone_value_and_is_ignored_by_others(self):
         for algorithm, attacks in itertools.product(("resilient", "resilient_exhaustive"), (1, 2, 3)):
             decision, reference, choice = self.decide(algorithm, attacks_max=attacks)
             alone = [max(reference.gains((None,) * 3, robot)) for robot in range(3)]
@@ -227,7 +227,7 @@ class Attacked(Case):
                 self.assertAlmostEqual(reference.value(without),
                                        max(map(reference.value, reference.choices(robots=rest))), delta=1e-6)
 
-    def test_the_worst_leaves_what_every_attack_tried_leaves(self):
+    def test_worst_attack_equals_exhaustive_attack(self):
         for attacks in (0, 1, 2):
             decision, reference, choice = self.decide("max_min", attacks_max=attacks)
             robots, value = decision.worst_attack(attacks)
@@ -239,7 +239,7 @@ class Attacked(Case):
                 other = self.decide(algorithm, attacks_max=attacks)[0].worst_attack(attacks)[1]
                 self.assertLessEqual(other, best + 1e-6)
 
-    def test_by_searches_the_first_and_the_bait_plan_as_if_alone(self):
+    def test_first_robot_and_bait_search_alone(self):
         planner = vantage.Planner("arvi", nodes=2000)
         alone = [planner.plan(problem) for problem in team()]
         for attacks in (0, 1):
@@ -257,7 +257,7 @@ class Attacked(Case):
 
 
 class Refused(unittest.TestCase):
-    def test_are_options_that_mean_nothing_or_break_a_rule(self):
+    def test_options_without_effect_or_beyond_limits(self):
         for words, algorithm, options in (
                 ("algorithm: must be one of coordinate_descent, greedy, .*, got best", "best", {}),
                 ("attacks_max: is an option of resilient, .*, rain, not of greedy", "greedy", {"attacks_max": 1}),
@@ -279,7 +279,7 @@ class Refused(unittest.TestCase):
             with self.subTest(words), self.assertRaisesRegex(vantage.UsageError, words):
                 vantage.decide(team(), algorithm, **{**FEW, **options})
 
-    def test_are_teams_that_are_none(self):
+    def test_invalid_teams(self):
         def changed(key, value):
             return [*team(), {**spec(STARTS[0]), key: value}]
         moved = team()
@@ -294,7 +294,7 @@ class Refused(unittest.TestCase):
         with self.assertRaisesRegex(vantage.StartupError, r"problem:\d+: T: must be at least 1"):
             vantage.decide([{**spec(STARTS[0]), "T": 0}])
 
-    def test_are_too_many_attacks_to_try(self):
+    def test_too_many_attacks_for_an_exhaustive_search(self):
         decision = vantage.decide(40 * team()[:1], **FEW)
         with self.assertRaisesRegex(vantage.UsageError, "attacks_max: leaves .* choices"):
             decision.worst_attack(10)

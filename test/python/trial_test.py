@@ -24,7 +24,7 @@ def short(**changes):
 
 
 class Scenario(unittest.TestCase):
-    def test_says_what_the_file_does(self):
+    def test_equals_the_file(self):
         lab = vantage.Scenario(LAB)
         self.assertEqual(lab.name, "lab")
         self.assertEqual(lab.robots, ["Q1", "Q2", "Q3"])
@@ -34,12 +34,12 @@ class Scenario(unittest.TestCase):
         self.assertEqual(lab.step_s, 0.5)
         self.assertEqual(lab.text, LAB.read_text())
 
-    def test_of_a_dict_is_a_scenario(self):
+    def test_accepts_a_dict(self):
         trial = vantage.Trial(SMALL)
         trial.run()
         self.assertEqual(trial.robots.shape, (1, 7))
 
-    def test_is_refused_with_the_words_of_the_command(self):
+    def test_refusal_equals_that_of_the_command(self):
         with tempfile.TemporaryDirectory() as folder:
             for change in (("duration_s: 300", "duration_s: -1"), ("seed: 1", "sed: 1"),
                            ("height_m: 1.5", "height_m: high")):
@@ -52,7 +52,7 @@ class Scenario(unittest.TestCase):
                 self.assertIn(str(refusal.exception), said)
                 self.assertRegex(str(refusal.exception), r"lab\.yaml:\d+: ")
 
-    def test_of_a_dict_is_refused_by_line(self):
+    def test_refusal_of_a_dict_states_the_line(self):
         with self.assertRaisesRegex(vantage.StartupError, r"scenario:3: duration_s: "):
             vantage.Scenario({**SMALL, "duration_s": -1})
         with self.assertRaisesRegex(TypeError, "must be a number, text, list or dict"):
@@ -60,7 +60,7 @@ class Scenario(unittest.TestCase):
 
 
 class Trial(unittest.TestCase):
-    def test_is_that_of_the_command_however_it_is_stepped(self):
+    def test_equals_the_command_for_any_steps(self):
         with tempfile.TemporaryDirectory() as folder:
             logs = {way: os.path.join(folder, way) for way in ("command", "whole", "steps", "pieces")}
             printed = command_json("trial", LAB, "--seed", 3, "--duration-s", 6, "--log", logs["command"])
@@ -113,7 +113,7 @@ class Trial(unittest.TestCase):
             self.assertEqual(plan["poses"].shape, (13, 3))
             self.assertIn(plan["source"], ("searched", "shifted", "braking"))
 
-    def test_of_a_map_shows_the_map(self):
+    def test_shows_the_map_of_a_mapping_team(self):
         trial = vantage.Trial(vantage.Scenario(SOURCE / "config/mapping.yaml").replace(
             duration_s=4.0, node_budget=300))
         trial.run()
@@ -121,10 +121,10 @@ class Trial(unittest.TestCase):
             self.assertEqual(each["looks"].shape, (60, 60))
             self.assertGreater(numpy.count_nonzero(each["looks"]), 10)
 
-    def test_gets_the_node_budget_of_the_command(self):
+    def test_uses_the_node_budget_of_the_command(self):
         self.assertIn("node_budget: 20000", vantage.Trial(LAB).scenario.text)
 
-    def test_stops_at_what_progress_raises(self):
+    def test_stops_if_the_progress_callback_raises(self):
         def stop(share):
             raise KeyboardInterrupt
         trial = vantage.Trial(short())
@@ -136,7 +136,7 @@ class Trial(unittest.TestCase):
 
 
 class OwnSensor(unittest.TestCase):
-    def test_that_sees_nothing_leaves_its_robot_without_measurements(self):
+    def test_without_detections_gives_no_measurements(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "log")
             trial = vantage.Trial(short(), log=path, sensors={"Q1": lambda viewpoint, targets, time_s: []})
@@ -147,7 +147,7 @@ class OwnSensor(unittest.TestCase):
             self.assertGreater(len(log["MEASUREMENT_Q1"].log_utime), 8)
             self.assertGreater(len(log["MEASUREMENT_Q2"].log_utime), 8)
 
-    def test_that_sees_everything_well_finds_everything(self):
+    def test_with_all_detections_finds_every_target(self):
         sensor = vantage.SensorModel("range_bearing")
         seen = []
 
@@ -164,23 +164,23 @@ class OwnSensor(unittest.TestCase):
         plain.run()
         self.assertLess(trial.metrics["rmse_m"], 0.5 * plain.metrics["rmse_m"])
 
-    def test_that_fails_ends_the_step_with_its_error(self):
+    def test_error_ends_the_step(self):
         def look(viewpoint, targets, time_s):
             raise ZeroDivisionError("a sensor of one's own")
         trial = vantage.Trial(short(), sensors={"Q2": look})
         with self.assertRaisesRegex(ZeroDivisionError, "of one's own"):
             trial.run()
 
-    def test_with_a_measurement_of_another_shape_is_refused(self):
+    def test_measurement_of_wrong_shape_is_refused(self):
         trial = vantage.Trial(short(), sensors={"Q2": lambda *_: [(0, [1.0], [[1.0]])]})
         with self.assertRaisesRegex(ValueError, "z: must have the shape"):
             trial.run()
 
-    def test_of_no_robot_is_refused(self):
+    def test_unknown_robot_is_refused(self):
         with self.assertRaisesRegex(vantage.UsageError, "no robot Q9"):
             vantage.Trial(short(), sensors={"Q9": lambda *_: []})
 
-    def test_may_look_at_the_trial_but_not_step_it(self):
+    def test_may_not_step_its_trial(self):
         trials = []
         trial = vantage.Trial(short(), sensors={"Q1": lambda *_: trials[0].step() or []})
         trials.append(trial)
