@@ -31,11 +31,11 @@ def spoilt(**changes):
     return seen
 
 
-def test_a_good_flight_has_no_fault():
+def test_good_flight_has_no_fault():
     assert CHAOS.judge(GOOD, True) == []
 
 
-def test_each_wrong_is_found():
+def test_each_fault_is_found():
     for changes in ({"reactions_s": [None]}, {"reactions_s": [0.12, 0.5]}, {"healed": False}, {"end": "follow"}, {"height_m": 1.0},
                     {"lost_counted": 10}, {"collisions": 1}, {"separation_m": 0.4}, {"never_flown": ["Q1"]},
                     {"left_flying": ["Q1"]}):
@@ -43,12 +43,12 @@ def test_each_wrong_is_found():
     assert CHAOS.judge(GOOD, False), "losses are a fault if the network is undisturbed"
 
 
-def test_arrivals_are_told_apart():
+def test_arrivals_are_classified():
     frames = [(0.0, 1, 1), (0.1, 1, 2), (0.2, 1, 2), (0.3, 1, 4), (0.4, 1, 3), (0.5, 1, 5)]
     assert CHAOS.arrivals(frames) == ([0.0, 0.1, 0.3, 0.5], 1, 1)
 
 
-def test_reactions_are_those_to_gaps_while_following():
+def test_reactions_count_only_while_following():
     fresh = [0.0, 0.02, 1.02, 1.04, 2.04]
     statuses = [(0.0, "follow"), (0.13, "hold"), (1.03, "hold"), (1.5, "follow")]
     # During the second gap, the vehicle is already in HOLD.
@@ -56,7 +56,7 @@ def test_reactions_are_those_to_gaps_while_following():
     assert CHAOS.reactions(fresh, [(0.0, "follow")]) == [None, None]
 
 
-def test_healing_is_following_again_or_being_down():
+def test_recovery_means_following_again_or_being_on_the_ground():
     assert CHAOS.has_recovered([(9.0, "hold"), (12.0, "follow")], 10.0)
     assert CHAOS.has_recovered([(9.0, "land"), (12.0, "idle")], 10.0)
     assert not CHAOS.has_recovered([(9.0, "hold"), (12.0, "hold")], 10.0)
@@ -68,7 +68,7 @@ def test_there_are_sixty_cells():
     assert 3 * len(CHAOS.KINDS) >= 60
 
 
-def test_a_slope_is_in_mebibytes_a_day():
+def test_slope_is_in_mebibytes_per_day():
     assert abs(SOAK.slope([(t, 1000 + t * 1024 / 86_400) for t in range(0, 1000, 5)]) - 1.0) < 1e-9
     assert SOAK.slope([(0.0, 1), (5.0, 1)]) is None
     assert SOAK.settled([(t, 0) for t in range(101)])[0][0] == 10
@@ -81,14 +81,14 @@ def soaked(descriptors, memory_kib=lambda i: 1000, period_s=5.0):
     return SOAK.table(samples, up, {"wire.Q1.pose_p99_us": 5000}, [])
 
 
-def test_what_grows_is_a_fault():
+def test_growth_is_a_fault():
     text, faults = soaked(lambda i: 9)
     assert faults == [] and "| sim | 1 |" in text and "| wire.Q1.pose |  | 5.00 |  |" in text
     assert soaked(lambda i: 9 + i // 10)[1], "leaked descriptors are a fault"
     assert soaked(lambda i: 9 + (i == 20))[1] == [], "one temporarily open file is not a fault"
 
 
-def test_memory_that_grows_for_hours_is_a_fault():
+def test_memory_growth_over_hours_is_a_fault():
     kib_per_s = 1024 / 86_400  # 1 MiB per day
 
     def rises(mib_per_day, period_s=300.0):

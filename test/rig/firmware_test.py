@@ -17,7 +17,7 @@ def said(what, further_m=0.30, outside_m=-0.20, down_s=-1.0, states=""):
             f"others, 0.10 m off course, down after {down_s:.1f} s\nSAID {what} Q1{states}\n")
 
 
-def test_what_keeps_its_limits_is_not_told():
+def test_flight_within_its_limits_has_no_fault():
     assert FIRMWARE.broken(said("hold", states="; hold 0.05 (ordered)")) == []
     assert FIRMWARE.broken(said("plan-loss", further_m=3.0)) == []
     assert FIRMWARE.broken(said("cut", down_s=7.9, states="; hold 0.4 (autopilot silent); land 2.1")) == []
@@ -26,19 +26,19 @@ def test_what_keeps_its_limits_is_not_told():
     assert FIRMWARE.broken(said("kill:quadrotor", down_s=9.9, states="; land 1.9 (found flying)")) == []
 
 
-def test_who_goes_farther_than_budgeted_is():
+def test_exceeding_the_budget_is_a_fault():
     assert len(FIRMWARE.broken(said("hold", further_m=0.53))) == 1
     assert FIRMWARE.broken(said("hold", further_m=0.52)) == []  # within the tolerance, the motion between two TRUTH frames
     assert FIRMWARE.broken(said("cut", further_m=0.90, down_s=5.0)) == []  # after a cut, this distance has no limit
 
 
-def test_who_leaves_the_bounds_by_more_is():
+def test_leaving_the_bounds_beyond_the_budget_is_a_fault():
     for what in ("hold", "cut", "kill:up", "stop:sensor"):
         assert len(FIRMWARE.broken(said(what, outside_m=0.51, down_s=4.0))) == 1, what
         assert FIRMWARE.broken(said(what, outside_m=0.50, down_s=4.0)) == [], what
 
 
-def test_who_stays_up_is():
+def test_staying_in_the_air_is_a_fault():
     for what in ("cut", "kill:up", "stop:vicon", "stall:1"):
         assert len(FIRMWARE.broken(said(what))) == 1, what
         assert len(FIRMWARE.broken(said(what, down_s=8.1, states="; hold 0.1; land 0.6"))) == 1, what
@@ -49,12 +49,12 @@ def test_who_stays_up_is():
     assert len(FIRMWARE.broken(said("kill:quadrotor", down_s=20.0, states="; hold 8.5"))) == 1
 
 
-def test_each_vehicle_is_looked_at():
+def test_each_vehicle_is_checked():
     two = said("cut", down_s=9.0) + "collision: Q1 with R2\n" + said("cut", down_s=9.5)
     assert len(FIRMWARE.broken(two)) == 2
 
 
-def test_contacts_of_vehicles_are_never_left_out():
+def test_contacts_between_vehicles_always_count():
     text = "collision: Q1 with Q2\ncollision: Q1 with R2\ncollision: R1 with R2\ncollision: Q1 with bounds\n"
     assert FIRMWARE.contacts(text, False) == text.strip().splitlines()
     assert FIRMWARE.contacts(text, True) == ["collision: Q1 with Q2"]

@@ -45,21 +45,21 @@ def close(count, share, of=FRAMES):
     return abs(count - share * of) <= 4 * math.sqrt(of * share * (1 - share)) + 1e-9
 
 
-def test_nothing_is_harmed_without_being_asked():
+def test_passes_all_frames_without_options():
     link, out = pass_through()
     assert [number for _, _, number, _ in out] == list(range(FRAMES))
     assert all(sent == came for sent, came, _, _ in out)
     assert link.counts == {"frames": FRAMES, "passed": FRAMES}
 
 
-def test_the_seed_says_what_happens():
+def test_seed_determines_the_result():
     words = "--loss 0.1 --duplicate 0.1 --flip 0.1 --reorder 0.3 --burst 2:0.5".split()
     assert pass_through(*words)[1] == pass_through(*words)[1]
     assert pass_through(*words)[1] != pass_through("--seed", "2", *words)[1]
     assert pass_through(*words)[1] != pass_through(*words, direction=(2, 1))[1]
 
 
-def test_loss():
+def test_loses_the_stated_share():
     for share in 0.01, 0.1, 0.3:
         link, out = pass_through("--loss", str(share))
         assert close(link.counts["lost"], share) and len(out) == FRAMES - link.counts["lost"]
@@ -70,12 +70,12 @@ def test_loss():
         assert close(sum(a and b for a, b in zip(lost, lost[1:])), share * share)
 
 
-def test_duplicates():
+def test_duplicates_the_stated_share():
     link, out = pass_through("--duplicate", "0.2")
     assert close(link.counts["doubled"], 0.2) and len(out) == FRAMES + link.counts["doubled"]
 
 
-def test_flips_one_bit_and_none_of_the_header():
+def test_flips_one_bit_outside_the_header():
     link, out = pass_through("--flip", "0.25")
     places = []
     for _, _, number, frame in out:
@@ -89,7 +89,7 @@ def test_flips_one_bit_and_none_of_the_header():
     assert abs(sum(places) / len(places) - middle) < 4 * (86 * 8) / math.sqrt(12 * len(places)), "flipped bits are not uniformly distributed"
 
 
-def test_reorder():
+def test_reorders_the_stated_share():
     link, out = pass_through("--reorder", "0.3", "--reorder-s", "0.2")
     delays = [came - sent for sent, came, _, _ in out if came > sent]
     assert close(link.counts["delayed"], 0.3) and len(out) == FRAMES
@@ -98,7 +98,7 @@ def test_reorder():
     assert any(a > b for a, b in zip(arrival, arrival[1:]))
 
 
-def test_bursts():
+def test_drops_bursts_at_the_stated_intervals():
     link, out = pass_through("--burst", "4:0.5")
     passed = [number for _, _, number, _ in out]
     holes = [b - a - 1 for a, b in zip(passed, passed[1:]) if b - a > 1]
@@ -110,7 +110,7 @@ def test_bursts():
     assert abs(long_link.counts["burst"] / (20 * FRAMES) - 0.125) < 0.03
 
 
-def test_rate():
+def test_limits_the_rate():
     link, out = pass_through("--rate", "400000", frame_bytes=100)  # bit/s, half of the offered rate
     span_s = out[-1][1] - out[0][1]
     assert abs(8 * 100 * (len(out) - 1) / span_s - 400_000) < 4_000
@@ -120,7 +120,7 @@ def test_rate():
     assert len(out) == FRAMES, "frames within the rate limit were lost"
 
 
-def test_cuts_go_one_way():
+def test_cuts_apply_to_one_direction():
     words = ["--cut", "1-2@10:20"]
     link, out = pass_through(*words)
     assert link.counts["cut"] == 10_000 and not [1 for sent, *_ in out if 10 <= sent < 20]
@@ -128,7 +128,7 @@ def test_cuts_go_one_way():
     assert not pass_through("--cut", "1-2")[1]
 
 
-def test_harm_keeps_to_its_span_and_cuts_do_not():
+def test_span_limits_all_effects_except_cuts():
     words = "--loss 0.5 --duplicate 0.5 --flip 0.5 --reorder 0.5 --burst 2:0.5 --rate 400000 --span 10:20 --cut 1-2@30:31".split()
     link, out = pass_through(*words)
     calm = [(came - sent, number) for sent, came, number, _ in out if not 10 <= sent < 20]
@@ -187,13 +187,13 @@ def over_the_cables(*options):
         return heard, large, json.loads(done.stdout)["1-2"]
 
 
-def network_test_carries_what_it_does_not_harm():
+def network_test_passes_unharmed_frames():
     heard, large, counts = over_the_cables()
     assert heard == list(range(3000)) and large == 1, (len(heard), large)
     assert set(counts) == {"frames", "passed"}
 
 
-def network_test_harms_as_it_says():
+def network_test_counts_match_the_received_frames():
     heard, _, counts = over_the_cables("--loss", "0.2", "--duplicate", "0.1", "--reorder", "0.1", "--reorder-s", "0.02")
     assert 4 * math.sqrt(3000 * 0.16) > abs(len(set(heard)) - 2400), len(set(heard))
     assert 4 * math.sqrt(2400 * 0.09) > abs(len(heard) - len(set(heard)) - 240)
