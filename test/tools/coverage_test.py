@@ -20,7 +20,7 @@ def counts(name, lines, run, branches, taken):
 
 
 class Table(unittest.TestCase):
-    def test_adds_up_by_folder_and_flight_safety_alone(self):
+    def test_sums_by_folder_and_for_flight_safety(self):
         sums = coverage.by_folder([counts("core/a.cpp", 10, 9, 4, 1), counts("core/b/c.hpp", 30, 11, 0, 0),
                                    counts("drivers/x.cpp", 5, 5, 2, 2), counts("drivers/safety/y.cpp", 7, 0, 3, 0),
                                    counts("drivers/safety_belt.cpp", 1, 1, 0, 0)])
@@ -31,11 +31,11 @@ class Table(unittest.TestCase):
             "| drivers/safety | 7 | 0.0 % | 3 | 0.0 % |",
             "| **all** | 53 | 49.1 % | 9 | 33.3 % |"])
 
-    def test_of_nothing_is_no_share(self):
+    def test_without_lines_has_no_share(self):
         self.assertEqual(coverage.table({"core": [0, 0, 0, 0]})[2], "| core | 0 | — | 0 | — |")
         self.assertEqual(coverage.table({})[2:], ["| **all** | 0 | — | 0 | — |"])
 
-    def test_counts_every_room_that_has_sources(self):
+    def test_counts_every_folder_with_sources(self):
         rooms = {path.relative_to(SOURCE).parts[0] for path in SOURCE.glob("*/CMakeLists.txt")
                  if any(path.parent.rglob("*.cpp"))}
         self.assertEqual(rooms - {"test", "examples", "build"}, set(coverage.ROOMS))

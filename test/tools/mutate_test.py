@@ -37,34 +37,34 @@ class Operators(unittest.TestCase):
             self.assertIn(change, found)
         return found
 
-    def test_comparison_is_turned_and_its_edge_moved(self):
+    def test_comparison_is_inverted_and_its_limit_moved(self):
         self.expect("bool f(int a, int b) { return a < b; }",
                     ("comparison", "a < b", "a > b"), ("comparison", "a < b", "a <= b"))
 
-    def test_edge_of_floating_point_is_left_alone(self):
+    def test_floating_point_limit_is_not_mutated(self):
         found = self.expect("bool f(double a) { return a < 1.5; }", ("comparison", "a < 1.5", "a > 1.5"))
         self.assertNotIn(("comparison", "a < 1.5", "a <= 1.5"), found)
 
-    def test_comparison_of_instants_is_found_behind_the_compiler_s_rewriting(self):
+    def test_comparison_of_instants_is_found_despite_rewriting(self):
         self.expect("#include <chrono>\nusing T = std::chrono::steady_clock::time_point;\n"
                     "bool f(T a, T b) { return a < b; }\nbool g(T a, T b) { return a != b; }",
                     ("comparison", "a < b", "a > b"), ("comparison", "a < b", "a <= b"),
                     ("comparison", "a != b", "a == b"))
 
-    def test_negation_is_dropped(self):
+    def test_negation_is_removed(self):
         self.expect("bool f(bool a) { return !a; }", ("comparison", "!a", "(a)"))
 
-    def test_sign(self):
+    def test_sign_is_changed(self):
         self.expect("double f(double a, double b) { a += b; return -a - b; }",
                     ("sign", "-a - b", "-a + b"), ("sign", "-a", "(a)"), ("sign", "a += b", "a -= b"))
 
-    def test_sign_of_texts_and_places_is_left_alone(self):
+    def test_sign_of_texts_and_pointers_is_not_mutated(self):
         found = changes("#include <string>\n#include <vector>\n"
                         "std::string f(const std::string& a) { return a + 'x'; }\n"
                         "int g(const std::vector<int>& v) { return *(v.begin() + 1); }")
         self.assertEqual([], [c for c in found if c[0] in ("sign", "term")])
 
-    def test_term(self):
+    def test_term_is_removed(self):
         self.expect("bool f(bool a, bool b, int c) { return a && b && (c ? a : b); }",
                     ("term", "a && b", "(a)"), ("term", "a && b", "(b)"),
                     ("term", "c ? a : b", "(a)"), ("term", "c ? a : b", "(b)"))
@@ -72,33 +72,33 @@ class Operators(unittest.TestCase):
                     ("term", "a - b * 2", "(a)"), ("term", "a - b * 2", "(-b * 2)"),
                     ("term", "b * 2", "(b)"))
 
-    def test_constant(self):
+    def test_constant_is_changed(self):
         self.expect("struct S { double a = 0.5; };\nint f(int a) { return a + 3; }",
                     ("constant", "double a = 0.5", "double a = (2 * 0.5)"),
                     ("constant", "double a = 0.5", "double a = (0.5 / 2)"),
                     ("constant", "a + 3", "a + 6"), ("constant", "a + 3", "a + 1"))
 
-    def test_minmax(self):
+    def test_min_and_max_are_exchanged(self):
         self.expect("#include <algorithm>\nint f(int a, int b) { return std::min(a, std::clamp(b, 0, 9)); }",
                     ("minmax", "std::min(a, std::clamp(b, 0, 9))", "std::max(a, std::clamp(b, 0, 9))"),
                     ("minmax", "std::clamp(b, 0, 9)", "(b)"))
 
-    def test_limits_of_types_are_left_alone(self):
+    def test_limits_of_types_are_not_mutated(self):
         found = changes("#include <limits>\nint f() { return std::numeric_limits<int>::max(); }")
         self.assertEqual(set(), found)
 
-    def test_abs(self):
+    def test_abs_is_removed(self):
         self.expect("#include <cmath>\ndouble f(double a) { return std::abs(a); }",
                     ("abs", "std::abs(a)", "(a)"))
 
-    def test_index(self):
+    def test_index_is_changed(self):
         self.expect("#include <vector>\nint f(const std::vector<int>& v, int i) { int w[3] = {}; return v[i] + w[0]; }",
                     ("index", "v[i]", "v[i + 1]"), ("index", "v[i]", "v[i - 1]"),
                     ("index", "w[0]", "w[0 + 1]"))
         self.expect("struct P { double x() const; double y() const; };\ndouble f(P p) { return p.x(); }",
                     ("index", "p.x()", "p.y()"))
 
-    def test_early_return_is_removed_and_the_last_is_not(self):
+    def test_only_early_returns_are_removed(self):
         found = self.expect("int f(bool a) { if (a) { return 1; } return 2; }",
                             ("return", "if (a) { return 1; }", "if (a) { ; }"))
         self.assertEqual(1, len([c for c in found if c[0] == "return"]))
@@ -107,31 +107,31 @@ class Operators(unittest.TestCase):
         self.expect("void g(); void f() { for (int i = 0; i < 3; ++i) { if (i == 1) { continue; } g(); } }",
                     ("return", "if (i == 1) { continue; }", "if (i == 1) { ; }"))
 
-    def test_reset(self):
+    def test_assignment_is_removed(self):
         self.expect("#include <optional>\n#include <vector>\n"
                     "void f(int& n, std::optional<int>& o, std::vector<int>& v) { n = 0; ++n; o.reset(); v.clear(); }",
                     ("reset", "n = 0", ""), ("reset", "++n", ""), ("reset", "o.reset()", ""),
                     ("reset", "v.clear()", ""))
 
-    def test_neighbours_of_one_type_are_swapped(self):
+    def test_arguments_of_equal_type_are_swapped(self):
         found = self.expect("int g(int, int, bool);\nstruct S { int a; int b; };\n"
                             "int f(int a, int b) { S s{a, b}; return g(a, b, true) + s.a; }",
                             ("swap", "g(a, b, true)", "g(b, a, true)"), ("swap", "{a, b}", "{b, a}"))
         self.assertEqual(2, len([c for c in found if c[0] == "swap"]))
 
-    def test_unit(self):
+    def test_unit_is_changed(self):
         self.expect("struct S { double age_s; };\ndouble f(S s, double way_m) { return s.age_s * 1e-3 + way_m; }",
                     ("unit", "s.age_s", "(1e-3 * s.age_s)"), ("unit", "way_m", "(1e3 * way_m)"),
                     ("unit", "s.age_s * 1e-3", "s.age_s * 1.0"))
 
-    def test_what_only_declares_or_speaks_is_left_alone(self):
+    def test_declarations_and_messages_are_not_mutated(self):
         self.assertEqual(set(), changes(
             "// a < b\nnamespace spdlog { void info(const char*, int); }\n"
             "static_assert(1 + 1 == 2);\nenum E { kA = 3 };\ntemplate <int N> struct T { int v[N + 4]; };\n"
             "int f(int a = 7);\n#define TWICE(a) (2 * (a))\n"
             "int g(E e) { T<5> t; (void)t; spdlog::info(\"x\", 3); switch (e) { case kA: break; } return TWICE(e); }"))
 
-    def test_a_header_is_read_as_its_readers_read_it(self):
+    def test_header_is_parsed_as_included(self):
         with tempfile.TemporaryDirectory() as folder:
             place = pathlib.Path(folder)
             (place / "a.hpp").write_text("#pragma once\nstruct A { int f(int a); };\n#include \"a_impl.hpp\"\n")
@@ -141,7 +141,7 @@ class Operators(unittest.TestCase):
                 (s.operator, s.before, s.after)
                 for s in sites.find_sites(place / "a_impl.hpp", "a_impl.hpp", ARGUMENTS)})
 
-    def test_what_takes_the_compiler_long_to_work_out_is_found(self):
+    def test_slow_constant_evaluation_is_found(self):
         self.expect("constexpr int last() { int s = 0; for (int i = 0; i < 600000; ++i) { s = i + 1; } return s; }\n"
                     "static_assert(last() == 600000);\n", ("sign", "i + 1", "i - 1"))
 
@@ -153,7 +153,7 @@ class Ids(unittest.TestCase):
             file.flush()
             return [s.id for s in sites.find_sites(file.name, "a.cpp", ARGUMENTS)]
 
-    def test_stay_when_other_functions_change(self):
+    def test_are_unchanged_when_other_functions_change(self):
         mine = "int f(int a, int b) { return a < b ? a + 2 : a + 2; }\n"
         before = self.ids(mine)
         self.assertEqual(len(before), len(set(before)))
@@ -167,22 +167,22 @@ def site(number, operator):
 class Draws(unittest.TestCase):
     found = [site(n, "term" if n % 10 else "abs") for n in range(1, 200)]
 
-    def test_are_the_same_of_one_seed_in_whatever_order_they_were_found(self):
+    def test_seed_determines_the_draw_for_any_order_of_sites(self):
         one = ledger.draw(self.found, 30, 1, "core")
         self.assertEqual(one, ledger.draw(self.found[::-1], 30, 1, "core"))
         self.assertNotEqual(one, ledger.draw(self.found, 30, 2, "core"))
 
-    def test_have_each_kind_as_often_while_it_lasts(self):
+    def test_kinds_are_equally_frequent_while_available(self):
         drawn = ledger.draw(self.found, 30, 1, "core")
         self.assertEqual(15, sum(1 for s in drawn if s.operator == "abs"))
         self.assertEqual(30, len({s.id for s in drawn}))
 
-    def test_are_no_more_than_there_are(self):
+    def test_draw_is_limited_to_the_number_of_sites(self):
         self.assertEqual(len(self.found), len(ledger.draw(self.found, 1000, 1, "core")))
 
 
 class Builds(unittest.TestCase):
-    def test_one_that_takes_several_files_at_once_is_none_for_mutants(self):
+    def test_unity_builds_are_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             build = pathlib.Path(folder)
             self.assertFalse(workshop.has_every_file_alone(build))
@@ -200,14 +200,14 @@ class Commands(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             return workshop.Workshop(folder).command(words, is_checked=False, **limits)[1]
 
-    def test_end_that_wait_and_not_those_that_only_need_longer_than_the_clock_allows(self):
+    def test_waiting_commands_end_and_slow_ones_do_not(self):
         busy = "import time\nwhile time.process_time() < 1.0: pass\nprint('done')"
         # Runs as a child process of a shell, since the command of a test may do the same.
         words = ["sh", "-c", f'{sys.executable} -c "$0"; exit $?', busy]
         self.assertEqual(0, self.code_of(words, limit_s=0.2))
         self.assertIsNone(self.code_of(["sleep", "600"], limit_s=1.0))
 
-    def test_end_at_their_limit_of_cpu_time_however_long_the_clock_allows(self):
+    def test_commands_end_at_their_cpu_limit(self):
         self.assertIn(self.code_of([sys.executable, "-c", "while True: pass"], limit_s=0.2, cpu_limit_s=1.0), (-9, -24))
 
 
@@ -250,20 +250,20 @@ class Sweeping(unittest.TestCase):
             return [subprocess.run([f"{folder}/a"], env={sweep.VARIABLE: str(number)}).returncode
                     for number in chosen]
 
-    def test_one_body_is_run_and_nothing_after_it(self):
+    def test_only_the_body_of_the_mutation_is_run(self):
         expected = {"n = 0": 10 - 6, "++n": 10 - 0, "-n": 10 + 1}
         self.assertEqual(set(expected), {site.before for site in self.found})
         self.assertEqual([expected[site.before] for site in self.found] + [9],
                          self.result([*range(len(self.found)), -1]))
 
-    def test_lines_are_those_of_their_mutation(self):
+    def test_lines_belong_to_their_mutation(self):
         lines = self.text.split(b"\n")
         for number, site in enumerate(self.found):
             at = [i for i, line in enumerate(lines, 1) if f"== {number})".encode() in line]
             self.assertEqual({number}, sweep.culprits([at[0], at[0] + 1], self.owners))
         self.assertEqual(set(), sweep.culprits([1, 2, len(lines)], self.owners))
 
-    def test_what_a_compiler_may_run_is_left_as_it_is(self):
+    def test_compile_time_code_is_unchanged(self):
         with tempfile.NamedTemporaryFile(suffix=".cpp") as file:
             file.write(b"constexpr int f() { return 3; }\nstruct S { int g() { return 4; } };\n")
             file.flush()
@@ -411,13 +411,13 @@ class Project(unittest.TestCase):
         self.assertEqual([], status)
         self.assertEqual(TOY["toy/toy.cpp"], (self.root / "toy/toy.cpp").read_text())
 
-    def test_a_draw_is_drawn_once_and_is_the_same_elsewhere(self):
+    def test_draw_is_reproducible(self):
         self.mutate("--draw", "toy=99", "--seed", "7")
         self.assertEqual(self.drawn, self.rows())
         self.mutate("--draw", "toy=99", "--seed", "7", "--ledger", "build/again.jsonl")
         self.assertEqual(self.book().read_text(), (self.root / "build/again.jsonl").read_text())
 
-    def test_what_is_noticed_what_is_not_and_what_never_ends(self):
+    def test_detected_undetected_and_endless_mutations(self):
         noticed = self.id_of("return", "if (value > most) { ; }")
         unnoticed = self.id_of("comparison", "value >= most")
         endless = self.id_of("reset", "")
@@ -430,7 +430,7 @@ class Project(unittest.TestCase):
         self.assertNotIn("slow", said)
         self.assert_untouched()
 
-    def test_a_test_that_is_run_by_another_program_and_that_nobody_has_timed(self):
+    def test_untimed_tests_of_another_program_are_run(self):
         self.mutate("--draw", "far=99", "--seed", "7")
         noticed = self.id_of("constant", "value / 4")
         unnoticed = self.id_of("sign", "value - value")
@@ -438,7 +438,7 @@ class Project(unittest.TestCase):
         self.assertEqual(("killed", "far.runs"), self.outcome(noticed))
         self.assertEqual(("survived", "far_test"), self.outcome(unnoticed), "it only took its time")
 
-    def test_what_no_program_notices_scripts_are_asked(self):
+    def test_scripts_run_if_no_program_detects_a_mutation(self):
         self.mutate("--draw", "far=99", "--seed", "7")
         noticed = self.id_of("sign", "value - value")
         unnoticed = self.id_of("sign", "value - 2 * value")
@@ -446,14 +446,14 @@ class Project(unittest.TestCase):
         self.assertEqual(("killed", "guard.table"), self.outcome(noticed))
         self.assertEqual(("survived", "far_test vantage"), self.outcome(unnoticed))
 
-    def test_what_only_slow_tests_could_notice_stays_pending_for_the_quick(self):
+    def test_quick_runs_leave_slow_mutations_pending(self):
         noticed = self.id_of("return", "if (value > most) { ; }")
         unnoticed = self.id_of("comparison", "value >= most")
         self.mutate("--run", noticed, unnoticed, "--quick")
         self.assertEqual("killed", self.outcome(noticed)[0])
         self.assertIn(self.outcome(unnoticed)[0], ("pending", "same code"))
 
-    def test_all_at_once_come_to_the_same_as_one_at_a_time(self):
+    def test_joint_and_single_runs_agree(self):
         self.mutate("--run", "--jobs", "2")
         alone = {r["id"]: r["outcome"] for r in self.rows() if r["file"].endswith(".cpp")}
         self.assertLessEqual({"killed", "survived", "not built"}, set(alone.values()))
@@ -464,7 +464,7 @@ class Project(unittest.TestCase):
         self.assertEqual({i: "survived" if o == "same code" else o for i, o in alone.items()}, together)
         self.assert_untouched()
 
-    def test_goes_on_where_it_was_and_again_what_survived(self):
+    def test_resumes_and_repeats_survivors(self):
         first = self.rows()[0]["id"]
         self.mutate("--run", "--limit", "1")
         settled = [r for r in self.rows() if r["outcome"] != "pending"]
@@ -473,7 +473,7 @@ class Project(unittest.TestCase):
         self.assertEqual(2, len([r for r in self.rows() if r["outcome"] != "pending"]))
         self.assertTrue(any(r["id"] == first for r in self.rows()))
 
-    def test_shows_and_applies_by_id(self):
+    def test_shows_and_applies_mutations_by_id(self):
         id_ = self.id_of("comparison", "value < most")
         self.assertIn("-  if (value > most) {\n+  if (value < most) {", self.mutate("--show", id_))
         self.assert_untouched()
@@ -482,14 +482,14 @@ class Project(unittest.TestCase):
         self.assertIn("commit or stash first: toy/toy.cpp", self.mutate("--run", id_, code=2))
         self.git("checkout", "--", "toy/toy.cpp")
 
-    def test_equivalent_asks_for_a_reason(self):
+    def test_equivalent_requires_a_reason(self):
         id_ = self.id_of("comparison", "value >= most")
         self.mutate("--equivalent", id_, "so", code=2)
         self.mutate("--equivalent", id_, "both sides of the edge give the same value")
         self.assertEqual("equivalent", self.outcome(id_)[0])
         self.assertIn("| toy |", self.mutate("--table"))
 
-    def test_a_change_is_looked_at_on_its_lines_only(self):
+    def test_only_changed_lines_are_mutated(self):
         path = self.root / "toy/toy.cpp"
         path.write_text(TOY["toy/toy.cpp"].replace("left == 0;", "0 == left;"))
         self.commit()
@@ -519,13 +519,13 @@ class Project(unittest.TestCase):
         self.assertEqual("pending", self.outcome(endless)[0])
         return program, run.returncode
 
-    def test_stopped_it_leaves_nothing_behind(self):
+    def test_stopped_run_restores_the_checkout(self):
         for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
             program, returned = self.stopped_by(number)
             self.assertEqual(code, returned)
             self.assertFalse(program.exists())
 
-    def test_killed_it_leaves_the_checkout_and_the_next_run_begins_whole(self):
+    def test_killed_run_leaves_the_checkout_usable(self):
         program, _ = self.stopped_by(signal.SIGKILL)
         self.mutate("--show", self.rows()[0]["id"])
         self.assertFalse(program.exists())
