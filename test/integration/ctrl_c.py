@@ -106,7 +106,7 @@ def trial(binaries, scenario, folder, extra, hold=None, is_slow_disk=False):
         os.kill(held, signal.SIGCONT)
     code = up.end(CTRL_C, lambda: hold == PLANNER and command_of(held))
     assert "^C" in up.said, "the terminal does not echo"
-    assert not [child for child in started if command_of(child)], "processes are left"
+    assert not [child for child in started if command_of(child)], "processes are still running"
     # On a busy machine, a process may need more than its 1.2 s to end; this is also reported.
     is_slow = "did not end when requested" in up.said
     assert code == (1 if (hold and not is_slow_disk) or is_slow else 0), f"exit code {code}:\n{up.said}"

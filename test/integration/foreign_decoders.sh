@@ -136,5 +136,5 @@ JAVA
   # shellcheck disable=SC2086
   java -cp "$dir/stub" Check "$dir/messages" $names
 else
-  echo "Java: no javac here, left out"
+  echo "Java: skipped, because javac is not installed"
 fi

@@ -26,7 +26,7 @@ fly() {
       return
     fi
     [[ $forged == 3 ]] && "$bin/hil_check" --held-up "$dir/$1.lcmlog" || break
-    echo "forged.sh: $1 did not get under way on a machine that held it up; once more"
+    echo "forged.sh: $1 did not take off because the machine was overloaded; repeating it"
   done
   fail "no message was forged in $1"
 }

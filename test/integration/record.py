@@ -210,7 +210,7 @@ def test_full_disk_is_reported_at_once_and_leaves_a_complete_log():
     until(lambda: "written again; events lost: 0" in recorder.said(), "writing again")
     assert recorder.end() == 1, "exit code 0 although the log was not written"
     ticks = of(recorder.log, "TICK")
-    assert [struct.unpack(">I", data[:4])[0] for _, data in ticks] == list(range(sent)), "lost"
+    assert [struct.unpack(">I", data[:4])[0] for _, data in ticks] == list(range(sent)), "events were lost"
 
 
 def test_log_ends_with_a_complete_event_if_the_disk_stays_full():
@@ -316,7 +316,7 @@ def test_log_equals_that_of_lcm_logger():
     assert of(stock_log, *channels) == sent
     apart_us = [abs(a[1] - b[1]) for a, b in zip(
         *([event for event in events(log) if event[2] in channels] for log in (ours.log, stock_log)))]
-    print(f"  times beside lcm-logger's: {sorted(apart_us)[len(apart_us) // 2]} µs apart in the middle, "
+    print(f"  times differ from those of lcm-logger by {sorted(apart_us)[len(apart_us) // 2]} µs (median), "
           f"{max(apart_us)} at most")
     # LCM's player replays it on another port.
     again = Recorder(FOLDER / "played.lcmlog", port=PORT + 1).start()
