@@ -47,7 +47,7 @@ def run(arguments, jobs):
                     pass  # the thread has ended
             time.sleep(0.02)
         wall_s = time.monotonic() - start
-        assert status == 0, "it failed"
+        assert status == 0, "the experiment failed"
         cpu_s = usage.ru_utime + usage.ru_stime
         others = (busy_s() - before - cpu_s) / wall_s
     workers = sorted(ran_s, key=ran_s.get)[-jobs:]
