@@ -14,5 +14,5 @@ parallel --jobs 2 "$vantage" experiment dls-objective --smoke --out "$work/shard
   --shard {}/4 ::: $(seq 4) > "$work/out"
 (($(grep -c '^shard ' "$work/out") == 4)) || { cat "$work/out"; exit 1; }
 "$vantage" experiment dls-objective --smoke --out "$work/shards" > /dev/null
-(($(find "$work/shards/rows" -type f | wc -l) == 4)) || { echo "collecting ran something"; exit 1; }
+(($(find "$work/shards/rows" -type f | wc -l) == 4)) || { echo "collecting ran units"; exit 1; }
 diff -r -x rows -x manifest.json -x 'times.*' "$work/one" "$work/shards"

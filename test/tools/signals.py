@@ -157,7 +157,7 @@ def check_record(vantage, folder):
         assert not video.exists()
         give_up = time.monotonic() + PATIENCE_S
         while any(pathlib.Path(f"/proc/{pid}").exists() for pid in browser):
-            assert time.monotonic() < give_up, "the browser has outlived the recording"
+            assert time.monotonic() < give_up, "the browser still runs after the recording"
             time.sleep(0.01)
         assert not list(kept.iterdir()), list(kept.iterdir())
 
@@ -174,7 +174,7 @@ def main():
             code, said, _ = interrupted(
                 [vantage, "plan", problem, "--budget-s", "86400", "--algorithm", "beam", "--json"],
                 folder, has_worked(4.0), which)
-            assert said, f"it ended by the signal without output: {code}"
+            assert said, f"ended by the signal without output: {code}"
             plan = json.loads(said)
             assert code == 1 and plan["stop_reason"] == "interrupted", (code, said)
             assert plan["found"] and plan["controls"], said

@@ -22,7 +22,7 @@ is_gone_on_with() { (($(unit_files "$1" "$2-" | wc -l) == 2)); }
 shared() {
   local file
   for file in $(unit_files "$1" "$2-"); do
-    grep -q '^{"setting":.*}$' "$file" || fail "$1: $file has no unit: not in the middle"
+    grep -q '^{"setting":.*}$' "$file" || fail "$1: $file has no unit: the node did not die in the middle of its shard"
   done
 }
 # each_once DIRECTORY: expects that all units exist, that none was run twice, and that the collecting job
