@@ -16,7 +16,7 @@ def goodbye(port, content):
         assert frame is not None, "the connection ends without a Close frame"
         opcode, answer = frame
     assert answer == content[:2], answer
-    assert viewer.frame() is None, "something comes after the Close frame"
+    assert viewer.frame() is None, "data follows the Close frame"
 
 
 def main():

@@ -32,10 +32,10 @@ async function check_tabs(page) {
     if (id === "BODY") continue; // the focus has passed the last control
     seen.add(id);
     assert(name || id === "SUMMARY", `${id} has no name`);
-    assert(is_shown, `${id}: one does not see that it has the focus`);
+    assert(is_shown, `${id}: the focus is not visible`);
   }
   for (const id of ["plan", "space", "both", "reset", "follow", "measure", "shot", "share", "theme", "keys", "plans", "trail", "tab-topics", "csv", "play", "speed", "timeline"]) {
-    assert(seen.has(id), `${id} is not reached by the tabulator, but ${[...seen].join()}`);
+    assert(seen.has(id), `${id} is not reached by the Tab key; reached: ${[...seen].join()}`);
   }
 }
 

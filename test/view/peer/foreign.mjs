@@ -84,7 +84,7 @@ for (const key of ["ArrowLeft", "ArrowRight", "ArrowLeft"]) {
 }
 const is_told = () => /^(1[5-9]|2[0-5]) Hz$/.test(document.querySelector('[data-topic="/lcm/ARM_STATE"] > summary .quiet').textContent);
 for (let asked = 0; !(await page.evaluate(is_told)); ++asked) {
-  assert(asked < 120, "no rate is told");
+  assert(asked < 120, "no rate is shown");
   await counted();
   if (await page.evaluate(() => vantage.state.is_playing)) continue;
   await page.evaluate(() => vantage.seek_and_wait(1)); // playback has reached the end of the log

@@ -59,6 +59,6 @@ assert(again.events.length >= told.events.length);
 await late.evaluate(() => window.sockets.at(-1).close());
 await until(late, (count) => window.sockets.length > 1 && vantage.series("margin").Q1?.t.length > count + 2, again.times.length);
 const later = await heard(late);
-assert(later.first === again.first, "what there was stays");
-assert.deepEqual(twice(later), [], "connected again");
+assert(later.first === again.first, "the first instant changed");
+assert.deepEqual(twice(later), [], "records received twice after the reconnect");
 await finish();

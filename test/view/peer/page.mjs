@@ -339,7 +339,7 @@ async function check_charts(page) {
   assert(Math.abs(value - told.entropy_nats) < 0.006, `${value} for ${told.entropy_nats}`);
   assert(Math.abs(of_robot - told.robot_entropy_nats) < 0.006, `${of_robot} for ${told.robot_entropy_nats}`);
   const of_both = history.filter(([topic, , { robot_entropy_nats }]) => topic === "/team" && robot_entropy_nats !== undefined).map(([, , { entropy_nats, robot_entropy_nats }]) => robot_entropy_nats - entropy_nats);
-  assert(of_both.length > 100 && of_both.every((more) => more > -1e-9) && of_both.some((more) => more > 0.1), "a robot knows no more than the team");
+  assert(of_both.length > 100 && of_both.every((more) => more > -1e-9) && of_both.some((more) => more > 0.1), "a robot has less entropy than the team");
   // The cursor also shows the value of each robot in all other charts.
   assert.match(await page.locator('[data-chart="battery"] .read').innerText(), /Q1 9\d.*%\nQ2 9\d.*%\nQ3 9\d/);
   await shot(page, "cursor");
@@ -386,7 +386,7 @@ async function check_charts(page) {
   }
   await until(page, () => Object.keys(vantage.series("/vehicle/* plan_round")).join() === "Q1,Q2");
   const rounds = await page.evaluate(() => vantage.series("/vehicle/* plan_round").Q1);
-  assert(rounds.t.length > 100 && rounds.v.at(-1) - rounds.v[0] >= 50, "all of the log");
+  assert(rounds.t.length > 100 && rounds.v.at(-1) - rounds.v[0] >= 50, "the chart does not cover the complete log");
   // Fields of raw bus messages can also be charted.
   await page.fill("#topics input", "/lcm/plan_q1");
   await page.click('[data-topic="/lcm/PLAN_Q1"] > summary');
@@ -440,7 +440,7 @@ async function check_latency(page) {
   const look = JSON.parse(await page.evaluate(async () => JSON.stringify(await (await fetch("api/series?topic=/vehicle/Q1&field=/capture_to_setpoint_s")).json())));
   assert(latencies.Q1.v.length > 50, `${latencies.Q1.v.length} rounds`);
   const all = new Set(look.map(([, value]) => (1e3 * value).toFixed(3)));
-  assert(latencies.Q1.v.every((ms) => ms > 0 && ms < 2000 && all.has(ms.toFixed(3))), "as the vehicle's topic says");
+  assert(latencies.Q1.v.every((ms) => ms > 0 && ms < 2000 && all.has(ms.toFixed(3))), "differs from the vehicle's topic");
 }
 
 /** Checks NEES by the time for which a target was unseen: the means over the shown interval, and bands from means
@@ -472,7 +472,7 @@ async function check_ages(page) {
       assert(Math.abs(half - band) < 1e-3 * band, `${half} for ${band}`);
       compared += 1;
     }
-    assert(compared > 0, "a band was compared");
+    assert(compared > 0, "no band was compared");
     return classes;
   };
   await page.locator('[data-chart="nees"] .u-over').scrollIntoViewIfNeeded();

@@ -22,12 +22,12 @@ await until(page, () => document.getElementById("link").textContent === "waiting
 const empty = await page.locator("#empty").innerText();
 assert(empty.includes(BUS) && empty.includes("vantage up"), empty);
 const fits = () => page.evaluate(() => document.querySelector("footer").getBoundingClientRect().bottom - innerHeight);
-assert(Math.abs(await fits()) <= 1, "the empty page fills the window");
+assert(Math.abs(await fits()) <= 1, "the empty page does not fill the window");
 await shot(page, "nothing");
 
 let trial = run_trial("--duration-s", "12");
 await until(page, () => document.getElementById("link").textContent === "live" && /^[1-5] of 5/.test(document.querySelector('[data-fact="found"]')?.innerText));
-assert(await page.locator("#session").isHidden(), "one session needs no list");
+assert(await page.locator("#session").isHidden(), "the list is visible for a single session");
 await trial;
 await until(page, () => /^ended \d+ s ago$/.test(document.getElementById("link").textContent));
 assert(await page.locator("#ended").isVisible());
@@ -45,14 +45,14 @@ await late.close();
 trial = run_trial("--duration-s", "30", "--seed", "5");
 await until(page, () => vantage.sessions().length === 2 && document.getElementById("link").textContent === "live");
 await until(page, () => vantage.state.now < 15 && Object.values(vantage.series("entropy")).some(({ t }) => t.length > 2));
-assert((await page.evaluate(() => Math.min(...vantage.series("entropy").team.t))) < 12, "the charts begin again");
+assert((await page.evaluate(() => Math.min(...vantage.series("entropy").team.t))) < 12, "the charts do not start again");
 await shot(page, "second");
 
 // The first session can be chosen, and the present one again.
 await page.selectOption("#session", "0");
 await until(page, (facts) => document.querySelector('[data-fact="found"]')?.innerText === facts, first);
 assert.equal(await badge(page), "earlier trial");
-assert((await page.locator(".event").count()) >= events - 12, "its events are back");
+assert((await page.locator(".event").count()) >= events - 12, "events of the earlier trial are missing");
 await shot(page, "back");
 await page.selectOption("#session", "1");
 await until(page, () => document.getElementById("link").textContent === "live" && vantage.stats().layers["/robots"] === 3);
