@@ -10,6 +10,9 @@
 namespace vantage {
 namespace {
 
+// Limit of prefault(): most reservations are many times as large as what is used of them.
+constexpr std::size_t kPrefaultMax_bytes = std::size_t{4} << 20U;
+
 std::size_t page_bytes() { return static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)); }
 
 }  // namespace
@@ -34,7 +37,8 @@ ReservedBytes::~ReservedBytes() {
 
 void ReservedBytes::prefault() {
   auto* bytes = static_cast<volatile unsigned char*>(begin_);
-  for (std::size_t at = 0; at < size_; at += page_bytes()) {
+  const std::size_t end = std::min(size_, kPrefaultMax_bytes);
+  for (std::size_t at = 0; at < end; at += page_bytes()) {
     bytes[at] = bytes[at];
   }
 }

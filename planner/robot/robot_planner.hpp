@@ -46,7 +46,7 @@ class RobotPlanner {
   /// Creates one of several planners that take turns in one workspace.
   RobotPlanner(std::shared_ptr<Workspace> workspace, const std::string& robot);
 
-  /// Commits the search's memory, so that no page fault occurs later. Needed in real time.
+  /// Commits the first part of the search's memory: fewer page faults occur in real time.
   void prefault() { workspace_->prefault(); }
 
   /// Returns the plan of this slot. nullopt until the robot's pose is known, and while the robot

@@ -49,7 +49,7 @@ class RefiningBeam : private TreeSearch {
  public:
   explicit RefiningBeam(const SearchCapacity& capacity);
 
-  /// Commits the reserved arrays, so that plan() causes no page fault in them. Needed in real time.
+  /// Commits the first 4 MiB of each array: plan() causes no page fault there. Use in real time.
   void prefault();
 
   /// Returns the best plan found by the deadline. The reference is valid until the next call.

@@ -21,7 +21,7 @@ class PrefixBound {
  public:
   PrefixBound(int targets_max, int horizon_max);
 
-  /// Commits the reserved arrays.
+  /// Commits the first 4 MiB of each array.
   void prefault();
 
   /// Tabulates `problem`. Both arguments must outlive the queries, and `expander` must be reset to

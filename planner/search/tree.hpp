@@ -35,12 +35,12 @@ struct Blocks {
 
 /// Arena of one search: nodes and blocks in flat arrays sized at construction, without pointers and
 /// freed only by clear(). 48 bytes per node; blocks only for nodes that were expanded or compared.
-/// Memory pages are committed at their first use, or all at once by prefault().
+/// Memory pages are committed at their first use, or the first ones by prefault().
 class Tree {
  public:
   Tree(std::size_t nodes_max, std::size_t block_doubles_max);
 
-  /// Commits every page, so that a search causes no page fault in the tree.
+  /// Commits the first 4 MiB of each array, so that a search causes no page fault there.
   void prefault();
 
   void clear();
