@@ -291,7 +291,8 @@ void LogSpool::note_written(std::span<const std::uint8_t> events) {
 }
 
 void LogSpool::sync_loop() {
-  std::int64_t warned_us = std::chrono::microseconds(kAtRiskMax).count();
+  const std::int64_t at_risk_max_us = std::chrono::microseconds(at_risk_max(options_)).count();
+  std::int64_t warned_us = at_risk_max_us;
   Lock lock(mutex_);
   while (true) {
     wake_syncer_.wait(lock, [&] { return !unsynced_.empty() || is_written_out_; });
@@ -313,7 +314,7 @@ void LogSpool::sync_loop() {
         (monotonic_ns() - std::exchange(syncing_since_ns_, 0)) / kNsPerUs;
     report_.at_risk_worst_us = std::max(report_.at_risk_worst_us, at_risk_us);
     report_.free_bytes = free_bytes;
-    report_.syncs_late += at_risk_us > std::chrono::microseconds(kAtRiskMax).count() ? 1 : 0;
+    report_.syncs_late += at_risk_us > at_risk_max_us ? 1 : 0;
     if (error && report_.sync_errors++ == 0) {
       notices_.push_back("LOG NOT SAFE: " + error->message);
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
@@ -40,7 +41,7 @@ struct SpoolReport {
   std::int64_t events_lost = 0;
   std::int64_t write_errors = 0;
   std::int64_t sync_errors = 0;
-  std::int64_t syncs_late = 0;        ///< syncs that left data at risk for longer than kAtRiskMax
+  std::int64_t syncs_late = 0;        ///< syncs that left data at risk beyond at_risk_max()
   std::int64_t at_risk_worst_us = 0;  ///< longest time from write() until the data were synced
   std::uint64_t queue_bytes = 0;      ///< size of the events that are not yet in a file
   std::optional<std::uint64_t> free_bytes;  ///< free space of the disk
@@ -67,8 +68,12 @@ struct SpoolReport {
 /// is continued, an event that a killed logger left incomplete at the log's end is removed.
 class LogSpool {
  public:
-  /// Longest time for which data may be lost by a power failure.
+  /// Longest time for which data may be lost by a power failure, with the default periods.
   static constexpr std::chrono::milliseconds kAtRiskMax{100};
+  /// The same limit for `options`: data are written, then synced after the sync in progress.
+  static constexpr std::chrono::milliseconds at_risk_max(const SpoolOptions& options) {
+    return std::max(kAtRiskMax, options.write_period + 2 * options.sync_period);
+  }
 
   /// @throws StartupError if the first file cannot be opened.
   explicit LogSpool(SpoolOptions options, OpenFile open = open_append_file);

@@ -346,6 +346,10 @@ TEST(LogSpool, HasTheStatedDefaults) {
   // New data is safe within the limit: written, then synced after the sync in progress.
   EXPECT_LE(options.write_period + 2 * options.sync_period, LogSpool::kAtRiskMax);
   EXPECT_EQ(LogSpool::kAtRiskMax, std::chrono::milliseconds(100));
+  EXPECT_EQ(LogSpool::at_risk_max(options), LogSpool::kAtRiskMax);
+  SpoolOptions rare = options;
+  rare.sync_period = std::chrono::seconds(2);
+  EXPECT_EQ(LogSpool::at_risk_max(rare), std::chrono::milliseconds(4'010));
   FakeDisk disk;
   LogSpool spool(quick(), disk.opener());
   const SpoolReport report = spool.report();

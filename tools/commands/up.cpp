@@ -32,6 +32,7 @@ struct UpArguments {
   std::string log_path;
   std::string log_folder;
   bool no_log = false;
+  int log_sync_ms = 40;
   bool fly = false;
   bool ignore_others = false;
   bool ignore_load = false;
@@ -105,6 +106,7 @@ int run(const UpArguments& arguments) {
     const std::filesystem::path log(options.log_path);
     options.firmware_folder = (log.parent_path() / log.stem()).string() + "-firmware";
   }
+  options.log_sync_ms = arguments.log_sync_ms;
   options.restarts = arguments.restarts;
   options.stop_requests = stop_requests;
   const UpResult result = run_up(scenario, options, stop_requested);
@@ -172,6 +174,12 @@ void add_up_command(CLI::App& root, Runner& chosen) {
   command->add_flag("--no-log", arguments->no_log, "do not write a log")
       ->excludes(log)
       ->excludes(folder);
+  command
+      ->add_option("--log-sync-ms", arguments->log_sync_ms,
+                   "pause between two syncs of the log to the disk, ms; a power cut loses up to "
+                   "twice this time; larger values wear an SD card less")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 60'000));
   command->add_flag("--fly", arguments->fly,
                     "act as the operator: arm, take off, follow, and land at the end");
   command->add_flag(

@@ -38,6 +38,7 @@ struct RecordArguments {
   std::uint64_t rotate_mib = 0;
   std::uint64_t limit_mib = 0;
   std::uint64_t free_mib = 100;
+  int sync_ms = 40;
   double duration_s = 0.0;
   bool as_json = false;
   bool is_quiet = false;
@@ -49,6 +50,7 @@ logs::SpoolOptions options_of(const RecordArguments& arguments) {
   options.existing = arguments.appends ? logs::Existing::kAppend : logs::Existing::kRefuse;
   options.rotate_bytes = arguments.rotate_mib * kMebi;
   options.limit_bytes = arguments.limit_mib * kMebi;
+  options.sync_period = std::chrono::milliseconds(arguments.sync_ms);
   return options;
 }
 
@@ -239,6 +241,13 @@ void add_log_record_command(CLI::App& log, Runner& chosen) {
           "free disk space required at the start, MiB; a warning is printed if less is left later")
       ->capture_default_str();
   command
+      ->add_option(
+          "--sync-ms", arguments->sync_ms,
+          "pause between two syncs to the disk, ms; a power cut loses up to twice this time "
+          "of events; larger values wear an SD card less")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 60'000));
+  command
       ->add_option("--duration-s", arguments->duration_s,
                    "end the recording after this time, s; default: at Ctrl-C")
       ->check(CLI::PositiveNumber);
@@ -248,7 +257,8 @@ void add_log_record_command(CLI::App& log, Runner& chosen) {
       "Ctrl-C, SIGTERM and SIGHUP end the recording. Existing logs are never deleted or\n"
       "overwritten. If the disk rejects data (full, read-only), this is reported at once, also on\n"
       "HEALTH_RECORDER, and writing is tried again; the file stays valid. A power cut normally\n"
-      "loses less than 100 ms. With --rotate-mib each further file begins with the newest\n"
+      "loses less than 100 ms (--sync-ms). With --rotate-mib each further file begins with the "
+      "newest\n"
       "SCENARIO. Messages of up to 32 MiB are recorded; max_message_size=BYTES in --url sets\n"
       "another limit.\n"
       "Exit code 1: messages were lost or the disk rejected data; 2: it could not start.\n"

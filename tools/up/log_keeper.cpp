@@ -16,11 +16,12 @@ constexpr auto kPatience = std::chrono::seconds(5);
 }  // namespace
 
 // Passes "--free-mib 0", because run_up() has already checked the free space.
-ProcessSpec recorder_process(const ProcessSettings& settings, const std::string& log_path) {
-  ProcessSpec process{
-      kRecorderProcess,
-      {settings.executables + "/vantage", "log", "record", log_path, "--append", "--url",
-       settings.url, "--scenario", settings.scenario_path, "--free-mib", "0", "--quiet"}};
+ProcessSpec recorder_process(const ProcessSettings& settings, const std::string& log_path,
+                             int sync_ms) {
+  ProcessSpec process{kRecorderProcess,
+                      {settings.executables + "/vantage", "log", "record", log_path, "--append",
+                       "--url", settings.url, "--scenario", settings.scenario_path, "--free-mib",
+                       "0", "--sync-ms", std::to_string(sync_ms), "--quiet"}};
   process.patience_s = kPatienceS;
   process.keep_open = settings.keep_open;
   return process;

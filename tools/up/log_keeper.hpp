@@ -18,9 +18,10 @@ namespace vantage::tools {
 /// Process name of the recorder.
 inline constexpr const char* kRecorderProcess = "recorder";
 
-/// Returns the process `vantage log record` that appends to `log_path`. It signs and verifies
-/// messages as the scenario of `settings` requires.
-ProcessSpec recorder_process(const ProcessSettings& settings, const std::string& log_path);
+/// Returns the process `vantage log record` that appends to `log_path` and syncs it to the disk
+/// after every `sync_ms`. It signs and verifies messages as the scenario of `settings` requires.
+ProcessSpec recorder_process(const ProcessSettings& settings, const std::string& log_path,
+                             int sync_ms);
 
 /// Result of recording a trial.
 struct LogOutcome {

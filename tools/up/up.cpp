@@ -163,9 +163,9 @@ Up::Up(const scenario::Scenario& scenario, const UpOptions& options)
                 {file_.descriptor()},        options.driver_priority},
       keeper_(options.log_path.empty()
                   ? nullptr
-                  : std::make_unique<LogKeeper>(recorder_process(settings_, options.log_path),
-                                                options.log_path, options.restarts, announcer_,
-                                                clock_)),
+                  : std::make_unique<LogKeeper>(
+                        recorder_process(settings_, options.log_path, options.log_sync_ms),
+                        options.log_path, options.restarts, announcer_, clock_)),
       start_(clock_.now()),
       observer_(bus_, scenario, start_),
       board_(scenario, host_, bus_.run_id(), start_),

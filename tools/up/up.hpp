@@ -15,6 +15,7 @@ namespace vantage::tools {
 struct UpOptions {
   std::string executables;                   ///< folder of the vantage-* programs
   std::string log_path;                      ///< path of the log; empty: no log
+  int log_sync_ms = 40;                      ///< ms, > 0; pause between two syncs of the log
   std::string host;                          ///< host of scenario.hosts to run; empty: everything
   std::string firmware_folder = "firmware";  ///< contains the working folders of the firmware
   bool quiet = false;
