@@ -4,15 +4,12 @@
 #include <charconv>
 #include <utility>
 
-#include "bus/convert/channels.hpp"
+#include "drivers/sensor/detected_position.hpp"
 #include "drivers/sensor/pose_sensor.hpp"
 #include "models/sensor/sensor.hpp"
 
 namespace vantage::tools::ros2 {
 namespace {
-
-/// Smallest variance of a measurement relative to that of the robot's sensor; see add().
-constexpr double kVarianceShareMin = 1e-6;
 
 std::optional<int> number_of(const std::string& text) {
   int value = 0;
@@ -33,13 +30,7 @@ DetectionSource::DetectionSource(const scenario::Scenario& scenario, const std::
       targets_(scenario.targets) {}
 
 void DetectionSource::on_frame(std::shared_ptr<const models::MocapFrame> frame) {
-  if (!frames_.empty() && frame->stamp.time <= frames_.back()->stamp.time) {
-    frames_.clear();  // the mocap system was restarted, or its clock was set
-  }
-  frames_.push_back(std::move(frame));
-  while (frames_.back()->stamp.time - frames_.front()->stamp.time > kAgeMax + kGapMax) {
-    frames_.pop_front();
-  }
+  frames_.add(std::move(frame));
 }
 
 void DetectionSource::on_message(Bytes cdr, Time now) {
@@ -67,7 +58,7 @@ void DetectionSource::on_message(Bytes cdr, Time now) {
 std::optional<models::RobotMeasurement> DetectionSource::next(Time now) {
   while (!waiting_.empty()) {
     const SeenObjects& first = waiting_.front();
-    const bool has_later_frame = !frames_.empty() && frames_.back()->stamp.time >= first.stamp;
+    const bool has_later_frame = frames_.reaches(first.stamp);
     if (!has_later_frame && now - first.stamp <= kAgeMax) {
       return std::nullopt;
     }
@@ -82,27 +73,16 @@ std::optional<models::RobotMeasurement> DetectionSource::next(Time now) {
 }
 
 std::optional<models::RobotMeasurement> DetectionSource::measurement(const SeenObjects& seen) {
-  const auto after = std::find_if(frames_.begin(), frames_.end(), [&](const auto& frame) {
-    return frame->stamp.time >= seen.stamp;
-  });
-  const bool is_exact = (*after)->stamp.time == seen.stamp;
-  if (!is_exact && (after == frames_.begin() ||
-                    (*after)->stamp.time - (*std::prev(after))->stamp.time > kGapMax)) {
-    return std::nullopt;
-  }
-  const models::MocapFrame& before = is_exact ? **after : **std::prev(after);
-  const models::MocapFrame frame = drivers::interpolate(before, **after, seen.stamp);
-  std::optional<models::RobotMeasurement> out = drivers::empty_measurement(frame, robot_, false);
+  std::optional<drivers::FrameHistory::Found> found = frames_.at(seen.stamp);
+  std::optional<models::RobotMeasurement> out =
+      found ? drivers::empty_measurement(found->frame, robot_, false) : std::nullopt;
   if (!out) {
     return std::nullopt;
   }
   for (const SeenObject& object : seen.objects) {
-    add(object, seen.frame == world_frame_, frame.find(robot_)->world_from_body, *out);
+    add(object, seen.frame == world_frame_, found->frame.find(robot_)->world_from_body, *out);
   }
-  if (!is_exact) {
-    out->inputs.push_back(models::ref_to(bus::kVicon.name, before.stamp));
-  }
-  out->inputs.push_back(models::ref_to(bus::kVicon.name, (*after)->stamp));
+  out->inputs = std::move(found->inputs);
   return out;
 }
 
@@ -115,26 +95,16 @@ void DetectionSource::add(const SeenObject& object, bool is_world, const Pose3& 
   }
   const Eigen::Vector3d world_m =
       is_world ? object.position_m : world_from_body * object.position_m;
-  const models::PositionVector position_m = world_m.head(position_dim_);
-  if (!models::in_view(sensor_, out.viewpoint, position_m)) {
+  const Eigen::Matrix3d turn = is_world ? Eigen::Matrix3d::Identity().eval()
+                                        : world_from_body.rotation.toRotationMatrix().eval();
+  const auto made =
+      drivers::measurement_at(sensor_, out.viewpoint, world_m,
+                              turn * object.covariance_m2 * turn.transpose(), position_dim_);
+  if (!made) {
     ++counts_.out_of_view;
     return;
   }
-  const Eigen::Matrix3d turn = is_world ? Eigen::Matrix3d::Identity().eval()
-                                        : world_from_body.rotation.toRotationMatrix().eval();
-  const Eigen::Matrix3d covariance_m2 = turn * object.covariance_m2 * turn.transpose();
-  models::Measurement seen;
-  seen.z = models::observe(sensor_, out.viewpoint, position_m);
-  seen.V = models::noise_covariance(sensor_, out.viewpoint, position_m);
-  if (!object.covariance_m2.isZero(0.0)) {
-    const models::MeasurementJacobian jacobian =
-        models::observation_jacobian(sensor_, out.viewpoint, position_m);
-    // A small part of the sensor's covariance makes the result positive definite.
-    seen.V =
-        kVarianceShareMin * seen.V +
-        jacobian * covariance_m2.topLeftCorner(position_dim_, position_dim_) * jacobian.transpose();
-  }
-  out.detections.push_back({*target, seen});
+  out.detections.push_back({*target, *made});
 }
 
 std::optional<int> DetectionSource::target_of(const SeenObject& object) const {

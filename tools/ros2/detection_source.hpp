@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/sensor/frame_history.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 #include "tools/ros2/incoming.hpp"
@@ -34,7 +35,6 @@ class DetectionSource {
  public:
   static constexpr Duration kAgeMax{1'000'000};
   static constexpr Duration kEarlyMax{5'000};
-  static constexpr Duration kGapMax{200'000};  ///< largest gap between frames for interpolation
 
   /// Precondition: `robot` is in the scenario.
   DetectionSource(const scenario::Scenario& scenario, const std::string& robot,
@@ -62,7 +62,7 @@ class DetectionSource {
   bool detects_ids_;
   int position_dim_;
   std::vector<scenario::TargetSpec> targets_;
-  std::deque<std::shared_ptr<const models::MocapFrame>> frames_;  ///< frames of the last kAgeMax
+  drivers::FrameHistory frames_{kAgeMax};
   std::deque<SeenObjects> waiting_;
   DetectionCounts counts_;
 };

@@ -5,7 +5,6 @@
 
 #include "bus/convert/channels.hpp"
 #include "core/check.hpp"
-#include "models/exchange/attack_timeout.hpp"
 #include "models/exchange/counts.hpp"
 
 namespace vantage::drivers {
@@ -44,8 +43,7 @@ SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::S
   bus_.subscribe_shared<models::MocapFrame>(
       bus::kVicon, [this](const auto& /*name*/, const auto& frame) { on_frame(frame); });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const models::AttackNotice& attack) {
-    attack_ = attack;
-    attack_received_at_ = clock_.now();
+    jam_watch_.on_notice(attack, clock_.now());
   });
 }
 
@@ -105,16 +103,9 @@ const models::MocapFrame* SensorNode::earlier_frame(Time time) const {
   return found;
 }
 
-bool SensorNode::is_jammed() {
-  if (attack_ && clock_.now() - attack_received_at_ > models::kAttackTimeout) {
-    attack_.reset();
-  }
-  return attack_ &&
-         std::find(attack_->jammed.begin(), attack_->jammed.end(), robot_) != attack_->jammed.end();
-}
-
 void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs) {
-  const bool jammed = is_jammed();
+  const models::AttackNotice* const attack = jam_watch_.notice_for(robot_, clock_.now());
+  const bool jammed = attack != nullptr;
   std::optional<models::RobotMeasurement> seen = measure_(frame, jammed);
   if (!seen) {
     ++steps_without_own_pose_;
@@ -124,7 +115,7 @@ void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::In
     inputs.push_back(models::ref_to(bus::kVicon.name, earlier->stamp));
   }
   if (jammed) {
-    inputs.push_back(models::ref_to(bus::kAttack.name, attack_->stamp));
+    inputs.push_back(models::ref_to(bus::kAttack.name, attack->stamp));
   }
   if (scanner_) {
     models::RangeScan scan = scanner_->scan(seen->stamp.time, seen->viewpoint, jammed);

@@ -12,6 +12,7 @@
 #include "bus/node/clock.hpp"
 #include "bus/node/node.hpp"
 #include "core/time.hpp"
+#include "drivers/sensor/jam_watch.hpp"
 #include "drivers/sensor/pose_sensor.hpp"
 #include "drivers/sensor/range_scanner.hpp"
 #include "models/exchange/messages.hpp"
@@ -46,8 +47,6 @@ class SensorNode : public bus::Node {
 
  private:
   void on_frame(const std::shared_ptr<const models::MocapFrame>& received);
-  /// True if the newest valid attack notice states that this robot is jammed.
-  [[nodiscard]] bool is_jammed();
   void publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs);
   /// Appends the frame to recent_ and removes the frames that no later instant needs.
   void keep(const std::shared_ptr<const models::MocapFrame>& frame);
@@ -66,8 +65,7 @@ class SensorNode : public bus::Node {
   std::shared_ptr<const models::MocapFrame> last_;
   bool keeps_recent_ = false;  ///< true: the sensor measures velocities
   std::deque<std::shared_ptr<const models::MocapFrame>> recent_;
-  std::optional<models::AttackNotice> attack_;
-  Time attack_received_at_{};
+  JamWatch jam_watch_;
   std::int64_t steps_without_frames_ = 0;
   std::int64_t steps_without_own_pose_ = 0;
   std::int64_t frames_out_of_order_ = 0;

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "models/sensor/sensor.hpp"
+
+namespace vantage::drivers {
+
+/// Returns the measurement of a target whose position a detector has measured: z = h(position) with
+/// the covariance H Σ Hᵀ of the sensor's law. Without a covariance (zero), that of the sensor.
+/// Nullopt if the sensor cannot have measured the target from `viewpoint`.
+/// @param position_dim  2: only x and y are used
+std::optional<models::Measurement> measurement_at(const models::SensorModel& sensor,
+                                                  const models::Viewpoint& viewpoint,
+                                                  const Eigen::Vector3d& position_world_m,
+                                                  const Eigen::Matrix3d& covariance_world_m2,
+                                                  int position_dim);
+
+}  // namespace vantage::drivers
