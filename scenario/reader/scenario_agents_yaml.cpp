@@ -9,6 +9,7 @@
 
 #include "models/plan/plan.hpp"
 #include "models/sensor/law.hpp"
+#include "scenario/reader/camera_yaml.hpp"
 #include "scenario/reader/scenario_detection_yaml.hpp"
 #include "scenario/reader/scenario_firmware_yaml.hpp"
 #include "scenario/reader/sensor_parameters.hpp"
@@ -84,7 +85,19 @@ void check_sensor(Mapping& from, const SensorModel& sensor) {
 
 void read_sensor(Mapping& from, RobotSpec& robot) {
   SensorModel& sensor = robot.sensor;
-  read_publisher(from, robot.sensor_publisher);
+  enum class SensorDevice { kVantage, kExternal, kCamera };
+  SensorDevice device = SensorDevice::kVantage;
+  from.choice("device", device,
+              {{"vantage", SensorDevice::kVantage},
+               {"external", SensorDevice::kExternal},
+               {"camera", SensorDevice::kCamera}});
+  if (device != SensorDevice::kVantage) {
+    robot.sensor_publisher = Publisher::kExternal;
+  }
+  from.section("camera", [&](Mapping& camera) {
+    CameraSpec checked;  // cameras_of() reads the section again
+    read_camera(camera, checked);
+  });
   from.choice("kind", sensor.kind, models::all_sensor_kinds());
   from.number("range_max_m", sensor.range_max_m, above_to(0.0, kLengthMaxM));
   from.number("range_min_m", sensor.range_min_m, at_least(0.0));

@@ -14,7 +14,7 @@ inline constexpr double kLengthMaxM = 10'000.0;
 bool is_channel_suffix(const std::string& name);
 
 void read_device(Mapping& from, DeviceSource& device);
-/// Reads the key `device` of a sensor, an estimator or a planner.
+/// Reads the key `device` of an estimator or a planner.
 void read_publisher(Mapping& from, Publisher& publisher);
 
 /// Reads `robots`, with missing keys from `robot_defaults`. Checks each robot against the world,

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "scenario/neighbourhood.hpp"
+#include "scenario/reader/camera_yaml.hpp"
 #include "scenario/reader/localizer_yaml.hpp"
 #include "scenario/reader/mapping.hpp"
 #include "scenario/reader/scenario_agents_yaml.hpp"
@@ -365,9 +366,9 @@ void check_velocity(Mapping& top, const Scenario& scenario) {
   }
 }
 
-/// Reads a scenario. `localizer`: receives the section of this name, which the Scenario does not
-/// contain; may be null.
-void read_scenario(Mapping& top, Scenario& scenario,
+/// Reads the scenario in `document`, whose mapping is `top`. `localizer`: receives the section of
+/// this name, which the Scenario does not contain; may be null.
+void read_scenario(const Value& document, Mapping& top, Scenario& scenario,
                    std::optional<LocalizerSpec>* localizer = nullptr) {
   top.declare({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
                "target_truth", "estimator", "planner", "mapping", "network", "mocap", "attacks",
@@ -408,6 +409,7 @@ void read_scenario(Mapping& top, Scenario& scenario,
   tolerate([&] { read_hosts(top, scenario); });
   tolerate([&] {
     std::optional<LocalizerSpec> spec = read_localizer(top, scenario);
+    check_cameras(document, scenario, spec);
     if (localizer != nullptr) {
       *localizer = std::move(spec);
     }
@@ -423,15 +425,17 @@ Scenario load_scenario(const std::string& path) {
 Scenario parse_scenario(const std::string& yaml, const std::string& name) {
   Scenario scenario;
   scenario.source_text = yaml;
-  read_mapping({parse_yaml(yaml, name)}, [&](Mapping& top) { read_scenario(top, scenario); });
+  const Value document = parse_yaml(yaml, name);
+  read_mapping({document}, [&](Mapping& top) { read_scenario(document, top, scenario); });
   return scenario;
 }
 
 std::optional<LocalizerSpec> parse_localizer(const std::string& yaml, const std::string& name) {
   Scenario scenario;
   std::optional<LocalizerSpec> localizer;
-  read_mapping({parse_yaml(yaml, name)},
-               [&](Mapping& top) { read_scenario(top, scenario, &localizer); });
+  const Value document = parse_yaml(yaml, name);
+  read_mapping({document},
+               [&](Mapping& top) { read_scenario(document, top, scenario, &localizer); });
   return localizer;
 }
 
@@ -441,7 +445,7 @@ std::vector<KeyRule> keys_of_scenario(const std::string& path) {
   Value document = parse_yaml(read_text_file(path), path);
   document.keys = &asked;
   Scenario scenario;
-  read_mapping({document}, [&](Mapping& top) { read_scenario(top, scenario); });
+  read_mapping({document}, [&](Mapping& top) { read_scenario(document, top, scenario); });
   KeyTable merged;
   for (KeyRule rule : asked.rules()) {
     if (rule.path.starts_with(kDefaults)) {
