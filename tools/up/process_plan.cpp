@@ -14,6 +14,7 @@
 
 #include "core/address.hpp"
 #include "core/result.hpp"
+#include "scenario/reader/camera_yaml.hpp"
 #include "scenario/reader/scenario_ros2_yaml.hpp"
 #include "scenario/vehicle_kinds.hpp"
 #include "trial/robot_processes.hpp"
@@ -205,6 +206,13 @@ std::vector<std::string> robots_with_driver(const scenario::Scenario& scenario) 
 
 std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
   std::vector<std::string> out;
+  for (const scenario::CameraSpec& camera : scenario::cameras_of(scenario)) {
+    if (camera.source == scenario::kSimulatedSource) {
+      out.push_back("the camera of robot " + camera.robot +
+                    " has the source 'simulated', which only `vantage trial` and `vantage demo` "
+                    "simulate: set source to folder:PATH or v4l2:DEVICE");
+    }
+  }
   for (const scenario::RobotSpec& robot : scenario.robots) {
     const bool is_real = robot.device == DeviceSource::kReal;
     if (is_real && scenario.mocap.device != DeviceSource::kReal) {
@@ -311,6 +319,11 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
       const std::string driver(kind != nullptr ? kind->driver : "quadrotor");
       add_for(driver, robot, kDriverPatienceS).vehicle = robot;  // driver exits without an address
       give_priority(out.back());
+    }
+  }
+  for (const scenario::CameraSpec& camera : scenario::cameras_of(scenario)) {
+    if (runs(camera.robot)) {
+      add_for("camera", camera.robot);
     }
   }
   for (const char* const program : trial::kRobotProcesses) {
