@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 #include <utility>
 
 #include "drivers/sensor/app/node.hpp"
 #include "estimator/app/node.hpp"
 #include "planner/app/node.hpp"
+#include "scenario/reader/camera_yaml.hpp"
 #include "sim/app/node.hpp"
 #include "trial/robot_processes.hpp"
+#include "trial/simulated_camera.hpp"
 
 namespace vantage::trial {
 namespace {
@@ -36,6 +39,7 @@ MakeFor planners_of(const scenario::Scenario& scenario) {
 }  // namespace
 
 std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario) {
+  const std::vector<scenario::CameraSpec> cameras = scenario::cameras_of(scenario);
   std::vector<NodeRecipe> out;
   out.push_back({"SIM", [&scenario](bus::Bus& bus, const bus::Clock& clock) {
                    return std::make_unique<sim::SimNode>(bus, clock, scenario);
@@ -45,6 +49,15 @@ std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario) {
       planners_of(scenario)};
   for (std::size_t i = 0; i < makes.size(); ++i) {
     for (const scenario::RobotSpec& robot : scenario.robots) {
+      const auto camera = std::find_if(cameras.begin(), cameras.end(), [&](const auto& each) {
+        return each.robot == robot.name && each.source == scenario::kSimulatedSource;
+      });
+      if (kRobotProcesses[i] == std::string_view("sensor") && camera != cameras.end()) {
+        out.push_back({node_name(process_name("camera", robot.name)),
+                       [&scenario, spec = *camera](bus::Bus& bus, const bus::Clock& clock) {
+                         return simulated_camera(bus, clock, scenario, spec);
+                       }});
+      }
       const std::vector<std::string> own = own_processes(scenario, robot);
       if (std::find(own.begin(), own.end(), kRobotProcesses[i]) == own.end()) {
         continue;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
+#include "scenario/reader/camera_yaml.hpp"
 
 namespace vantage::trial {
 
@@ -34,9 +35,20 @@ std::vector<std::string> own_processes(const scenario::Scenario& scenario,
 }
 
 void require_own_processes(const scenario::Scenario& scenario) {
+  const std::vector<scenario::CameraSpec> cameras = scenario::cameras_of(scenario);
   for (const scenario::RobotSpec& robot : scenario.robots) {
+    const auto camera = std::find_if(cameras.begin(), cameras.end(),
+                                     [&](const auto& each) { return each.robot == robot.name; });
+    const bool has_camera = camera != cameras.end();
+    if (has_camera && camera->source != scenario::kSimulatedSource) {
+      throw StartupError(fmt::format(
+          "{}: the camera of {} has the source {}, and this command simulates cameras; use "
+          "`vantage up`, or set robot_defaults.sensor.camera.source=simulated",
+          scenario.name, robot.name, camera->source));
+    }
     for (const char* process : kRobotProcesses) {
-      if (is_external(scenario, robot, process)) {
+      const bool is_simulated = has_camera && process == std::string_view("sensor");
+      if (!is_simulated && is_external(scenario, robot, process)) {
         throw StartupError(fmt::format(
             "{}: robot {} has an external {} (`device: external`), and this command runs no other "
             "processes; use `vantage up`, or set {}.device=vantage",
