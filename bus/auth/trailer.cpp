@@ -41,6 +41,7 @@ constexpr std::array kFamilies{
     Family{"MEASUREMENT_", Role::kNode, true},
     Family{"ODOMETRY_", Role::kNode, true},
     Family{"POSE_", Role::kNode, true},
+    Family{"SIGHTINGS_", Role::kNode, true},
     Family{"SCAN_", Role::kNode, true},
     Family{"BELIEF_", Role::kNode, true},
     Family{"MIXTURE_", Role::kNode, true},

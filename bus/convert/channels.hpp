@@ -42,6 +42,9 @@ inline Channel<models::RobotMeasurement> measurement_channel(const std::string& 
 inline Channel<models::OdometryReport> odometry_channel(const std::string& robot) {
   return {"ODOMETRY_" + robot};
 }
+inline Channel<models::SightingReport> sightings_channel(const std::string& robot) {
+  return {"SIGHTINGS_" + robot};
+}
 inline Channel<models::PoseEstimate> pose_channel(const std::string& robot) {
   return {"POSE_" + robot, false, kLease};
 }

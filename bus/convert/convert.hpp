@@ -19,6 +19,7 @@
 #include "vantage_lcm/proposal_t.hpp"
 #include "vantage_lcm/scan_t.hpp"
 #include "vantage_lcm/scenario_t.hpp"
+#include "vantage_lcm/sightings_t.hpp"
 #include "vantage_lcm/team_proposal_t.hpp"
 #include "vantage_lcm/truth_t.hpp"
 #include "vantage_lcm/vehicle_t.hpp"
@@ -44,6 +45,9 @@ std::optional<models::RobotMeasurement> from_wire(const vantage_lcm::measurement
 
 vantage_lcm::odometry_t to_wire(const models::OdometryReport& odometry);
 std::optional<models::OdometryReport> from_wire(const vantage_lcm::odometry_t& wire);
+
+vantage_lcm::sightings_t to_wire(const models::SightingReport& report);
+std::optional<models::SightingReport> from_wire(const vantage_lcm::sightings_t& wire);
 
 vantage_lcm::pose_estimate_t to_wire(const models::PoseEstimate& estimate);
 std::optional<models::PoseEstimate> from_wire(const vantage_lcm::pose_estimate_t& wire);

@@ -2,7 +2,7 @@
 
 #include "bus/convert/convert_parts.hpp"
 
-// The robots' own motion and poses: ODOMETRY_R and POSE_R.
+// The robots' own motion and poses: ODOMETRY_R, SIGHTINGS_R and POSE_R.
 
 namespace vantage::bus {
 
@@ -38,11 +38,47 @@ std::optional<Eigen::Matrix3d> covariance_from(const double (&wire)[3][3]) {
 }
 
 std::optional<models::Sighting> sighting_from(const vantage_lcm::sighting_t& wire) {
-  if (!is_utime(wire.utime) || wire.id < 0 || !are_finite(wire.range_m, wire.bearing_rad) ||
-      wire.range_m <= 0.0 || wire.range_m > kRangeMaxM || std::abs(wire.bearing_rad) > kPi) {
+  if (!is_utime(wire.utime) || wire.id < models::kNoTargetId ||
+      !are_finite(wire.range_m, wire.bearing_rad) || wire.range_m <= 0.0 ||
+      wire.range_m > kRangeMaxM || std::abs(wire.bearing_rad) > kPi) {
     return std::nullopt;
   }
   return models::Sighting{from_utime(wire.utime), wire.id, wire.range_m, wire.bearing_rad};
+}
+
+vantage_lcm::sighting_t sighting_to(const models::Sighting& sighting) {
+  vantage_lcm::sighting_t wire{};
+  wire.utime = to_utime(sighting.time);
+  wire.id = sighting.id;
+  wire.range_m = sighting.range_m;
+  wire.bearing_rad = sighting.bearing_rad;
+  return wire;
+}
+
+/// Appends the sightings of `wire`. Returns false if one is impossible or out of order.
+template <class Wire>
+bool sightings_from(const Wire& wire, std::vector<models::Sighting>& sightings) {
+  if (!is_count(wire.num_sightings, wire.sightings.size(), kSightingsMax)) {
+    return false;
+  }
+  sightings.reserve(wire.sightings.size());
+  for (const vantage_lcm::sighting_t& each : wire.sightings) {
+    const auto sighting = sighting_from(each);
+    if (!sighting || (!sightings.empty() && sighting->time < sightings.back().time)) {
+      return false;
+    }
+    sightings.push_back(*sighting);
+  }
+  return true;
+}
+
+template <class Wire>
+void sightings_to(const std::vector<models::Sighting>& sightings, Wire& wire) {
+  wire.num_sightings = count_of(sightings.size());
+  wire.sightings.reserve(sightings.size());
+  for (const models::Sighting& each : sightings) {
+    wire.sightings.push_back(sighting_to(each));
+  }
 }
 
 }  // namespace
@@ -75,6 +111,24 @@ std::optional<models::OdometryReport> from_wire(const vantage_lcm::odometry_t& w
                                 motion, *covariance};
 }
 
+vantage_lcm::sightings_t to_wire(const models::SightingReport& report) {
+  auto wire = stamped<vantage_lcm::sightings_t>(report.stamp);
+  wire.robot = report.robot;
+  sightings_to(report.sightings, wire);
+  return wire;
+}
+
+std::optional<models::SightingReport> from_wire(const vantage_lcm::sightings_t& wire) {
+  const auto stamp = stamp_from(wire);
+  models::SightingReport report;
+  if (!stamp || !is_text(wire.robot) || !sightings_from(wire, report.sightings)) {
+    return std::nullopt;
+  }
+  report.stamp = *stamp;
+  report.robot = wire.robot;
+  return report;
+}
+
 vantage_lcm::pose_estimate_t to_wire(const models::PoseEstimate& estimate) {
   auto wire = stamped<vantage_lcm::pose_estimate_t>(estimate.stamp);
   wire.robot = estimate.robot;
@@ -95,16 +149,9 @@ vantage_lcm::pose_estimate_t to_wire(const models::PoseEstimate& estimate) {
     increment.turn_rad = each.z();
     wire.increments.push_back(increment);
   }
-  wire.num_sightings = count_of(estimate.sightings.size());
-  wire.sightings.reserve(estimate.sightings.size());
-  for (const models::Sighting& each : estimate.sightings) {
-    vantage_lcm::sighting_t sighting{};
-    sighting.utime = to_utime(each.time);
-    sighting.id = each.id;
-    sighting.range_m = each.range_m;
-    sighting.bearing_rad = each.bearing_rad;
-    wire.sightings.push_back(sighting);
-  }
+  wire.step = estimate.step;
+  sightings_to(estimate.sightings, wire);
+  inputs_to(estimate.inputs, wire);
   return wire;
 }
 
@@ -116,8 +163,7 @@ std::optional<models::PoseEstimate> from_wire(const vantage_lcm::pose_estimate_t
   if (!stamp || !source || !pose || !covariance || !is_text(wire.robot) ||
       !are_finite(wire.age_s) || wire.age_s < 0.0 || !is_utime(wire.increments_from_utime) ||
       wire.increment_us <= 0 || wire.increment_us > kIncrementMaxUs ||
-      !is_count(wire.num_increments, wire.increments.size(), kIncrementsMax) ||
-      !is_count(wire.num_sightings, wire.sightings.size(), kSightingsMax)) {
+      !is_count(wire.num_increments, wire.increments.size(), kIncrementsMax) || wire.step < 0) {
     return std::nullopt;
   }
   models::PoseEstimate estimate{*stamp,
@@ -129,6 +175,8 @@ std::optional<models::PoseEstimate> from_wire(const vantage_lcm::pose_estimate_t
                                 from_utime(wire.increments_from_utime),
                                 Duration{wire.increment_us},
                                 {},
+                                {},
+                                wire.step,
                                 {}};
   estimate.increments.reserve(wire.increments.size());
   for (const vantage_lcm::pose_increment_t& each : wire.increments) {
@@ -138,15 +186,11 @@ std::optional<models::PoseEstimate> from_wire(const vantage_lcm::pose_estimate_t
     }
     estimate.increments.push_back(increment);
   }
-  estimate.sightings.reserve(wire.sightings.size());
-  for (const vantage_lcm::sighting_t& each : wire.sightings) {
-    const auto sighting = sighting_from(each);
-    if (!sighting ||
-        (!estimate.sightings.empty() && sighting->time < estimate.sightings.back().time)) {
-      return std::nullopt;
-    }
-    estimate.sightings.push_back(*sighting);
+  const auto inputs = inputs_from(wire);
+  if (!sightings_from(wire, estimate.sightings) || !inputs) {
+    return std::nullopt;
   }
+  estimate.inputs = *inputs;
   return estimate;
 }
 

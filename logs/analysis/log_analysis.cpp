@@ -38,6 +38,7 @@ class Analyst {
   }
   void on(const models::AttackNotice& /*attack*/) {}
   void on(const models::OdometryReport& /*odometry*/) {}
+  void on(const models::SightingReport& /*sightings*/) {}
   void on(const models::PoseEstimate& /*estimate*/) {}
   void on(const models::PlanProposal& /*proposal*/) {}
   void on(const models::TeamProposal& /*proposal*/) {}

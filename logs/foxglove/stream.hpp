@@ -72,6 +72,7 @@ class Stream {
   }                                                                    // beliefs are shown instead
   void on(const models::RangeScan& /*scan*/, Time /*received_at*/) {}  // the map shows its content
   void on(const models::OdometryReport& /*odometry*/, Time /*received_at*/) {}
+  void on(const models::SightingReport& /*sightings*/, Time /*received_at*/) {}
   void on(const models::PoseEstimate& /*estimate*/, Time /*received_at*/) {}
   void on(const models::RobotMap& map, Time received_at);
   void on(const models::RobotPlan& plan, Time received_at);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -34,10 +35,18 @@ enum class PoseSource { kNone, kMotionCapture, kLocalizer };
 
 /// Range and bearing of one identified landmark or teammate.
 struct Sighting {
-  Time time{};  ///< time of the measurement, corrected for the camera's latency
+  Time time{};  ///< time of the measurement; in PoseEstimate corrected for the camera's latency
   int id = 0;   ///< id of the landmark or teammate in the scenario's section localizer
   double range_m = 0.0;
   double bearing_rad = 0.0;
+};
+
+/// Landmarks and teammates that one robot's sensor identified in one frame (SIGHTINGS_R). The times
+/// are those of the sensor's stamps.
+struct SightingReport {
+  Stamp stamp;
+  std::string robot;
+  std::vector<Sighting> sightings;  ///< ascending in time
 };
 
 /// Pose of one robot (POSE_R), with the newest motion and sightings for its teammates.
@@ -47,12 +56,14 @@ struct PoseEstimate {
   PoseSource source = PoseSource::kNone;  ///< kNone: the pose is unknown and meaningless
   Pose2 world_from_body;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< covariance of x, y and yaw
-  double age_s = 0.0;  ///< s; time since the newest observation of a landmark or teammate
+  double age_s = 0.0;  ///< s; time since the newest observation of a landmark or teammate, or by mocap
   Time increments_from{};
   Duration increment{};  ///< duration of each increment
   /// Forward [m], left [m] and turn [rad], in the body frame at the start of each increment.
   std::vector<Eigen::Vector3d> increments;
   std::vector<Sighting> sightings;  ///< ascending in time
+  std::int64_t step = 0;            ///< number of earlier poses since the localizer's start
+  std::vector<InputRef> inputs;     ///< inputs of this step in the order of use
 };
 
 }  // namespace vantage::models

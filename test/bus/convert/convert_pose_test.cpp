@@ -37,6 +37,18 @@ TEST(PoseLimits, AreEnforcedForOdometry) {
   });
 }
 
+TEST(PoseLimits, AreEnforcedForSightingReports) {
+  models::SightingReport report;
+  report.sightings = {{from_utime(10), 6, 1.0, 0.5}, {from_utime(20), 7, 2.0, -0.5}};
+  const Changed<models::SightingReport> message(report);
+  message.text("robot", VANTAGE_FIELD(robot));
+  message.count("sightings", VANTAGE_FIELD(num_sightings));
+  message.whole("id", 0, VANTAGE_FIELD(sightings[1].id));
+  message.between("bearing", -kPi, kPi, VANTAGE_FIELD(sightings[1].bearing_rad));
+  message.refused("range 0", [](auto& w) { w.sightings[1].range_m = 0.0; });
+  message.refused("descending times", [](auto& w) { w.sightings[1].utime = 9; });
+}
+
 TEST(PoseLimits, AreEnforcedForPoseEstimates) {
   models::PoseEstimate estimate;
   estimate.increment = Duration{100'000};
@@ -54,6 +66,8 @@ TEST(PoseLimits, AreEnforcedForPoseEstimates) {
   message.whole("increment", 1, VANTAGE_FIELD(increment_us), 10'000'000);
   message.count("increments", VANTAGE_FIELD(num_increments));
   message.count("sightings", VANTAGE_FIELD(num_sightings));
+  message.whole("step", 0, VANTAGE_FIELD(step));
+  message.count("inputs", VANTAGE_FIELD(num_inputs));
   message.between("forward", -1e3, 1e3, VANTAGE_FIELD(increments[1].forward_m));
   message.between("left", -1e3, 1e3, VANTAGE_FIELD(increments[1].left_m));
   message.between("turn", -1e3, 1e3, VANTAGE_FIELD(increments[1].turn_rad));

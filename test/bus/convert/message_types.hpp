@@ -10,13 +10,12 @@
 namespace vantage::test {
 
 /// All message types of the bus.
-using MessageTypes =
-    ::testing::Types<models::MocapFrame, models::RobotMeasurement, models::OdometryReport,
-                     models::PoseEstimate, models::RobotBelief, models::BeliefMixture,
-                     models::RangeScan, models::RobotMap, models::RobotPlan, models::PlanProposal,
-                     models::TeamProposal, models::VehicleStatus, models::OperatorCommand,
-                     models::TruthFrame, models::CollisionReport, models::AttackNotice,
-                     models::ProcessHealth, models::HostReport, models::ScenarioNotice>;
+using MessageTypes = ::testing::Types<
+    models::MocapFrame, models::RobotMeasurement, models::OdometryReport, models::SightingReport,
+    models::PoseEstimate, models::RobotBelief, models::BeliefMixture, models::RangeScan,
+    models::RobotMap, models::RobotPlan, models::PlanProposal, models::TeamProposal,
+    models::VehicleStatus, models::OperatorCommand, models::TruthFrame, models::CollisionReport,
+    models::AttackNotice, models::ProcessHealth, models::HostReport, models::ScenarioNotice>;
 
 /// Returns the bytes published for `message`.
 template <class Message>

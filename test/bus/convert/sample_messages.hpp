@@ -177,7 +177,20 @@ inline models::PoseEstimate sample(Sampler& s) {
     time += Duration{s.whole(0, 1'000'000)};
     estimate.sightings.push_back({time, s.small(0, 99), s.real(0.1, 9.0), s.real(-3.0, 3.0)});
   }
+  estimate.step = s.whole(0, 99);
+  estimate.inputs = s.inputs();
   return estimate;
+}
+
+template <>
+inline models::SightingReport sample(Sampler& s) {
+  auto report = s.of_robot<models::SightingReport>();
+  Time time = s.time();
+  for (int i = s.small(0, 5); i > 0; --i) {
+    time += Duration{s.whole(0, 1'000'000)};
+    report.sightings.push_back({time, s.small(0, 99), s.real(0.1, 9.0), s.real(-3.0, 3.0)});
+  }
+  return report;
 }
 
 template <>
@@ -428,11 +441,12 @@ class Flat {
   void fields(const models::PoseEstimate& x) {
     all(x.robot, static_cast<int>(x.source), x.world_from_body);
     add_matrix(x.covariance);
-    all(x.age_s, x.increments_from, to_seconds(x.increment), x.sightings);
+    all(x.age_s, x.increments_from, to_seconds(x.increment), x.sightings, x.step, x.inputs);
     for (const Eigen::Vector3d& increment : x.increments) {
       add_matrix(increment);
     }
   }
+  void fields(const models::SightingReport& x) { all(x.robot, x.sightings); }
   void fields(const models::RangeScan& x) {
     all(x.robot, x.viewpoint, x.jammed, x.field_of_view_rad, x.range_max_m, x.ranges_m, x.inputs);
   }
