@@ -12,6 +12,7 @@ namespace {
 constexpr std::int64_t kLatencyCells = 2;
 /// Factor of the variances of a motion that is guessed from the previous one.
 constexpr double kGuessNoiseScale = 30.0;
+constexpr double kAgeMaxS = 1e6;  // s; reported age without an observation
 
 /// Returns the displacement during the share [from, to) of a motion with a constant twist, in the
 /// body frame at the start of this share.
@@ -54,9 +55,11 @@ RobotLocalizer::RobotLocalizer(const scenario::LocalizerSpec& spec, int robot)
       newest_(spec),
       increments_(spec.robots.size(), Eigen::Vector3d::Zero()),
       noise_scale_(spec.robots.size(), 1.0),
-      next_sighting_(spec.robots.size(), 0) {
+      next_sighting_(spec.robots.size(), 0),
+      next_fix_(spec.robots.size(), 0) {
   for (Track& track : tracks_) {
     track.sightings.reserve(kSightings);
+    track.fixes.reserve(kFixes);
   }
 }
 
@@ -127,6 +130,25 @@ void RobotLocalizer::add_sightings(std::span<const models::Sighting> sightings) 
   for (const models::Sighting& sighting : sightings) {
     counts_.late_sightings += sighting.time < start_of(base_cell_) ? 1 : 0;
     add_sighting(own(), sighting);
+    last_observation_ = std::max(last_observation_, sighting.time);
+  }
+}
+
+void RobotLocalizer::add_fix(int robot, Time time, const PoseBelief& fix) {
+  std::vector<Fix>& fixes = tracks_[static_cast<std::size_t>(robot)].fixes;
+  // A fix at the end of a cell belongs to this cell, so that the estimate at that time contains it.
+  time -= Duration{1};
+  if (time < start_of(base_cell_) || (!fixes.empty() && time <= fixes.back().time)) {
+    ++counts_.late_fixes;
+    return;
+  }
+  if (fixes.size() == static_cast<std::size_t>(kFixes)) {
+    fixes.erase(fixes.begin());
+  }
+  fixes.push_back({time, fix});
+  if (robot == robot_) {
+    last_fix_ = time;
+    last_observation_ = std::max(last_observation_, time);
   }
 }
 
@@ -184,56 +206,81 @@ void RobotLocalizer::set_increments(std::int64_t cell, Time from, Time to, bool 
   }
 }
 
-void RobotLocalizer::run(TeamFilter& filter, std::int64_t from, std::int64_t to, bool is_base) {
+void RobotLocalizer::seek(Time time) {
+  for (std::size_t robot = 0; robot < tracks_.size(); ++robot) {
+    const auto first_from = [time](const auto& items) {
+      const auto next = std::lower_bound(items.begin(), items.end(), time,
+                                         [](const auto& item, Time t) { return item.time < t; });
+      return static_cast<std::size_t>(next - items.begin());
+    };
+    next_sighting_[robot] = first_from(tracks_[robot].sightings);
+    next_fix_[robot] = first_from(tracks_[robot].fixes);
+  }
+}
+
+RobotLocalizer::Event RobotLocalizer::next_event(Time end) const {
+  Event event{end, tracks_.size(), false};
   for (std::size_t robot = 0; robot < tracks_.size(); ++robot) {
     const auto& sightings = tracks_[robot].sightings;
-    const auto next = std::lower_bound(
-        sightings.begin(), sightings.end(), start_of(from),
-        [](const models::Sighting& sighting, Time time) { return sighting.time < time; });
-    next_sighting_[robot] = static_cast<std::size_t>(next - sightings.begin());
+    if (next_sighting_[robot] < sightings.size() &&
+        sightings[next_sighting_[robot]].time < event.time) {
+      event = {sightings[next_sighting_[robot]].time, robot, false};
+    }
   }
+  for (std::size_t robot = 0; robot < tracks_.size(); ++robot) {
+    const auto& fixes = tracks_[robot].fixes;
+    if (next_fix_[robot] < fixes.size() && fixes[next_fix_[robot]].time < event.time) {
+      event = {fixes[next_fix_[robot]].time, robot, true};
+    }
+  }
+  return event;
+}
+
+void RobotLocalizer::apply(TeamFilter& filter, const Event& event, bool is_base) {
+  Track& track = tracks_[event.robot];
+  const int robot = static_cast<int>(event.robot);
+  if (event.is_fix) {
+    const PoseBelief& fix = track.fixes[next_fix_[event.robot]++].belief;
+    filter.place(robot, fix.world_from_body, fix.covariance);
+    if (is_base) {
+      track.search.clear();
+    }
+    return;
+  }
+  const std::size_t first = next_sighting_[event.robot];
+  std::size_t last = first;
+  while (last < track.sightings.size() && track.sightings[last].time == event.time) {
+    ++last;
+  }
+  next_sighting_[event.robot] = last;
+  const std::span<const models::Sighting> frame(track.sightings.data() + first, last - first);
+  if (is_base && !filter.is_placed(robot)) {
+    if (const auto start = track.search.observe(spec_, robot, frame)) {
+      filter.place(robot, start->world_from_body, start->covariance);
+      track.search.clear();
+    }
+  } else {
+    filter.observe(robot, frame);
+  }
+}
+
+void RobotLocalizer::run(TeamFilter& filter, std::int64_t from, std::int64_t to, bool is_base) {
+  seek(start_of(from));
   for (std::int64_t cell = from; cell < to; ++cell) {
     const Time end = start_of(cell + 1);
     for (Time time = start_of(cell); time < end;) {
-      // Find the next frame of any robot within this cell.
-      Time until = end;
-      std::size_t observer = tracks_.size();
-      for (std::size_t robot = 0; robot < tracks_.size(); ++robot) {
-        const auto& sightings = tracks_[robot].sightings;
-        if (next_sighting_[robot] < sightings.size() &&
-            sightings[next_sighting_[robot]].time < until) {
-          until = sightings[next_sighting_[robot]].time;
-          observer = robot;
-        }
-      }
-      if (until > time) {
-        set_increments(cell, time, until, is_base);
-        const double duration_s = to_seconds(until - time);
+      const Event event = next_event(end);
+      if (event.time > time) {
+        set_increments(cell, time, event.time, is_base);
+        const double duration_s = to_seconds(event.time - time);
         filter.advance(duration_s, increments_, noise_scale_);
         for (std::size_t robot = 0; is_base && robot < tracks_.size(); ++robot) {
           tracks_[robot].search.advance(duration_s, increments_[robot]);
         }
-        time = until;
+        time = event.time;
       }
-      if (observer == tracks_.size()) {
-        continue;
-      }
-      Track& track = tracks_[observer];
-      const std::size_t first = next_sighting_[observer];
-      std::size_t last = first;
-      while (last < track.sightings.size() && track.sightings[last].time == until) {
-        ++last;
-      }
-      next_sighting_[observer] = last;
-      const std::span<const models::Sighting> frame(track.sightings.data() + first, last - first);
-      const int robot = static_cast<int>(observer);
-      if (is_base && !filter.is_placed(robot)) {
-        if (const auto start = track.search.observe(spec_, robot, frame)) {
-          filter.place(robot, start->world_from_body, start->covariance);
-          track.search.clear();
-        }
-      } else {
-        filter.observe(robot, frame);
+      if (event.robot < tracks_.size()) {
+        apply(filter, event, is_base);
       }
     }
   }
@@ -245,6 +292,7 @@ void RobotLocalizer::forget_before(Time time) {
         track.sightings.begin(), track.sightings.end(), time,
         [](const models::Sighting& sighting, Time t) { return sighting.time < t; });
     track.sightings.erase(track.sightings.begin(), keep);
+    std::erase_if(track.fixes, [&](const Fix& fix) { return fix.time < time; });
   }
 }
 
@@ -287,12 +335,16 @@ void RobotLocalizer::write_message(models::PoseEstimate& message) const {
   const std::int64_t first = std::max<std::int64_t>(now_cell_ - kMessageIncrements, 0);
   message.robot = spec_.robots[static_cast<std::size_t>(robot_)].name;
   message.stamp.time = now_;
-  message.source = is_placed() ? models::PoseSource::kLocalizer : models::PoseSource::kNone;
+  const bool is_fixed = last_fix_ != Time::min() && now_ - last_fix_ <= 2 * kIncrement;
+  message.source = !is_placed() ? models::PoseSource::kNone
+                   : is_fixed   ? models::PoseSource::kMotionCapture
+                                : models::PoseSource::kLocalizer;
   message.world_from_body = is_placed() ? pose() : Pose2{};
   message.covariance = is_placed() ? covariance() : Eigen::Matrix3d::Identity();
   const auto& sightings = own().sightings;
-  message.age_s = sightings.empty() ? to_seconds(kIncrement) * kMessageIncrements
-                                    : std::max(to_seconds(now_ - sightings.back().time), 0.0);
+  message.age_s = last_observation_ == Time::min()
+                      ? kAgeMaxS
+                      : std::clamp(to_seconds(now_ - last_observation_), 0.0, kAgeMaxS);
   message.increment = kIncrement;
   message.increments.clear();
   message.increments_from = start_of(first);

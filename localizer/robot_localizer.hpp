@@ -28,6 +28,7 @@ struct InputCounts {
   std::int64_t missing_increments = 0;  ///< increments of teammates that were replaced by a guess
   std::int64_t refused = 0;             ///< inputs of an unknown robot, or out of order
   std::int64_t lost_sightings = 0;      ///< dropped because a buffer was full
+  std::int64_t late_fixes = 0;          ///< arrived after their time had been completed
 };
 
 /// Localiser of one robot: the joint filter of the whole team, computed by each robot from what it
@@ -54,6 +55,10 @@ class RobotLocalizer {
   /// Adds the data that a teammate sent.
   void add_teammate(const models::PoseEstimate& estimate);
 
+  /// Adds a pose of any robot from motion capture. It replaces what the filter knows about the
+  /// robot's pose at `time`, because its error is much smaller.
+  void add_fix(int robot, Time time, const PoseBelief& fix);
+
   /// Computes the estimate at `now`, which is rounded down to the grid.
   void advance_to(Time now);
 
@@ -71,9 +76,15 @@ class RobotLocalizer {
  private:
   static constexpr int kCells = 64;       ///< increments kept per robot
   static constexpr int kSightings = 256;  ///< sightings kept per robot
+  static constexpr int kFixes = 64;       ///< poses from motion capture kept per robot
   struct Cell {
     std::int64_t index = -1;  ///< start / kIncrement
     Eigen::Vector3d increment = Eigen::Vector3d::Zero();
+  };
+  /// A pose from motion capture.
+  struct Fix {
+    Time time{};
+    PoseBelief belief;
   };
   /// Newest known motion and sightings of one robot.
   struct Track {
@@ -81,6 +92,7 @@ class RobotLocalizer {
     std::int64_t complete_until =
         -1;  ///< all cells before this index and their sightings are known
     std::vector<models::Sighting> sightings;  ///< ascending in time; capacity kSightings
+    std::vector<Fix> fixes;                   ///< ascending in time; capacity kFixes
     StartSearch search;
   };
 
@@ -90,6 +102,17 @@ class RobotLocalizer {
   void add_sighting(Track& track, const models::Sighting& sighting);
   /// Sets increments_ and noise_scale_ for the part [from, to) of grid cell `cell`.
   void set_increments(std::int64_t cell, Time from, Time to, bool is_base);
+  /// A frame of sightings or a fix of one robot; robot = number of robots: none.
+  struct Event {
+    Time time{};
+    std::size_t robot = 0;
+    bool is_fix = false;
+  };
+  /// Sets next_sighting_ and next_fix_ to the first data at or after `time`.
+  void seek(Time time);
+  /// Returns the next data of any robot before `end`.
+  [[nodiscard]] Event next_event(Time end) const;
+  void apply(TeamFilter& filter, const Event& event, bool is_base);
   /// Moves `filter` through the grid cells [from, to) with all known sightings. Searches for starts
   /// if `is_base`.
   void run(TeamFilter& filter, std::int64_t from, std::int64_t to, bool is_base);
@@ -110,10 +133,12 @@ class RobotLocalizer {
   std::int64_t base_cell_ = -1;
   std::int64_t now_cell_ = -1;
   Time now_{};
-  Time last_sighting_ = Time::min();
+  Time last_observation_ = Time::min();      ///< newest own sighting or fix
+  Time last_fix_ = Time::min();              ///< newest own fix
   std::vector<Eigen::Vector3d> increments_;  ///< workspace
   std::vector<double> noise_scale_;          ///< workspace
   std::vector<std::size_t> next_sighting_;   ///< workspace
+  std::vector<std::size_t> next_fix_;        ///< workspace
   InputCounts counts_;
 };
 

@@ -1,9 +1,14 @@
 #pragma once
 
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "core/angle.hpp"
+#include "models/world/world.hpp"
 
 // Section `localizer` of a scenario as values: what a robot needs to know to compute its own pose
 // from odometry, landmarks and teammates.
@@ -66,12 +71,64 @@ struct LocalizedRobotSpec {
   DriveSpec drive;
 };
 
+/// Rules for vehicles that motion capture does not see and that move by POSE_R. Only ground robots
+/// may do so, because POSE_R has no height.
+struct PoseSafetySpec {
+  bool rovers_may_drive = false;  ///< false: without motion capture they stop
+  double sigma_hold_m = 0.15;     ///< m; 1σ of the position above which a rover holds
+  double sigma_stop_m = 0.4;      ///< m; 1σ above which it holds until the operator sends follow
+  double margin_sigmas = 3.0;  ///< distances to fence, obstacles and bodies shrink by this · 1σ
+};
+
+/// Simulated odometer of each robot. Its white noise and slowly varying errors are those of
+/// OdometryNoiseSpec times `noise_scale`; the other errors are unknown to the localisers.
+struct SimulatedOdometerSpec {
+  double rate_hz = 20.0;         ///< Hz; reports per second
+  double noise_scale = 1.0;      ///< factor of the errors in OdometryNoiseSpec
+  double speed_scale = 1.0;      ///< reported displacement / true displacement
+  double turn_scale = 1.0;       ///< reported turn / true turn
+  double turn_bias_radps = 0.0;  ///< rad/s; reported turn rate minus true turn rate
+  double slips_per_min = 0.0;    ///< mean number of slips per minute
+  double slip_s = 0.5;           ///< s; duration of a slip
+  double slip_share = 0.5;       ///< reported displacement during a slip: 1 + this, times the true
+};
+
+/// Simulated sensor of landmarks and teammates of each robot. Its errors are those of
+/// SightingNoiseSpec times `noise_scale`.
+struct SimulatedSightingsSpec {
+  double rate_hz = 5.0;                ///< Hz; frames per second
+  double noise_scale = 1.0;            ///< factor of the errors in SightingNoiseSpec
+  double range_min_m = 0.2;            ///< m
+  double range_max_m = 4.0;            ///< m
+  double fov_rad = 2.0 * kPi;          ///< rad; full angle, about the body's x axis
+  double detection_probability = 1.0;  ///< of each landmark or teammate in view
+};
+
+/// Time and area in which the simulated motion capture does not see bodies.
+struct MocapOutageSpec {
+  double from_s = 0.0;  ///< s since the start, or since take-off
+  double to_s = std::numeric_limits<double>::infinity();
+  bool after_take_off = false;  ///< true: times begin when all robots have reached their height
+  std::optional<models::Rectangle> area;  ///< absent: everywhere
+};
+
+/// Simulation of what the localisers receive.
+struct LocalizerSimulationSpec {
+  SimulatedOdometerSpec odometry;
+  SimulatedSightingsSpec sightings;
+  std::vector<MocapOutageSpec> mocap_withheld;
+};
+
 /// Parameters of the localisers of all robots.
 struct LocalizerSpec {
   std::vector<LandmarkSpec> landmarks;
   std::vector<LocalizedRobotSpec> robots;
   OdometryNoiseSpec odometry_noise;
   SightingNoiseSpec sighting_noise;
+  PoseSafetySpec safety;
+  /// Present: the simulator publishes odometry and sightings, and simulated vehicles and sensors
+  /// use POSE_R instead of motion capture.
+  std::optional<LocalizerSimulationSpec> simulation = std::nullopt;
 };
 
 }  // namespace vantage::scenario

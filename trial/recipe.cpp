@@ -7,6 +7,7 @@
 
 #include "drivers/sensor/app/node.hpp"
 #include "estimator/app/node.hpp"
+#include "localizer/app/node.hpp"
 #include "planner/app/node.hpp"
 #include "scenario/reader/camera_yaml.hpp"
 #include "sim/app/node.hpp"
@@ -44,25 +45,25 @@ std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario) {
   out.push_back({"SIM", [&scenario](bus::Bus& bus, const bus::Clock& clock) {
                    return std::make_unique<sim::SimNode>(bus, clock, scenario);
                  }});
-  const std::array<MakeFor, kRobotProcesses.size()> makes = {
-      from<drivers::SensorNode>(scenario), from<estimator::EstimatorNode>(scenario),
-      planners_of(scenario)};
+  const std::array<MakeFor, kProcessOrder.size()> makes = {
+      from<localizer::LocalizerNode>(scenario), from<drivers::SensorNode>(scenario),
+      from<estimator::EstimatorNode>(scenario), planners_of(scenario)};
   for (std::size_t i = 0; i < makes.size(); ++i) {
     for (const scenario::RobotSpec& robot : scenario.robots) {
       const auto camera = std::find_if(cameras.begin(), cameras.end(), [&](const auto& each) {
         return each.robot == robot.name && each.source == scenario::kSimulatedSource;
       });
-      if (kRobotProcesses[i] == std::string_view("sensor") && camera != cameras.end()) {
+      if (kProcessOrder[i] == std::string_view("sensor") && camera != cameras.end()) {
         out.push_back({node_name(process_name("camera", robot.name)),
                        [&scenario, spec = *camera](bus::Bus& bus, const bus::Clock& clock) {
                          return simulated_camera(bus, clock, scenario, spec);
                        }});
       }
       const std::vector<std::string> own = own_processes(scenario, robot);
-      if (std::find(own.begin(), own.end(), kRobotProcesses[i]) == own.end()) {
+      if (std::find(own.begin(), own.end(), kProcessOrder[i]) == own.end()) {
         continue;
       }
-      out.push_back({node_name(process_name(kRobotProcesses[i], robot.name)),
+      out.push_back({node_name(process_name(kProcessOrder[i], robot.name)),
                      [make = makes[i], name = robot.name](bus::Bus& bus, const bus::Clock& clock) {
                        return make(bus, clock, name);
                      }});

@@ -18,11 +18,11 @@ struct NodeRecipe {
   std::function<std::unique_ptr<bus::Node>(bus::Bus&, const bus::Clock&)> make;
 };
 
-/// Returns the recipes of all nodes of a fully simulated trial: the simulator, then the sensors,
-/// estimators and planners of all robots, without those that are external. Nodes that are due at
-/// the same instant are executed in this order. `scenario` must outlive the nodes. In virtual time
-/// the planners of one list share a workspace, so one list is for one thread and one trial at a
-/// time. With a real clock each planner has its own workspace.
+/// Returns the recipes of all nodes of a fully simulated trial: the simulator, then the localizers,
+/// sensors, estimators and planners of all robots, without those that are external. Nodes that are
+/// due at the same instant are executed in this order. `scenario` must outlive the nodes. In
+/// virtual time the planners of one list share a workspace, so one list is for one thread and one
+/// trial at a time. With a real clock each planner has its own workspace.
 std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario);
 
 /// Returns a nonzero run id that depends only on the seed and the name.

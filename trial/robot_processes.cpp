@@ -8,6 +8,7 @@
 
 #include "core/check.hpp"
 #include "scenario/reader/camera_yaml.hpp"
+#include "scenario/reader/localizer_yaml.hpp"
 
 namespace vantage::trial {
 
@@ -26,6 +27,10 @@ bool is_external(const scenario::Scenario& scenario, const scenario::RobotSpec& 
 std::vector<std::string> own_processes(const scenario::Scenario& scenario,
                                        const scenario::RobotSpec& robot) {
   std::vector<std::string> out;
+  const auto localizer = scenario::localizer_of(scenario);
+  if (localizer && scenario::index_of(*localizer, robot.name) >= 0) {
+    out.emplace_back(kLocalizerProcess);
+  }
   for (const char* process : kRobotProcesses) {
     if (!is_external(scenario, robot, process)) {
       out.emplace_back(process);

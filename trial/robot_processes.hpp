@@ -12,8 +12,15 @@ namespace vantage::trial {
 /// vantage-sensor). Nodes that are due at the same instant are executed in this order.
 inline constexpr std::array<const char*, 3> kRobotProcesses = {"sensor", "estimator", "planner"};
 
-/// Returns the processes of kRobotProcesses that vantage runs for `robot`: those that no process of
-/// the user replaces (`device: external`).
+/// Process of the robots in the scenario's section `localizer`.
+inline constexpr const char* kLocalizerProcess = "localizer";
+
+/// All processes of a robot, in the order of execution.
+inline constexpr std::array<const char*, 4> kProcessOrder = {
+    kLocalizerProcess, kRobotProcesses[0], kRobotProcesses[1], kRobotProcesses[2]};
+
+/// Returns the processes of kProcessOrder that vantage runs for `robot`: those of kRobotProcesses
+/// that no process of the user replaces (`device: external`), and its localizer, if any.
 std::vector<std::string> own_processes(const scenario::Scenario& scenario,
                                        const scenario::RobotSpec& robot);
 

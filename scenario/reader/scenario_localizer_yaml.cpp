@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/time.hpp"
 #include "scenario/reader/scenario_agents_yaml.hpp"
 #include "scenario/reader/scenario_sections_yaml.hpp"
 
@@ -11,6 +12,9 @@ namespace {
 constexpr std::size_t kLandmarksMax = 1000;
 constexpr std::size_t kLocalizedRobotsMax = 50;
 constexpr int kIdMax = 1'000'000;
+constexpr std::int64_t kPosePeriodUs = 100'000;
+constexpr std::size_t kOutagesMax = 1000;
+constexpr double kOutageTimeMaxS = 1e6;
 
 void read_sightings(Mapping& from, SightingSpec& sightings) {
   from.flag("range_is_depth", sightings.range_is_depth);
@@ -111,12 +115,74 @@ void read_localized_robots(Mapping& from, const Scenario& scenario, LocalizerSpe
   }
 }
 
+void read_pose_safety(Mapping& from, PoseSafetySpec& safety) {
+  from.flag("rovers_may_drive", safety.rovers_may_drive);
+  from.number("sigma_hold_m", safety.sigma_hold_m, above_to(0.0, 10.0));
+  from.number("sigma_stop_m", safety.sigma_stop_m, above_to(0.0, 10.0));
+  from.number("margin_sigmas", safety.margin_sigmas, from_to(0.0, 10.0));
+  if (!(safety.sigma_stop_m > safety.sigma_hold_m)) {
+    from.refuse("sigma_stop_m", fmt::format("must be above sigma_hold_m, {}, is {}",
+                                            safety.sigma_hold_m, safety.sigma_stop_m));
+  }
+}
+
+void read_odometer(Mapping& from, SimulatedOdometerSpec& odometer) {
+  from.number("rate_hz", odometer.rate_hz, from_to(1.0, 200.0));
+  from.number("noise_scale", odometer.noise_scale, from_to(0.0, 100.0));
+  from.number("speed_scale", odometer.speed_scale, from_to(0.1, 10.0));
+  from.number("turn_scale", odometer.turn_scale, from_to(0.1, 10.0));
+  from.number("turn_bias_radps", odometer.turn_bias_radps, from_to(-1.0, 1.0));
+  from.number("slips_per_min", odometer.slips_per_min, from_to(0.0, 600.0));
+  from.number("slip_s", odometer.slip_s, above_to(0.0, 60.0));
+  from.number("slip_share", odometer.slip_share, from_to(-1.0, 10.0));
+}
+
+void read_simulated_sightings(Mapping& from, SimulatedSightingsSpec& sightings) {
+  from.number("rate_hz", sightings.rate_hz, above_to(0.0, 100.0));
+  from.number("noise_scale", sightings.noise_scale, from_to(0.0, 100.0));
+  from.number("range_min_m", sightings.range_min_m, from_to(0.01, kLengthMaxM));
+  from.number("range_max_m", sightings.range_max_m, from_to(0.01, kLengthMaxM));
+  from.angle("fov", sightings.fov_rad, above_to(0.0, 360.0));
+  from.number("detection_probability", sightings.detection_probability, from_to(0.0, 1.0));
+}
+
+void read_outage(Mapping& from, MocapOutageSpec& outage) {
+  from.flag("after_take_off", outage.after_take_off);
+  from.number("from_s", outage.from_s, from_to(0.0, kOutageTimeMaxS));
+  from.number("to_s", outage.to_s, above_to(0.0, kOutageTimeMaxS));
+  if (!(outage.to_s > outage.from_s)) {
+    from.refuse("to_s", fmt::format("must be above from_s, {}, is {}", outage.from_s, outage.to_s));
+  }
+  from.section("area", [&](Mapping& area) { read_rectangle(area, outage.area.emplace()); });
+}
+
+void read_simulation(Mapping& from, LocalizerSimulationSpec& simulation) {
+  from.section("odometry", [&](Mapping& each) { read_odometer(each, simulation.odometry); });
+  from.section("sightings",
+               [&](Mapping& each) { read_simulated_sightings(each, simulation.sightings); });
+  const std::optional<Value> outages = from.find("mocap_withheld");
+  if (!outages) {
+    return;
+  }
+  for (const Value& item : outages->items()) {
+    if (simulation.mocap_withheld.size() == kOutagesMax) {
+      item.refuse(fmt::format("too many entries; at most {} are allowed", kOutagesMax));
+    }
+    MocapOutageSpec outage;
+    read_mapping({item}, [&](Mapping& one) { read_outage(one, outage); });
+    simulation.mocap_withheld.push_back(outage);
+  }
+}
+
 }  // namespace
 
 std::optional<LocalizerSpec> read_localizer(Mapping& top, const Scenario& scenario) {
   LocalizerSpec spec;
   const bool is_there = top.section("localizer", [&](Mapping& from) {
     from.declare({"landmarks", "robots"});
+    from.section("safety", [&](Mapping& each) { read_pose_safety(each, spec.safety); });
+    from.section("simulation",
+                 [&](Mapping& each) { read_simulation(each, spec.simulation.emplace()); });
     from.section("odometry_noise",
                  [&](Mapping& noise) { read_odometry_noise(noise, spec.odometry_noise); });
     from.section("sighting_noise",
@@ -124,6 +190,15 @@ std::optional<LocalizerSpec> read_localizer(Mapping& top, const Scenario& scenar
     tolerate([&] { read_landmarks(from, spec); });
     tolerate([&] { read_localized_robots(from, scenario, spec); });
   });
+  if (spec.simulation) {
+    const std::int64_t step_us = from_seconds(scenario.planner.step_s).count();
+    if (step_us % kPosePeriodUs != 0) {
+      top.refuse("localizer",
+                 fmt::format("simulation requires planner.step_s to be a multiple of 0.1 s, at "
+                             "which poses are computed; is {}",
+                             scenario.planner.step_s));
+    }
+  }
   return is_there ? std::optional(std::move(spec)) : std::nullopt;
 }
 

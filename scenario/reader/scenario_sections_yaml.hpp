@@ -10,6 +10,9 @@
 
 namespace vantage::scenario {
 
+/// Reads a rectangle: its corners min_m and max_m.
+void read_rectangle(Mapping& from, models::Rectangle& rectangle);
+
 /// Reads the list `attacks`: each attack has a time span and a list of robots; it jams their
 /// sensors. Checks that planner.attacks_max is less than the number of robots. Precondition: the
 /// robots have been read.

@@ -33,22 +33,6 @@ constexpr double kBeliefBytesMax = 4e6;
 constexpr double kTargetBytes = 200.0;
 constexpr double kCellBytes = 8.0;
 
-void read_rectangle(Mapping& from, models::Rectangle& rectangle) {
-  const Range coordinate = from_to(-kLengthMaxM, kLengthMaxM);
-  const std::optional<Value> min = from.find_required("min_m");
-  const std::optional<Value> max = from.find_required("max_m");
-  if (!min || !max) {
-    return;
-  }
-  rectangle.min_m = min->point(coordinate);
-  rectangle.max_m = max->point(coordinate);
-  if (!(rectangle.min_m.array() < rectangle.max_m.array()).all()) {
-    max->refuse(fmt::format("must be above min_m, [{}, {}], in x and in y; is [{}, {}]",
-                            rectangle.min_m.x(), rectangle.min_m.y(), rectangle.max_m.x(),
-                            rectangle.max_m.y()));
-  }
-}
-
 void read_footprint(Mapping& from, models::Rectangle& footprint, const models::World& world) {
   from.require("footprint");
   from.section("footprint", [&](Mapping& rectangle) { read_rectangle(rectangle, footprint); });
@@ -418,6 +402,22 @@ void read_scenario(const Value& document, Mapping& top, Scenario& scenario,
 
 }  // namespace
 
+void read_rectangle(Mapping& from, models::Rectangle& rectangle) {
+  const Range coordinate = from_to(-kLengthMaxM, kLengthMaxM);
+  const std::optional<Value> min = from.find_required("min_m");
+  const std::optional<Value> max = from.find_required("max_m");
+  if (!min || !max) {
+    return;
+  }
+  rectangle.min_m = min->point(coordinate);
+  rectangle.max_m = max->point(coordinate);
+  if (!(rectangle.min_m.array() < rectangle.max_m.array()).all()) {
+    max->refuse(fmt::format("must be above min_m, [{}, {}], in x and in y; is [{}, {}]",
+                            rectangle.min_m.x(), rectangle.min_m.y(), rectangle.max_m.x(),
+                            rectangle.max_m.y()));
+  }
+}
+
 Scenario load_scenario(const std::string& path) {
   return parse_scenario(read_text_file(path), path);
 }
@@ -437,6 +437,22 @@ std::optional<LocalizerSpec> parse_localizer(const std::string& yaml, const std:
   read_mapping({document},
                [&](Mapping& top) { read_scenario(document, top, scenario, &localizer); });
   return localizer;
+}
+
+std::optional<LocalizerSpec> localizer_of(const Scenario& scenario) {
+  if (scenario.source_text.find("localizer") == std::string::npos) {
+    return std::nullopt;  // the scenario has no such section, or was not read from a file
+  }
+  return parse_localizer(scenario.source_text, scenario.name);
+}
+
+int index_of(const LocalizerSpec& spec, const std::string& robot) {
+  for (std::size_t i = 0; i < spec.robots.size(); ++i) {
+    if (spec.robots[i].name == robot) {
+      return static_cast<int>(i);
+    }
+  }
+  return -1;
 }
 
 std::vector<KeyRule> keys_of_scenario(const std::string& path) {

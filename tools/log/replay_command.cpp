@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/process.hpp"
+#include "scenario/reader/localizer_yaml.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 #include "tools/log/log_scenario.hpp"
@@ -73,6 +74,10 @@ int run(ReplayArguments arguments) {
   const logs::IndexedLog log(arguments.log, progress_line("reading"));
   const scenario::Scenario scenario = scenario_of(log);
   if (arguments.nodes.empty()) {
+    const auto localizer = scenario::localizer_of(scenario);
+    for (const auto& robot : localizer.value_or(scenario::LocalizerSpec{}).robots) {
+      arguments.nodes.push_back("localizer:" + robot.name);
+    }
     for (const scenario::RobotSpec& robot : scenario.robots) {
       arguments.nodes.push_back("estimator:" + robot.name);
       arguments.nodes.push_back("planner:" + robot.name);
@@ -100,14 +105,17 @@ int run(ReplayArguments arguments) {
 
 void add_log_replay_command(CLI::App& log, Runner& chosen) {
   CLI::App* command = log.add_subcommand(
-      "replay", "Run planners and estimators again on logged inputs and compare their outputs.");
+      "replay",
+      "Run planners, estimators and localizers again on logged inputs, compare the outputs.");
   auto arguments = std::make_shared<ReplayArguments>();
   command->add_option("log", arguments->log, "LCM event log")->required();
-  command->add_option("--node", arguments->nodes,
-                      "process to replay: planner:ROBOT or estimator:ROBOT; default: all");
+  command->add_option(
+      "--node", arguments->nodes,
+      "process to replay: planner:ROBOT, estimator:ROBOT or localizer:ROBOT; default: all");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
-      "Every logged plan and belief lists its input messages and the number of search nodes. The\n"
+      "Every logged plan, belief and pose lists its input messages and the number of search nodes. "
+      "The\n"
       "same code computes it again from these in virtual time, and every bit is compared.\n"
       "Exit code 0: all equal; 1: outputs differ, or none could be replayed.\n"
       "Examples:\n"

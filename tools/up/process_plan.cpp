@@ -326,7 +326,7 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
       add_for("camera", camera.robot);
     }
   }
-  for (const char* const program : trial::kRobotProcesses) {
+  for (const char* const program : trial::kProcessOrder) {
     for (const scenario::RobotSpec& robot : scenario.robots) {
       const std::vector<std::string> own = trial::own_processes(scenario, robot);
       if (runs(robot.name) && std::find(own.begin(), own.end(), program) != own.end()) {

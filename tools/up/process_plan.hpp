@@ -43,7 +43,7 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario);
 /// - the mocap driver, if its device is not `direct` and ROS 2 does not replace it;
 /// - the contact judge, if a robot is real;
 /// - the vehicle drivers of robots, unless their device is `direct`;
-/// - sensor, estimator and planner of each robot.
+/// - localizer (section `localizer`), sensor, estimator and planner of each robot.
 /// The simulator and the publisher of VICON are essential: the trial ends without them.
 std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
                                       const ProcessSettings& settings);

@@ -1,8 +1,11 @@
 #include "trial/replay/log_replay.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <memory>
+#include <string_view>
+#include <utility>
 
 #include "bus/auth/authenticator.hpp"
 #include "bus/convert/channels.hpp"
@@ -11,6 +14,7 @@
 #include "core/check.hpp"
 #include "core/saturated_time.hpp"
 #include "estimator/app/replay_node.hpp"
+#include "localizer/app/replay_node.hpp"
 #include "planner/app/replay_node.hpp"
 
 namespace vantage::trial {
@@ -24,31 +28,57 @@ constexpr Duration kClosing{5'000'000};
 constexpr Duration kClosingStep{100'000};
 constexpr std::int64_t kEventsPerReport = 1000;
 
+using Kind = ReplayTarget::Kind;
+constexpr std::array<std::pair<std::string_view, Kind>, 3> kKinds{
+    {{"planner", Kind::kPlanner},
+     {"estimator", Kind::kEstimator},
+     {"localizer", Kind::kLocalizer}}};
+
+/// Returns the channels of the node's outputs.
+std::vector<std::string> outputs_of(const ReplayTarget& target) {
+  switch (target.kind) {
+    case Kind::kPlanner:
+      return {bus::plan_channel(target.robot).name, bus::team_proposal_channel(target.robot).name};
+    case Kind::kEstimator:
+      return {bus::belief_channel(target.robot).name, bus::map_channel(target.robot).name,
+              bus::mixture_channel(target.robot).name};
+    case Kind::kLocalizer:
+      return {bus::pose_channel(target.robot).name};
+  }
+  return {};
+}
+
+std::unique_ptr<bus::Node> node_of(const ReplayTarget& target, bus::Bus& bus,
+                                   const bus::Clock& clock, const scenario::Scenario& scenario) {
+  switch (target.kind) {
+    case Kind::kPlanner:
+      return std::make_unique<planner::PlannerReplayNode>(bus, clock, scenario, target.robot);
+    case Kind::kEstimator:
+      return std::make_unique<estimator::EstimatorReplayNode>(bus, clock, scenario, target.robot);
+    case Kind::kLocalizer:
+      return std::make_unique<localizer::LocalizerReplayNode>(bus, clock, scenario, target.robot);
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 ReplayTarget parse_replay_target(const std::string& text, const scenario::Scenario& scenario) {
   const std::size_t colon = text.find(':');
   const std::string kind = text.substr(0, colon);
-  require(colon != std::string::npos && (kind == "planner" || kind == "estimator"),
-          "node '" + text + "': must be planner:ROBOT or estimator:ROBOT");
+  const auto known = std::find_if(kKinds.begin(), kKinds.end(),
+                                  [&](const auto& each) { return each.first == kind; });
+  require(colon != std::string::npos && known != kKinds.end(),
+          "node '" + text + "': must be planner:ROBOT, estimator:ROBOT or localizer:ROBOT");
   const std::string robot = text.substr(colon + 1);
   require(scenario.find_robot(robot) != nullptr, "node '" + text + "': the log has no such robot");
-  return {kind == "planner" ? ReplayTarget::Kind::kPlanner : ReplayTarget::Kind::kEstimator, robot};
+  return {known->second, robot};
 }
 
 // long: creates objects in the order in which they depend on each other.
 ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& scenario,
                         const ReplayTarget& target, const std::function<void(double)>& progress) {
-  const bool is_planner = target.kind == ReplayTarget::Kind::kPlanner;
-  std::vector<std::string> outputs;
-  if (is_planner) {
-    outputs.push_back(bus::plan_channel(target.robot).name);
-    outputs.push_back(bus::team_proposal_channel(target.robot).name);
-  } else {
-    outputs.push_back(bus::belief_channel(target.robot).name);
-    outputs.push_back(bus::map_channel(target.robot).name);
-    outputs.push_back(bus::mixture_channel(target.robot).name);
-  }
+  const std::vector<std::string> outputs = outputs_of(target);
   ReplayReport report;
   const Time end = std::min(log.survey().end, kClockTimeMax);
   bus::VirtualClock clock(std::min(log.survey().begin, end));
@@ -68,12 +98,7 @@ ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& s
   }
   const auto endpoint = hub.connect();
   bus::Bus bus(*endpoint, kRunId, kPrefix);
-  std::unique_ptr<bus::Node> node;
-  if (is_planner) {
-    node = std::make_unique<planner::PlannerReplayNode>(bus, clock, scenario, target.robot);
-  } else {
-    node = std::make_unique<estimator::EstimatorReplayNode>(bus, clock, scenario, target.robot);
-  }
+  const std::unique_ptr<bus::Node> node = node_of(target, bus, clock, scenario);
 
   const auto settle = [&] {
     while (bus.handle(std::chrono::microseconds(0)) > 0) {

@@ -11,15 +11,15 @@
 
 namespace vantage::trial {
 
-/// Node to replay: the planner or the estimator of one robot.
+/// Node to replay: the planner, the estimator or the localizer of one robot.
 struct ReplayTarget {
-  enum class Kind { kPlanner, kEstimator };
+  enum class Kind { kPlanner, kEstimator, kLocalizer };
   Kind kind = Kind::kPlanner;
   std::string robot;
 };
 
-/// Parses "planner:Q1" or "estimator:Q1". @throws UsageError for other texts, or when `scenario`
-/// has no such robot.
+/// Parses "planner:Q1", "estimator:Q1" or "localizer:Q1". @throws UsageError for other texts, or
+/// when `scenario` has no such robot.
 ReplayTarget parse_replay_target(const std::string& text, const scenario::Scenario& scenario);
 
 struct ReplayReport {

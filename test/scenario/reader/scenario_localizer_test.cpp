@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/angle.hpp"
 #include "core/check.hpp"
 #include "scenario/reader/localizer_yaml.hpp"
 
@@ -82,6 +83,60 @@ localizer:
   EXPECT_EQ(noise.teammate_sigma_m, 0.6);
 }
 
+TEST(LocalizerScenario, ReadsTheSimulationAndTheSafetyRules) {
+  const auto spec = parse_localizer(kTeam + R"(
+localizer:
+  robots: [{name: A, id: 1}]
+  safety: {rovers_may_drive: true, sigma_hold_m: 0.2, sigma_stop_m: 0.5, margin_sigmas: 2}
+  simulation:
+    odometry: {rate_hz: 10, noise_scale: 2, speed_scale: 1.1, turn_scale: 0.9, turn_bias_radps: 0.01,
+               slips_per_min: 3, slip_s: 0.7, slip_share: 0.4}
+    sightings: {rate_hz: 4, noise_scale: 3, range_min_m: 0.3, range_max_m: 6, fov_deg: 180,
+                detection_probability: 0.8}
+    mocap_withheld: [{after_take_off: true, from_s: 5},
+                     {from_s: 1, to_s: 2, area: {min_m: [0, 1], max_m: [2, 3]}}]
+)",
+                                    "x.yaml");
+  ASSERT_TRUE(spec && spec->simulation);
+  EXPECT_TRUE(spec->safety.rovers_may_drive);
+  EXPECT_EQ(spec->safety.sigma_hold_m, 0.2);
+  EXPECT_EQ(spec->safety.sigma_stop_m, 0.5);
+  EXPECT_EQ(spec->safety.margin_sigmas, 2.0);
+  const SimulatedOdometerSpec& odometry = spec->simulation->odometry;
+  EXPECT_EQ(odometry.rate_hz, 10.0);
+  EXPECT_EQ(odometry.noise_scale, 2.0);
+  EXPECT_EQ(odometry.speed_scale, 1.1);
+  EXPECT_EQ(odometry.turn_scale, 0.9);
+  EXPECT_EQ(odometry.turn_bias_radps, 0.01);
+  EXPECT_EQ(odometry.slips_per_min, 3.0);
+  EXPECT_EQ(odometry.slip_s, 0.7);
+  EXPECT_EQ(odometry.slip_share, 0.4);
+  const SimulatedSightingsSpec& sightings = spec->simulation->sightings;
+  EXPECT_EQ(sightings.rate_hz, 4.0);
+  EXPECT_EQ(sightings.noise_scale, 3.0);
+  EXPECT_EQ(sightings.range_min_m, 0.3);
+  EXPECT_EQ(sightings.range_max_m, 6.0);
+  EXPECT_NEAR(sightings.fov_rad, kPi, 1e-12);
+  EXPECT_EQ(sightings.detection_probability, 0.8);
+  ASSERT_EQ(spec->simulation->mocap_withheld.size(), 2U);
+  const MocapOutageSpec& flying = spec->simulation->mocap_withheld[0];
+  EXPECT_TRUE(flying.after_take_off);
+  EXPECT_EQ(flying.from_s, 5.0);
+  EXPECT_FALSE(flying.area);
+  const MocapOutageSpec& corner = spec->simulation->mocap_withheld[1];
+  EXPECT_EQ(corner.to_s, 2.0);
+  EXPECT_EQ(corner.area->min_m, Eigen::Vector2d(0.0, 1.0));
+  EXPECT_EQ(corner.area->max_m, Eigen::Vector2d(2.0, 3.0));
+}
+
+TEST(LocalizerScenario, NeitherWithholdsMocapNorLetsRoversDriveByDefault) {
+  const auto spec = parse_localizer(
+      kTeam + "localizer: {robots: [{name: A, id: 1}], simulation: {odometry: {}}}\n", "x.yaml");
+  ASSERT_TRUE(spec && spec->simulation);
+  EXPECT_TRUE(spec->simulation->mocap_withheld.empty());
+  EXPECT_FALSE(spec->safety.rovers_may_drive);
+}
+
 TEST(LocalizerScenario, RefusesMistakes) {
   struct Row {
     const char* localizer;
@@ -97,6 +152,14 @@ TEST(LocalizerScenario, RefusesMistakes) {
            Row{"localizer: {landmarks: [{id: 1, x_m: 0}], robots: [{name: A, id: 2}]}\n", "y_m"},
            Row{"localizer: {robots: [{name: A, id: 1, drive: {delay_s: -1}}]}\n", "delay_s"},
            Row{"localizer: {robots: [{name: A, id: 1}], what: 1}\n", "what"},
+           Row{"localizer: {robots: [{name: A, id: 1}], safety: {sigma_hold_m: 0.5}}\n",
+               "must be above sigma_hold_m"},
+           Row{"localizer: {robots: [{name: A, id: 1}], simulation: {mocap_withheld: [{from_s: 3, "
+               "to_s: 2}]}}\n",
+               "must be above from_s"},
+           Row{"planner: {step_s: 0.25}\n"
+               "localizer: {robots: [{name: A, id: 1}], simulation: {odometry: {}}}\n",
+               "multiple of 0.1 s"},
        }) {
     EXPECT_NE(refusal_of(row.localizer).find(row.message), std::string::npos)
         << row.localizer << refusal_of(row.localizer);
