@@ -39,7 +39,7 @@ class Analyst {
   void on(const models::AttackNotice& /*attack*/) {}
   void on(const models::OdometryReport& /*odometry*/) {}
   void on(const models::SightingReport& /*sightings*/) {}
-  void on(const models::PoseEstimate& /*estimate*/) {}
+  void on(const models::PoseEstimate& estimate) { metrics_.on_pose(estimate); }
   void on(const models::PlanProposal& /*proposal*/) {}
   void on(const models::TeamProposal& /*proposal*/) {}
   void on(const models::BeliefMixture& /*mixture*/) {}  // RobotBelief is evaluated instead

@@ -48,7 +48,10 @@ TrialMetrics::TrialMetrics(const scenario::Scenario& scenario, Time start)
   }
 }
 
-void TrialMetrics::on_truth(const models::TruthFrame& frame) { truth_.add(frame); }
+void TrialMetrics::on_truth(const models::TruthFrame& frame) {
+  truth_.add(frame);
+  poses_.on_truth(frame);
+}
 
 void TrialMetrics::discover(int target_id, const std::string& robot, Time time) {
   if (target_id < 0 || target_id >= summary_.targets) {
@@ -249,6 +252,7 @@ TrialSummary TrialMetrics::finish(Time end, std::optional<std::int64_t> messages
   out.rounds_late = rounds_late();
   out.fallbacks = fallbacks_;
   out.map_entropy_nats = map_entropy_nats();
+  out.poses = poses_.means();
   out.plans = plans_;
   out.plans_missing = std::max<std::int64_t>(0, rounds() * std::ssize(robots_) - plans_);
   out.messages_lost = messages_lost.value_or(this->messages_lost());

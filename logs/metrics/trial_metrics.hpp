@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/time.hpp"
+#include "logs/metrics/pose_means.hpp"
 #include "logs/metrics/run_set.hpp"
 #include "logs/metrics/team_estimate.hpp"
 #include "logs/metrics/trial_summary.hpp"
@@ -47,6 +48,7 @@ class TrialMetrics {
 
   void on_truth(const models::TruthFrame& frame);
   void on_belief(const models::RobotBelief& belief);
+  void on_pose(const models::PoseEstimate& estimate) { poses_.on_pose(estimate); }
   void on_map(const models::RobotMap& map);
   void on_plan(const models::RobotPlan& plan);
   void on_contact(const models::CollisionReport& contact);
@@ -107,6 +109,7 @@ class TrialMetrics {
   TrialSummary summary_;  ///< values known from the start: names, seed, sizes
 
   TruthHistory truth_;
+  PoseSums poses_;
   std::map<std::int64_t, Step> pending_;  ///< steps not yet evaluated, by step index
   std::int64_t newest_judged_ = -1;
   std::vector<TargetStatus> targets_;

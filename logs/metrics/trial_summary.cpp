@@ -26,6 +26,17 @@ Json to_json(const Consistency& consistency) {
   return out;
 }
 
+Json to_json(const PoseMeans& poses) {
+  Json out;
+  out["samples"] = poses.samples;
+  out["unknown"] = poses.unknown;
+  out["rmse_m"] = optional_number(poses.rmse_m);
+  out["error_max_m"] = optional_number(poses.error_max_m);
+  out["heading_rmse_rad"] = optional_number(poses.heading_rmse_rad);
+  out["position_nees"] = optional_number(poses.position_nees);
+  return out;
+}
+
 }  // namespace
 
 Json to_json(const TrialSummary& summary) {
@@ -70,6 +81,9 @@ Json to_json(const TrialSummary& summary) {
   per_robot["nees_by_age"] = std::move(by_age);
   out["per_robot"] = std::move(per_robot);
   out["map_entropy"] = optional_number(summary.map_entropy_nats);
+  if (summary.poses.samples > 0 || summary.poses.unknown > 0) {
+    out["poses"] = to_json(summary.poses);
+  }
   return out;
 }
 

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "logs/metrics/pose_means.hpp"
 #include "logs/metrics/robot_means.hpp"
 
 namespace vantage::logs {
@@ -49,6 +50,7 @@ struct TrialSummary {
   std::optional<double> position_nees;
   /// Mean over the robots' last maps; nullopt if no robot maps.
   std::optional<double> map_entropy_nats;
+  PoseMeans poses;       ///< own poses without motion capture
   RobotMeans per_robot;  ///< each robot evaluated by its own belief; mean over the robots
 };
 

@@ -6,7 +6,9 @@
 #include "core/index.hpp"
 #include "models/exchange/attack_timeout.hpp"
 #include "models/exchange/counts.hpp"
+#include "planner/app/pose_fill.hpp"
 #include "planner/robot/trajectory_tools.hpp"
+#include "scenario/reader/localizer_yaml.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -45,6 +47,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
     state_.planner.prefault();
   }
   subscribe_to_own();
+  subscribe_to_poses();
   neighbours_.emplace(
       workspace_->scenario(), robot,
       [this](const std::string& name) { subscribe_to_teammate(name); },
@@ -72,6 +75,21 @@ void PlannerNode::subscribe_to_own() {
     attack_received_ = state_.clock.now();
   });
   subscribe_to_status(robot);
+}
+
+void PlannerNode::subscribe_to_poses() {
+  const auto localizer = scenario::localizer_of(workspace_->scenario());
+  if (!localizer) {
+    return;
+  }
+  for (const scenario::LocalizedRobotSpec& robot : localizer->robots) {
+    state_.subscribe(bus::pose_channel(robot.name), robot.name,
+                     [this](const models::PoseEstimate& estimate) {
+                       if (!estimate.increments.empty()) {
+                         poses_.insert_or_assign(estimate.robot, estimate);
+                       }
+                     });
+  }
 }
 
 void PlannerNode::subscribe_to_status(const std::string& name) {
@@ -111,6 +129,12 @@ void PlannerNode::use_frames() {
   }
   PlanInputs& inputs = state_.inputs;
   inputs.mocap = *mocap_;
+  inputs.poses.clear();
+  for (const auto& [robot, estimate] : poses_) {
+    if (show_robot(workspace_->scenario(), estimate, *inputs.mocap)) {
+      inputs.poses.insert_or_assign(robot, estimate);
+    }
+  }
   inputs.mocap_before.reset();
   if (mocap_before_ &&
       shows_bodies_in_the_way(*workspace_, index(state_.planner.robot_index()), *mocap_)) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -51,10 +52,13 @@ class PlannerNode : public bus::Node {
  private:
   void subscribe_to_own();
   void subscribe_to_status(const std::string& name);
+  /// Subscribes to POSE_* of the robots in the section `localizer`, if any.
+  void subscribe_to_poses();
   void subscribe_to_teammate(const std::string& name);
   void unsubscribe_from_teammate(const std::string& name);
   void take_frame(const std::shared_ptr<const models::MocapFrame>& frame);
-  /// Makes the newest mocap frame an input, and also an earlier frame if bodies are in the way.
+  /// Makes the newest mocap frame an input, with POSE_* of the robots that it does not show, and
+  /// also an earlier frame if bodies are in the way.
   void use_frames();
   void take_plan(const models::RobotPlan& plan);
   /// True if the process waits so long for a processor that a vehicle must not rely on its next
@@ -72,6 +76,7 @@ class PlannerNode : public bus::Node {
   std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest frame; input once the slot begins
   /// Earlier frames, at least kVelocityTime apart, for the velocity of bodies.
   std::shared_ptr<const models::MocapFrame> mocap_before_, mocap_between_;
+  std::map<std::string, models::PoseEstimate> poses_;  ///< newest POSE_R with motion, by robot
   std::optional<models::BeliefMixture> mixture_;  ///< newest mixture; arrives before its belief
   std::optional<bus::NeighbourWatch> neighbours_;
   std::int64_t slots_skipped_ = 0;

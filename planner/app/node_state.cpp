@@ -47,6 +47,9 @@ std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::stri
   if (inputs.mocap) {
     add(bus::kVicon.name, inputs.mocap->stamp);
   }
+  for (const auto& [of_robot, pose] : inputs.poses) {
+    add(bus::pose_channel(of_robot).name, pose.stamp);
+  }
   if (inputs.mocap_before) {
     add(bus::kVicon.name, inputs.mocap_before->stamp);
   }

@@ -6,6 +6,7 @@
 
 #include "bus/convert/external_channels.hpp"
 #include "core/deadline.hpp"
+#include "planner/app/pose_fill.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -55,6 +56,7 @@ bool is_same_decision(const models::TeamProposal& a, const models::TeamProposal&
 PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
                                      const scenario::Scenario& scenario, const std::string& robot)
     : bus_(bus),
+      scenario_(scenario),
       robot_(robot),
       planner_(scenario, robot),
       schedule_(scenario.planner, planner_.robot_index(), planner_.robot_count()),
@@ -97,6 +99,9 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
             logged_.add(m);
           }
         });
+    bus_.subscribe_named<models::PoseEstimate>(
+        bus::pose_channel(each.name),
+        [this](const std::string& name, const auto& m) { poses_.add(name, m); });
     bus_.subscribe_named<models::VehicleStatus>(
         bus::vehicle_channel(each.name),
         [this](const std::string& name, const auto& m) { statuses_.add(name, m); });
@@ -116,6 +121,8 @@ bool PlannerReplayNode::gather(const RoundSchedule::Slot& slot,
       inputs.map = *map;
     } else if (const auto* frame = frames_.find(name)) {
       (inputs.mocap ? inputs.mocap_before : inputs.mocap) = *frame;  // mocap is listed first
+    } else if (const auto* pose = poses_.find(name)) {
+      inputs.poses.insert_or_assign(pose->robot, *pose);
     } else if (const auto* attack = attacks_.find(name)) {
       inputs.attack = *attack;
     } else if (const auto* proposal = proposals_.find(name)) {
@@ -134,6 +141,11 @@ bool PlannerReplayNode::gather(const RoundSchedule::Slot& slot,
       }
     } else {
       return false;
+    }
+  }
+  for (const auto& [of_robot, pose] : inputs.poses) {
+    if (inputs.mocap) {
+      show_robot(scenario_, pose, *inputs.mocap);
     }
   }
   return true;

@@ -35,6 +35,7 @@ class PlannerReplayNode : public bus::Node {
   Outcome replay(const models::TeamProposal& logged);
 
   bus::Bus& bus_;
+  scenario::Scenario scenario_;
   std::string robot_;
   RobotPlanner planner_;
   RoundSchedule schedule_;
@@ -43,6 +44,7 @@ class PlannerReplayNode : public bus::Node {
   bus::InputStore<models::BeliefMixture> mixtures_{64};
   bus::InputStore<models::RobotMap> maps_{64};
   bus::InputStore<models::MocapFrame> frames_{4'000};
+  bus::InputStore<models::PoseEstimate> poses_{256};
   bus::InputStore<models::RobotPlan> plans_{64};
   bus::InputStore<models::RobotPlan> answers_{64};
   bus::InputStore<models::VehicleStatus> statuses_{400};

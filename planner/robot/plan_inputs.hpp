@@ -5,6 +5,7 @@
 #include <string>
 
 #include "models/exchange/messages.hpp"
+#include "models/exchange/pose_messages.hpp"
 #include "planner/robot/round.hpp"
 
 namespace vantage::planner {
@@ -15,7 +16,9 @@ struct PlanInputs {
   std::optional<models::RobotBelief> belief;     ///< belief of this robot
   std::optional<models::BeliefMixture> mixture;  ///< mixture of this robot, same step as `belief`
   std::optional<models::RobotMap> map;           ///< map of this robot, in a mapping scenario
-  std::optional<models::MocapFrame> mocap;       ///< poses of all bodies
+  std::optional<models::MocapFrame> mocap;       ///< poses of all bodies; see `poses`
+  /// Newest POSE_R of robots that motion capture does not see; `mocap` contains these poses.
+  std::map<std::string, models::PoseEstimate> poses;
   /// An earlier frame; with `mocap` it gives the velocity of bodies other than robots. It is set
   /// only if such a body is in the way. Without an earlier frame, bodies are ignored.
   std::optional<models::MocapFrame> mocap_before;

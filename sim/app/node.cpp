@@ -7,6 +7,7 @@
 #include "bus/convert/channels.hpp"
 #include "core/check.hpp"
 #include "models/exchange/counts.hpp"
+#include "scenario/reader/localizer_yaml.hpp"
 #include "sim/app/wire_kinds.hpp"
 
 namespace vantage::sim {
@@ -64,6 +65,15 @@ std::vector<Vehicle*> pointers_to(const std::vector<std::unique_ptr<WireVehicle>
   return out;
 }
 
+std::unique_ptr<SimulatedLocalisation> localisation_of(bus::Bus& bus,
+                                                       const scenario::Scenario& scenario,
+                                                       Time start) {
+  const auto spec = scenario::localizer_of(scenario);
+  return spec && spec->simulation
+             ? std::make_unique<SimulatedLocalisation>(bus, scenario, *spec, start)
+             : nullptr;
+}
+
 vicon::EmulatedFrame emulated(const models::MocapFrame& frame, Time now) {
   vicon::EmulatedFrame out;
   out.number = static_cast<std::uint32_t>(frame.frame_number);
@@ -86,6 +96,7 @@ SimNode::SimNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenari
       wires_(wires_of(scenario_, clock, start_)),
       mocap_server_(mocap_server_of(scenario_.mocap, clock)),
       world_(scenario_, scenario_.seed, start_, pointers_to(wires_)),
+      localisation_(localisation_of(bus, scenario_, start_)),
       lag_(wires_.empty() ? world_.camera().latency() : Duration{0}),
       truth_period_(scenario_.mocap.device == scenario::DeviceSource::kReal
                         ? world_.camera().period()
@@ -133,7 +144,8 @@ void SimNode::on_plan(const std::string& channel, const models::RobotPlan& plan)
 }
 
 Time SimNode::next_instant() const {
-  return std::min({next_capture_, next_truth_, next_status_, next_exchange_});
+  const Time next = std::min({next_capture_, next_truth_, next_status_, next_exchange_});
+  return localisation_ ? std::min(next, localisation_->next_instant()) : next;
 }
 
 Time SimNode::next_tick() const {
@@ -171,9 +183,15 @@ void SimNode::publish_instant(Time instant) {
   if (instant == next_capture_) {
     if (scenario_.mocap.device != scenario::DeviceSource::kReal) {
       frames_.push_back(world_.capture());
+      if (localisation_) {
+        localisation_->hide(frames_.back(), world_.truth());
+      }
       deliver_frames(instant + lag_);
     }
     next_capture_ += world_.camera().period();
+  }
+  if (localisation_) {
+    localisation_->publish(instant, world_);
   }
   publish_statuses(instant, instant == next_status_);
   publish_attack(instant);
@@ -252,6 +270,9 @@ std::vector<models::NamedCount> SimNode::counters() const {
   if (mocap_server_) {
     all.push_back({"sim.mocap_frames_skipped", mocap_server_->frames_skipped()});
     all.push_back({"sim.mocap_send_errors", mocap_server_->send_errors()});
+  }
+  if (localisation_) {
+    all.push_back({"sim.poses_misaddressed", localisation_->misaddressed()});
   }
   for (const auto& wire : wires_) {
     for (models::NamedCount& counter : wire->counters()) {

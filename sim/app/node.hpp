@@ -12,6 +12,7 @@
 #include "bus/node/node.hpp"
 #include "core/time.hpp"
 #include "scenario/scenario.hpp"
+#include "sim/app/localisation.hpp"
 #include "sim/app/wire_vehicle.hpp"
 #include "sim/vicon/socket_server.hpp"
 #include "sim/world/world_simulation.hpp"
@@ -19,7 +20,7 @@
 namespace vantage::sim {
 
 /// Bus node of vantage-sim: steps the world and simulates the devices that the scenario does not
-/// mark as `real`.
+/// mark as `real`. With localizer.simulation it also publishes ODOMETRY_R and SIGHTINGS_R.
 ///
 /// TRUTH and COLLISION are published for all simulated bodies. For `direct` devices, the node
 /// itself publishes VICON and, for each robot that follows PLAN_R, VEHICLE_R. Devices with `wire`
@@ -75,6 +76,7 @@ class SimNode : public bus::Node {
   std::unique_ptr<vicon::SocketServer> mocap_server_;  ///< server if mocap is `wire`; null
                                                        ///< otherwise
   WorldSimulation world_;
+  std::unique_ptr<SimulatedLocalisation> localisation_;  ///< with localizer.simulation, else null
   Duration lag_;           ///< delay of the world relative to the clock
   Duration truth_period_;  ///< equals the mocap period if a real mocap's driver uses TRUTH
   Time next_capture_;

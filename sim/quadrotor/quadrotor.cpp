@@ -112,7 +112,8 @@ void Quadrotor::command(OperatorAction action, Time now) {
   if (state_ == before || state_ == FlightState::kIdle || state_ == FlightState::kFollow) {
     return;
   }
-  course_.stop(now, pose(), velocity_mps_.head<2>(), height_m_, limits_.brake_mps2);
+  course_.stop(now, assumed_pose(), assumed_from_true(velocity_mps_.head<2>()), height_m_,
+               limits_.brake_mps2);
 }
 
 void Quadrotor::step(Time now, double dt_s) {
@@ -141,14 +142,17 @@ void Quadrotor::fly(Time now, double dt_s) {
   const CoursePoint here = course_.at(now);
   const CoursePoint ahead = course_.at(now + window);
   const double width_s = 2.0 * p.corner_window_s;
+  const Pose2 assumed = assumed_pose();
 
   const Eigen::Vector2d v_s =
       (ahead.world_from_body.position_m() - before.world_from_body.position_m()) / width_s;
   const Eigen::Vector2d a_s = (ahead.velocity_world_mps - before.velocity_world_mps) / width_s;
-  const Eigen::Vector2d error_m = here.world_from_body.position_m() - position_m_.head<2>();
-  const Eigen::Vector2d v_cmd =
-      cut<2>(v_s + p.velocity_lag_s * a_s + p.position_gain_per_s * error_m,
-             p.command_reserve * limits_.speed_max_mps);
+  const Eigen::Vector2d error_m = here.world_from_body.position_m() - assumed.position_m();
+  Eigen::Vector2d v_cmd = cut<2>(v_s + p.velocity_lag_s * a_s + p.position_gain_per_s * error_m,
+                                 p.command_reserve * limits_.speed_max_mps);
+  if (assumed_from_true_) {  // the vehicle turns the command by the error of its heading
+    v_cmd = Eigen::Rotation2Dd(-assumed_from_true_->yaw_rad) * v_cmd;
+  }
 
   const double omega_s =
       wrap_to_pi(ahead.world_from_body.yaw_rad - before.world_from_body.yaw_rad) / width_s;
@@ -156,7 +160,7 @@ void Quadrotor::fly(Time now, double dt_s) {
   const double omega_max = p.command_reserve * limits_.yaw_rate_max_radps;
   const double omega_cmd =
       std::clamp(omega_s + p.yaw_rate_lag_s * alpha_s +
-                     p.yaw_gain_per_s * wrap_to_pi(here.world_from_body.yaw_rad - yaw_rad_),
+                     p.yaw_gain_per_s * wrap_to_pi(here.world_from_body.yaw_rad - assumed.yaw_rad),
                  -omega_max, omega_max);
 
   const double height_error_m = course_.height_m(now) - position_m_.z();
@@ -213,6 +217,15 @@ void Quadrotor::step_gusts(double dt_s) {
 }
 
 Pose2 Quadrotor::pose() const { return {position_m_.x(), position_m_.y(), yaw_rad_}; }
+
+Pose2 Quadrotor::assumed_pose() const {
+  return assumed_from_true_ ? *assumed_from_true_ * pose() : pose();
+}
+
+Eigen::Vector2d Quadrotor::assumed_from_true(const Eigen::Vector2d& velocity_mps) const {
+  return assumed_from_true_ ? Eigen::Rotation2Dd(assumed_from_true_->yaw_rad) * velocity_mps
+                            : velocity_mps;
+}
 
 Pose3 Quadrotor::world_from_body() const { return lift(pose(), position_m_.z()); }
 

@@ -73,6 +73,11 @@ class Quadrotor : public Vehicle {
   /// max(start, `now`) the distance is at most twice the tracking tolerance.
   PlanVerdict offer(const models::RobotPlan& plan, Time now);
   void command(models::OperatorAction action, Time now);
+  /// Sets the error of the pose by which the vehicle flies: the rigid motion from the true to the
+  /// assumed pose in the world. nullopt: it flies by its true pose.
+  void fly_by(const std::optional<Pose2>& assumed_from_true) {
+    assumed_from_true_ = assumed_from_true;
+  }
   /// Steps from `now` by `dt_s` ≤ 0.02 s. Allocates only when old plans are removed.
   void step(Time now, double dt_s) override;
 
@@ -93,6 +98,9 @@ class Quadrotor : public Vehicle {
   void fall(double dt_s);
   void step_gusts(double dt_s);
   [[nodiscard]] Pose2 pose() const;
+  /// Returns the pose by which the vehicle flies.
+  [[nodiscard]] Pose2 assumed_pose() const;
+  [[nodiscard]] Eigen::Vector2d assumed_from_true(const Eigen::Vector2d& velocity_mps) const;
   [[nodiscard]] bool on_ground() const { return position_m_.z() <= 0.0; }
 
   std::string name_;
@@ -108,6 +116,7 @@ class Quadrotor : public Vehicle {
   double yaw_rad_;
   double yaw_rate_radps_ = 0.0;
   Eigen::Vector2d wind_mps2_ = Eigen::Vector2d::Zero();
+  std::optional<Pose2> assumed_from_true_;
   models::FlightState state_ = models::FlightState::kFollow;
 };
 

@@ -133,6 +133,15 @@ void WorldSimulation::command(const models::OperatorCommand& command) {
   }
 }
 
+void WorldSimulation::fly_by(const std::string& robot,
+                             const std::optional<Pose2>& assumed_from_true) {
+  for (Quadrotor& quadrotor : quadrotors_) {
+    if (quadrotor.name() == robot) {
+      quadrotor.fly_by(assumed_from_true);
+    }
+  }
+}
+
 models::TruthFrame WorldSimulation::truth() const {
   models::TruthFrame frame;
   frame.stamp.time = time_;

@@ -49,6 +49,10 @@ class WorldSimulation {
   /// Applies a command to one Quadrotor or, with an empty name, to all Quadrotors.
   void command(const models::OperatorCommand& command);
 
+  /// Sets the error of the pose by which a Quadrotor flies, see Quadrotor::fly_by(). No effect for
+  /// other vehicles.
+  void fly_by(const std::string& robot, const std::optional<Pose2>& assumed_from_true);
+
   /// Returns the true state of all bodies now: robots, then targets, each in the scenario's order.
   [[nodiscard]] models::TruthFrame truth() const;
   /// Returns a noisy capture of all bodies now. Draws random numbers: call it once per instant of

@@ -106,6 +106,11 @@ std::vector<ComparedValue> quantities_of(const logs::TrialSummary& summary) {
     out.push_back(
         {"NEES if unseen for " + logs::age_name(i) + " s", robot.consistency_by_age[i].mean_nees});
   }
+  if (summary.poses.samples > 0) {
+    out.push_back({"RMSE of own poses, m", summary.poses.rmse_m});
+    out.push_back({"NEES of own poses", summary.poses.position_nees});
+    out.push_back({"largest error of own poses, m", summary.poses.error_max_m});
+  }
   out.push_back({"map entropy at the end, nat", summary.map_entropy_nats});
   out.push_back({"collisions", static_cast<double>(summary.collisions)});
   out.push_back({"least separation, m", summary.min_separation_m});

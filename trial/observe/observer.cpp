@@ -23,6 +23,12 @@ TrialObserver::TrialObserver(bus::Bus& bus, const scenario::Scenario& scenario, 
                                        recorder_.on_belief(belief);
                                        beliefs_[belief.robot] = belief;
                                      });
+  bus.subscribe<models::PoseEstimate>(bus::pose_channel("*"),
+                                      [this](const models::PoseEstimate& estimate) {
+                                        if (robots_.contains(estimate.robot)) {
+                                          metrics_.on_pose(estimate);
+                                        }
+                                      });
   bus.subscribe<models::RobotPlan>(bus::plan_channel("*"), [this](const models::RobotPlan& plan) {
     if (robots_.contains(plan.robot)) {
       metrics_.on_plan(plan);

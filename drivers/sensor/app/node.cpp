@@ -5,7 +5,9 @@
 
 #include "bus/convert/channels.hpp"
 #include "core/check.hpp"
+#include "drivers/sensor/pose_noise.hpp"
 #include "models/exchange/counts.hpp"
+#include "scenario/reader/localizer_yaml.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -17,6 +19,7 @@ constexpr Duration kIdle = std::chrono::seconds(1);
 // of motion capture: 1 mm per frame is 14 mm/s over 0.1 s, but 140 mm/s over 10 ms.
 constexpr Duration kVelocityBase{100'000};
 constexpr Duration kVelocityBaseMax{300'000};
+constexpr std::size_t kTruthFramesKept = 20;
 
 }  // namespace
 
@@ -26,9 +29,13 @@ SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::S
       clock_(clock),
       robot_(robot),
       measure_(std::move(measure)),
+      position_dim_(scenario.estimator.target_model.position_dim),
       step_(from_seconds(scenario.planner.step_s)),
       next_tick_(clock.now() + kIdle) {
   require(step_ > Duration{0}, "planner: step_s must be positive");
+  const scenario::RobotSpec* const spec = scenario.find_robot(robot);
+  require(spec != nullptr, "robot " + robot + " is not in the scenario");
+  sensor_ = spec->sensor;
   if (!measure_) {
     PoseSensor pose_sensor(scenario, robot);
     keeps_recent_ = pose_sensor.measures_velocity();
@@ -40,8 +47,17 @@ SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::S
   if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
     scanner_.emplace(scenario, robot);
   }
-  bus_.subscribe_shared<models::MocapFrame>(
-      bus::kVicon, [this](const auto& /*name*/, const auto& frame) { on_frame(frame); });
+  const auto localizer = scenario::localizer_of(scenario);
+  if (localizer && localizer->simulation && scenario::index_of(*localizer, robot) >= 0) {
+    bus_.subscribe<models::TruthFrame>(
+        bus::kTruth, [this](const models::TruthFrame& truth) { on_truth(truth); });
+    bus_.subscribe<models::PoseEstimate>(
+        bus::pose_channel(robot),
+        [this](const models::PoseEstimate& estimate) { on_pose(estimate); });
+  } else {
+    bus_.subscribe_shared<models::MocapFrame>(
+        bus::kVicon, [this](const auto& /*name*/, const auto& frame) { on_frame(frame); });
+  }
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const models::AttackNotice& attack) {
     jam_watch_.on_notice(attack, clock_.now());
   });
@@ -83,6 +99,51 @@ void SensorNode::on_frame(const std::shared_ptr<const models::MocapFrame>& recei
   }
 }
 
+void SensorNode::on_truth(const models::TruthFrame& truth) {
+  if (!truth_.empty() && truth.stamp.time <= truth_.back()->stamp.time) {
+    ++frames_out_of_order_;
+    return;
+  }
+  auto frame = std::make_shared<models::MocapFrame>();
+  frame->stamp = truth.stamp;
+  frame->bodies.reserve(truth.bodies.size());
+  for (const models::TruthBody& body : truth.bodies) {
+    frame->bodies.push_back({body.name, body.world_from_body});
+  }
+  if (truth_.size() == kTruthFramesKept) {
+    truth_.pop_front();
+  }
+  truth_.push_back(frame);
+  if (keeps_recent_) {
+    keep(truth_.back());
+  }
+}
+
+void SensorNode::on_pose(const models::PoseEstimate& estimate) {
+  if (estimate.robot != robot_) {
+    ++misaddressed_;
+    return;
+  }
+  const Time t = estimate.stamp.time;
+  if (to_utime(t) % step_.count() != 0) {
+    return;
+  }
+  if (estimate.source == models::PoseSource::kNone) {
+    ++steps_without_own_pose_;
+    return;
+  }
+  const auto frame = std::find_if(truth_.begin(), truth_.end(),
+                                  [t](const auto& each) { return each->stamp.time == t; });
+  if (frame == truth_.end()) {
+    ++steps_without_frames_;
+    return;
+  }
+  publish(**frame,
+          {models::ref_to(bus::kTruth.name, (*frame)->stamp),
+           models::ref_to(bus::pose_channel(robot_).name, estimate.stamp)},
+          &estimate);
+}
+
 void SensorNode::keep(const std::shared_ptr<const models::MocapFrame>& frame) {
   recent_.push_back(frame);
   // All later instants are after this frame minus one step. Keeps the newest frame that is old
@@ -103,7 +164,8 @@ const models::MocapFrame* SensorNode::earlier_frame(Time time) const {
   return found;
 }
 
-void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs) {
+void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs,
+                         const models::PoseEstimate* assumed) {
   const models::AttackNotice* const attack = jam_watch_.notice_for(robot_, clock_.now());
   const bool jammed = attack != nullptr;
   std::optional<models::RobotMeasurement> seen = measure_(frame, jammed);
@@ -111,8 +173,12 @@ void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::In
     ++steps_without_own_pose_;
     return;
   }
+  if (assumed != nullptr) {
+    assume_pose(sensor_, position_dim_, *assumed, *seen);
+  }
   if (const models::MocapFrame* const earlier = earlier_frame(frame.stamp.time)) {
-    inputs.push_back(models::ref_to(bus::kVicon.name, earlier->stamp));
+    const std::string& channel = assumed != nullptr ? bus::kTruth.name : bus::kVicon.name;
+    inputs.push_back(models::ref_to(channel, earlier->stamp));
   }
   if (jammed) {
     inputs.push_back(models::ref_to(bus::kAttack.name, attack->stamp));
@@ -130,7 +196,8 @@ std::vector<models::NamedCount> SensorNode::counters() const {
   return models::nonzero({{"sensor.steps_without_frames", steps_without_frames_},
                           {"sensor.steps_without_own_pose", steps_without_own_pose_},
                           {"sensor.frames_out_of_order", frames_out_of_order_},
-                          {"sensor.mocap_restarts", mocap_restarts_}});
+                          {"sensor.mocap_restarts", mocap_restarts_},
+                          {"sensor.misaddressed", misaddressed_}});
 }
 
 }  // namespace vantage::drivers

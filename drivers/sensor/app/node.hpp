@@ -28,6 +28,9 @@ namespace vantage::drivers {
 /// When the first frame captured at or after kτ arrives, the bodies are interpolated between this
 /// frame and the previous one. A frame captured exactly at kτ is used without interpolation. A
 /// sensor that measures velocities compares with the newest frame at least 0.1 s older than kτ.
+///
+/// With localizer.simulation the sensor measures the true bodies (TRUTH) instead, and its viewpoint
+/// is POSE_R at kτ. The covariance of the pose is added to the covariance of each measurement.
 class SensorNode : public bus::Node {
  public:
   /// Function that computes the measurement from a frame, like PoseSensor::measure().
@@ -47,7 +50,12 @@ class SensorNode : public bus::Node {
 
  private:
   void on_frame(const std::shared_ptr<const models::MocapFrame>& received);
-  void publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs);
+  void on_truth(const models::TruthFrame& truth);
+  void on_pose(const models::PoseEstimate& estimate);
+  /// Publishes the measurement at the instant of `frame`. `assumed`: the pose from which the robot
+  /// assumes to measure; null: its pose in `frame`.
+  void publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs,
+               const models::PoseEstimate* assumed = nullptr);
   /// Appends the frame to recent_ and removes the frames that no later instant needs.
   void keep(const std::shared_ptr<const models::MocapFrame>& frame);
   /// Returns the newest kept frame at least kVelocityBase before `time`, but not older than
@@ -59,6 +67,9 @@ class SensorNode : public bus::Node {
   std::string robot_;
   MeasureFunction measure_;
   std::optional<RangeScanner> scanner_;  ///< only in a scenario with mapping
+  models::SensorModel sensor_;
+  int position_dim_;
+  std::deque<std::shared_ptr<const models::MocapFrame>> truth_;  ///< true bodies, newest last
   Duration step_;
   Time next_tick_;
   models::MocapClock mocap_clock_;
@@ -70,6 +81,7 @@ class SensorNode : public bus::Node {
   std::int64_t steps_without_own_pose_ = 0;
   std::int64_t frames_out_of_order_ = 0;
   std::int64_t mocap_restarts_ = 0;
+  std::int64_t misaddressed_ = 0;
 };
 
 }  // namespace vantage::drivers
