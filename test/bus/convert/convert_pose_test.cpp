@@ -43,7 +43,7 @@ TEST(PoseLimits, AreEnforcedForSightingReports) {
   const Changed<models::SightingReport> message(report);
   message.text("robot", VANTAGE_FIELD(robot));
   message.count("sightings", VANTAGE_FIELD(num_sightings));
-  message.whole("id", 0, VANTAGE_FIELD(sightings[1].id));
+  message.whole("id", -1, VANTAGE_FIELD(sightings[1].id));
   message.between("bearing", -kPi, kPi, VANTAGE_FIELD(sightings[1].bearing_rad));
   message.refused("range 0", [](auto& w) { w.sightings[1].range_m = 0.0; });
   message.refused("descending times", [](auto& w) { w.sightings[1].utime = 9; });
@@ -71,7 +71,7 @@ TEST(PoseLimits, AreEnforcedForPoseEstimates) {
   message.between("forward", -1e3, 1e3, VANTAGE_FIELD(increments[1].forward_m));
   message.between("left", -1e3, 1e3, VANTAGE_FIELD(increments[1].left_m));
   message.between("turn", -1e3, 1e3, VANTAGE_FIELD(increments[1].turn_rad));
-  message.whole("id", 0, VANTAGE_FIELD(sightings[1].id));
+  message.whole("id", -1, VANTAGE_FIELD(sightings[1].id));
   message.between("bearing", -kPi, kPi, VANTAGE_FIELD(sightings[1].bearing_rad));
   message.refused("range 0", [](auto& w) { w.sightings[1].range_m = 0.0; });
   message.taken("range 10 km", [](auto& w) { w.sightings[1].range_m = 1e4; });
