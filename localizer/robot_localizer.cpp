@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "core/check.hpp"
 
@@ -109,15 +110,15 @@ void RobotLocalizer::add_odometry(const models::OdometryReport& odometry) {
 }
 
 void RobotLocalizer::add_sighting(Track& track, const models::Sighting& sighting) {
-  const auto after = std::upper_bound(track.sightings.begin(), track.sightings.end(), sighting,
-                                      [](const models::Sighting& a, const models::Sighting& b) {
-                                        return a.time < b.time || (a.time == b.time && a.id < b.id);
-                                      });
-  if (after != track.sightings.begin()) {
-    const models::Sighting& previous = *std::prev(after);
-    if (previous.time == sighting.time && previous.id == sighting.id) {
-      return;  // known from an earlier message
-    }
+  // A sensor reports an identified body once per frame, but several bodies without an id.
+  const auto key = [](const models::Sighting& each) {
+    return std::tuple(each.time, each.id, each.id == kNoBodyId ? each.bearing_rad : 0.0);
+  };
+  const auto after = std::upper_bound(
+      track.sightings.begin(), track.sightings.end(), sighting,
+      [&](const models::Sighting& a, const models::Sighting& b) { return key(a) < key(b); });
+  if (after != track.sightings.begin() && key(*std::prev(after)) == key(sighting)) {
+    return;  // known from an earlier message
   }
   if (track.sightings.size() == static_cast<std::size_t>(kSightings)) {
     ++counts_.lost_sightings;

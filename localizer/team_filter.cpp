@@ -1,7 +1,9 @@
 #include "localizer/team_filter.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -27,18 +29,30 @@ constexpr double kRejectSigma = 5.0;  // σ; a sighting beyond is rejected
 // 1σ that is added to the pose after a slip of the wheels.
 constexpr double kSlipYawSigmaRad = 0.2;
 constexpr double kSlipPositionSigmaM = 0.05;
-constexpr int kSlipLandmarksMin = 2;  // number of rejected landmark sightings that indicates a slip
+constexpr int kSlipLandmarksMin = 2;  // rejected sightings of landmarks that indicate a slip
+constexpr int kSureUses = 4;          // sightings after which a mapped landmark is not mapped again
+
+// Assignment of sightings without an id.
+constexpr int kHypothesesMax = 12;       // per frame
+constexpr double kMatchSigma = 4.0;      // σ; a body beyond does not fit a sighting
+constexpr double kUnmatchedCost = 14.0;  // −2 ln of the density of sightings of no body
+constexpr double kAmbiguousCost = 9.0;   // hypotheses within this cost of the best are likely
+constexpr int kNoMatch = -2;             // id of a sighting that fits no body
+constexpr int kUndecided = -3;           // id of a sighting that fits several bodies
 
 }  // namespace
 
 TeamFilter::TeamFilter(const scenario::LocalizerSpec& spec)
     : spec_(spec), placed_(spec.robots.size(), 0), F_(spec.robots.size(), Block::Identity()) {
-  const int n = static_cast<int>(spec.robots.size()) * kRobotDim;
+  const int n = static_cast<int>(spec.robots.size()) * kRobotDim + 2 * spec.unknown_landmarks_max;
   x_ = Eigen::VectorXd::Zero(n);
   P_ = Eigen::MatrixXd::Zero(n, n);
   block_row_ = Eigen::MatrixXd::Zero(kRobotDim, n);
   gain_ = Eigen::MatrixXd::Zero(2 * kFrameSightingsMax, n);
   rows_.reserve(kFrameSightingsMax);
+  ids_.reserve(kFrameSightingsMax);
+  mapped_.assign(index(spec.unknown_landmarks_max), kNoBodyId);
+  uses_.assign(index(spec.unknown_landmarks_max), 0);
   for (int robot = 0; robot < robots(); ++robot) {
     reset_errors(robot);
   }
@@ -72,6 +86,8 @@ void TeamFilter::assign(const TeamFilter& other) {
   x_ = other.x_;
   P_ = other.P_;
   std::copy(other.F_.begin(), other.F_.end(), F_.begin());
+  std::copy(other.mapped_.begin(), other.mapped_.end(), mapped_.begin());
+  std::copy(other.uses_.begin(), other.uses_.end(), uses_.begin());
   counts_ = other.counts_;
 }
 
@@ -143,54 +159,268 @@ void TeamFilter::advance(double duration_s, std::span<const Eigen::Vector3d> inc
   }
 }
 
-void TeamFilter::linearise(int robot, std::span<const models::Sighting> sightings) {
+TeamFilter::Body TeamFilter::find_body(int id, bool& is_new) const {
+  is_new = false;
+  if (id < 0) {
+    return {};
+  }
+  const auto has_id = [&](const auto& each) { return each.id == id; };
+  const auto landmark = std::find_if(spec_.landmarks.begin(), spec_.landmarks.end(), has_id);
+  if (landmark != spec_.landmarks.end()) {
+    return {true, false, -1, landmark->position_m};
+  }
+  const auto mate = std::find_if(spec_.robots.begin(), spec_.robots.end(), has_id);
+  if (mate != spec_.robots.end()) {
+    const int robot = static_cast<int>(mate - spec_.robots.begin());
+    return {is_placed(robot), true, at(robot), x_.segment<2>(at(robot))};
+  }
+  const auto mapped = std::find(mapped_.begin(), mapped_.end(), id);
+  if (mapped != mapped_.end()) {
+    const int column = at_landmark(static_cast<int>(mapped - mapped_.begin()));
+    return {true, false, column, x_.segment<2>(column)};
+  }
+  is_new = std::find(mapped_.begin(), mapped_.end(), kNoBodyId) != mapped_.end();
+  return {};
+}
+
+TeamFilter::Row TeamFilter::row_of(int robot, const Pose2& world_from_body,
+                                   const models::Sighting& sighting, const Body& body) const {
   const scenario::SightingNoiseSpec& noise = spec_.sighting_noise;
-  const scenario::SightingSpec& camera = spec_.robots[index(robot)].sightings;
+  const ExpectedSighting expected =
+      expected_sighting(spec_.robots[index(robot)].sightings, world_from_body, body.position_m);
+  Row row;
+  row.column = body.column;
+  row.is_mate = body.is_mate;
+  row.residual << sighting.range_m - expected.range_m,
+      wrap_to_pi(sighting.bearing_rad - expected.bearing_rad);
+  row.by_own.setZero();
+  row.by_own.leftCols<3>() = expected.by_pose;
+  row.by_other = expected.by_point;
+  const double d = expected.distance_m;
+  const double range_sigma_m = noise.range_sigma_m + noise.range_sigma_per_m * d * d;
+  row.R.setZero();
+  row.R(0, 0) = range_sigma_m * range_sigma_m;
+  row.R(1, 1) = noise.bearing_sigma_rad * noise.bearing_sigma_rad +
+                noise.across_sigma_m * noise.across_sigma_m / (d * d);
+  if (body.is_mate) {
+    row.R += noise.teammate_sigma_m * noise.teammate_sigma_m * expected.by_point *
+             expected.by_point.transpose();
+  }
+  return row;
+}
+
+void TeamFilter::map_landmark(int robot, const models::Sighting& sighting) {
+  const int k =
+      static_cast<int>(std::find(mapped_.begin(), mapped_.end(), kNoBodyId) - mapped_.begin());
+  const int column = at_landmark(k);
+  const int i = at(robot);
+  Body body{true, false, column, Eigen::Vector2d::Zero()};
+  body.position_m = pose(robot) * sighted_point_m(spec_.robots[index(robot)].sightings,
+                                                  sighting.range_m, sighting.bearing_rad);
+  const Row row = row_of(robot, pose(robot), sighting, body);
+  const Eigen::Matrix2d to_point = row.by_other.inverse();
+  const Eigen::Matrix<double, 2, kRobotDim> by_own = -to_point * row.by_own;
+  Eigen::Matrix2d R = row.R;
+  const double shared = spec_.sighting_noise.frame_bearing_sigma_rad;
+  R(1, 1) += shared * shared;
+  auto cross = gain_.topRows<2>();
+  cross.noalias() = by_own.lazyProduct(P_.middleRows<kRobotDim>(i));
+  P_.middleRows<2>(column) = cross;
+  P_.middleCols<2>(column) = cross.transpose();
+  P_.block<2, 2>(column, column) =
+      by_own * P_.block<kRobotDim, kRobotDim>(i, i) * by_own.transpose() +
+      to_point * R * to_point.transpose();
+  x_.segment<2>(column) = body.position_m;
+  mapped_[index(k)] = sighting.id;
+  uses_[index(k)] = 0;
+}
+
+void TeamFilter::forget_landmark(int k) {
+  P_.middleRows<2>(at_landmark(k)).setZero();
+  P_.middleCols<2>(at_landmark(k)).setZero();
+  x_.segment<2>(at_landmark(k)).setZero();
+  mapped_[index(k)] = kNoBodyId;
+}
+
+void TeamFilter::linearise(int robot, std::span<const models::Sighting> sightings) {
   rows_.clear();
-  for (const models::Sighting& sighting : sightings) {
-    Row row;
-    Eigen::Vector2d point_m;
-    const auto landmark =
-        std::find_if(spec_.landmarks.begin(), spec_.landmarks.end(),
-                     [&](const scenario::LandmarkSpec& each) { return each.id == sighting.id; });
-    if (landmark != spec_.landmarks.end()) {
-      point_m = landmark->position_m;
-    } else {
-      const auto mate = std::find_if(
-          spec_.robots.begin(), spec_.robots.end(),
-          [&](const scenario::LocalizedRobotSpec& each) { return each.id == sighting.id; });
-      row.other = mate == spec_.robots.end() ? -1 : static_cast<int>(mate - spec_.robots.begin());
-      if (row.other < 0 || row.other == robot) {
-        ++counts_.unknown;
-        continue;
-      }
-      if (!is_placed(row.other)) {
-        ++counts_.unplaced;
-        continue;
-      }
-      point_m = x_.segment<2>(at(row.other));
+  for (std::size_t k = 0; k < sightings.size(); ++k) {
+    const int id = k < ids_.size() ? ids_[k] : sightings[k].id;
+    bool is_new = false;
+    const Body body = find_body(id, is_new);
+    if (is_new) {
+      models::Sighting first = sightings[k];
+      first.id = id;
+      map_landmark(robot, first);
+      continue;
+    }
+    if (!body.is_known || body.column == at(robot)) {
+      const bool is_unplaced = body.is_mate && body.column != at(robot);
+      (is_unplaced ? counts_.unplaced : counts_.unknown) +=
+          id == kNoMatch || id == kUndecided ? 0 : 1;
+      continue;
     }
     if (rows_.size() == kFrameSightingsMax) {
       ++counts_.unknown;
       continue;
     }
-    const ExpectedSighting expected = expected_sighting(camera, pose(robot), point_m);
-    row.residual << sighting.range_m - expected.range_m,
-        wrap_to_pi(sighting.bearing_rad - expected.bearing_rad);
-    row.by_own.setZero();
-    row.by_own.leftCols<3>() = expected.by_pose;
-    row.by_other = expected.by_point;
-    const double d = expected.distance_m;
-    const double range_sigma_m = noise.range_sigma_m + noise.range_sigma_per_m * d * d;
-    row.R.setZero();
-    row.R(0, 0) = range_sigma_m * range_sigma_m;
-    row.R(1, 1) = noise.bearing_sigma_rad * noise.bearing_sigma_rad +
-                  noise.across_sigma_m * noise.across_sigma_m / (d * d);
-    if (row.other >= 0) {
-      row.R += noise.teammate_sigma_m * noise.teammate_sigma_m * expected.by_point *
-               expected.by_point.transpose();
-    }
+    Row row = row_of(robot, pose(robot), sightings[k], body);
+    row.id = id;
     rows_.push_back(row);
+  }
+}
+
+void TeamFilter::associate(int robot, std::span<const models::Sighting> sightings) {
+  ids_.clear();
+  const std::size_t count =
+      std::min(sightings.size(), static_cast<std::size_t>(kFrameSightingsMax));
+  bool has_unknown = false;
+  for (std::size_t k = 0; k < count; ++k) {
+    ids_.push_back(sightings[k].id);
+    has_unknown = has_unknown || sightings[k].id == kNoBodyId;
+  }
+  if (!has_unknown) {
+    return;
+  }
+  const double shared = spec_.sighting_noise.frame_bearing_sigma_rad;
+  const int i = at(robot);
+  /// Position and covariance of the robot's pose under a hypothesis.
+  struct View {
+    Pose2 pose;
+    Eigen::Matrix3d P;
+  };
+  /// Cost of one assignment: −2 ln of its density; infinite if the body does not fit.
+  struct Match {
+    double cost = std::numeric_limits<double>::infinity();
+    Row row;
+    Eigen::Matrix2d S;
+  };
+  const auto match = [&](const View& view, const models::Sighting& sighting, const Body& body) {
+    Match out;
+    out.row = row_of(robot, view.pose, sighting, body);
+    const Eigen::Matrix<double, 2, 3> H = out.row.by_own.leftCols<3>();
+    out.S = out.row.R + H * view.P * H.transpose();
+    if (body.column >= 0) {
+      out.S += out.row.by_other * P_.block<2, 2>(body.column, body.column) *
+               out.row.by_other.transpose();
+    }
+    out.S(1, 1) += shared * shared;
+    const double squared = out.row.residual.dot(out.S.inverse() * out.row.residual);
+    if (squared < kMatchSigma * kMatchSigma) {
+      // Relative to the noise of a certain robot, so that a certain match costs about 2.
+      const double noise = out.row.R(0, 0) * (out.row.R(1, 1) + shared * shared);
+      out.cost = squared + std::log(out.S.determinant() / noise);
+    }
+    return out;
+  };
+  const auto for_each_body = [&](const auto& use) {
+    for (const scenario::LandmarkSpec& landmark : spec_.landmarks) {
+      use(landmark.id, Body{true, false, -1, landmark.position_m});
+    }
+    for (std::size_t k = 0; k < mapped_.size(); ++k) {
+      if (mapped_[k] != kNoBodyId) {
+        const int column = at_landmark(static_cast<int>(k));
+        use(mapped_[k], Body{true, false, column, x_.segment<2>(column)});
+      }
+    }
+    for (int mate = 0; mate < robots(); ++mate) {
+      if (mate != robot && is_placed(mate)) {
+        use(spec_.robots[index(mate)].id, Body{true, true, at(mate), x_.segment<2>(at(mate))});
+      }
+    }
+  };
+
+  // Each hypothesis begins with one assignment, which corrects the robot's pose.
+  struct Seed {
+    double cost = 0.0;
+    std::size_t sighting = 0;
+    int id = kNoBodyId;
+    Body body;
+  };
+  std::array<Seed, kHypothesesMax> seeds;
+  int seed_count = 0;
+  const View prior{pose(robot), P_.block<3, 3>(i, i)};
+  for (std::size_t k = 0; k < count; ++k) {
+    if (sightings[k].id != kNoBodyId) {
+      continue;
+    }
+    for_each_body([&](int id, const Body& body) {
+      const double cost = match(prior, sightings[k], body).cost;
+      if (!std::isfinite(cost)) {
+        return;
+      }
+      if (seed_count == kHypothesesMax && cost >= seeds[kHypothesesMax - 1].cost) {
+        return;
+      }
+      seed_count = std::min(seed_count + 1, kHypothesesMax);
+      int place = seed_count - 1;
+      for (; place > 0 && seeds[index(place - 1)].cost > cost; --place) {
+        seeds[index(place)] = seeds[index(place - 1)];
+      }
+      seeds[index(place)] = {cost, k, id, body};
+    });
+  }
+
+  struct Hypothesis {
+    double cost = 0.0;
+    std::array<int, kFrameSightingsMax> ids{};
+  };
+  std::array<Hypothesis, kHypothesesMax> hypotheses;
+  double best = std::numeric_limits<double>::infinity();
+  for (int h = 0; h < seed_count; ++h) {
+    const Seed& seed = seeds[index(h)];
+    const Match first = match(prior, sightings[seed.sighting], seed.body);
+    const Eigen::Matrix<double, 2, 3> H = first.row.by_own.leftCols<3>();
+    Eigen::Matrix<double, 3, 2> PHt = prior.P * H.transpose();
+    if (seed.body.column >= 0) {
+      PHt += P_.block<3, 2>(i, seed.body.column) * first.row.by_other.transpose();
+    }
+    const Eigen::Matrix<double, 3, 2> gain = PHt * first.S.inverse();
+    const Eigen::Vector3d step = gain * first.row.residual;
+    const View view{{prior.pose.x_m + step.x(), prior.pose.y_m + step.y(),
+                     wrap_to_pi(prior.pose.yaw_rad + step.z())},
+                    prior.P - gain * PHt.transpose()};
+    Hypothesis& hypothesis = hypotheses[index(h)];
+    hypothesis.cost = seed.cost;
+    hypothesis.ids.fill(kNoMatch);
+    hypothesis.ids[seed.sighting] = seed.id;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (k == seed.sighting || sightings[k].id != kNoBodyId) {
+        continue;
+      }
+      double least = kUnmatchedCost;
+      for_each_body([&](int id, const Body& body) {
+        const bool is_taken =
+            std::find(hypothesis.ids.begin(), hypothesis.ids.end(), id) != hypothesis.ids.end();
+        if (is_taken) {
+          return;
+        }
+        if (const double cost = match(view, sightings[k], body).cost; cost < least) {
+          least = cost;
+          hypothesis.ids[k] = id;
+        }
+      });
+      hypothesis.cost += least;
+    }
+    best = std::min(best, hypothesis.cost);
+  }
+  // Use an assignment only if all likely hypotheses contain it.
+  for (std::size_t k = 0; k < count; ++k) {
+    if (sightings[k].id != kNoBodyId) {
+      continue;
+    }
+    int id = kNoBodyId;
+    for (int h = 0; h < seed_count; ++h) {
+      if (hypotheses[index(h)].cost > best + kAmbiguousCost) {
+        continue;
+      }
+      const int candidate = hypotheses[index(h)].ids[k];
+      id = id == kNoBodyId || id == candidate ? candidate : kUndecided;
+    }
+    ids_[k] = id == kNoBodyId ? kNoMatch : id;
+    counts_.matched += ids_[k] >= 0 ? 1 : 0;
+    counts_.ambiguous += ids_[k] == kUndecided ? 1 : 0;
+    counts_.unmatched += ids_[k] == kNoMatch ? 1 : 0;
   }
 }
 
@@ -198,8 +428,8 @@ Eigen::Matrix2d TeamFilter::innovation(int robot, const Row& row) const {
   const int i = at(robot);
   Eigen::Matrix2d S =
       row.R + row.by_own * P_.block<kRobotDim, kRobotDim>(i, i) * row.by_own.transpose();
-  if (row.other >= 0) {
-    const int j = at(row.other);
+  if (row.column >= 0) {
+    const int j = row.column;
     const Eigen::Matrix2d cross =
         row.by_own * P_.block<kRobotDim, 2>(i, j) * row.by_other.transpose();
     S += cross + cross.transpose() + row.by_other * P_.block<2, 2>(j, j) * row.by_other.transpose();
@@ -216,7 +446,7 @@ int TeamFilter::weigh(int robot) {
     const double squared = row.residual.dot(S.inverse() * row.residual);
     if (squared > kRejectSigma * kRejectSigma) {
       row.weight = 0.0;
-      rejected_landmarks += row.other < 0 ? 1 : 0;
+      rejected_landmarks += row.is_mate ? 0 : 1;
     } else {
       row.weight =
           squared > kWeakenSigma * kWeakenSigma ? kWeakenSigma * kWeakenSigma / squared : 1.0;
@@ -230,6 +460,7 @@ void TeamFilter::observe(int robot, std::span<const models::Sighting> sightings)
     counts_.unplaced += static_cast<std::int64_t>(sightings.size());
     return;
   }
+  associate(robot, sightings);
   linearise(robot, sightings);
   if (const int rejected = weigh(robot);
       rejected >= kSlipLandmarksMin && 2 * rejected >= static_cast<int>(rows_.size())) {
@@ -245,6 +476,17 @@ void TeamFilter::observe(int robot, std::span<const models::Sighting> sightings)
     counts_.used += row.weight > 0.0 ? 1 : 0;
     counts_.weakened += row.weight > 0.0 && row.weight < 1.0 ? 1 : 0;
   }
+  for (const Row& row : rows_) {
+    if (row.column < at_landmark(0)) {
+      continue;
+    }
+    // A landmark whose first sighting was wrong is mapped again.
+    const int k = (row.column - at_landmark(0)) / 2;
+    uses_[index(k)] += row.weight > 0.0 ? 1 : 0;
+    if (row.weight == 0.0 && uses_[index(k)] < kSureUses) {
+      forget_landmark(k);
+    }
+  }
   std::erase_if(rows_, [](const Row& row) { return row.weight == 0.0; });
   if (!rows_.empty()) {
     update(robot);
@@ -259,8 +501,8 @@ void TeamFilter::update(int robot) {
     const Row& row = rows_[index(k)];
     auto HP = gain_.middleRows<2>(2 * k);
     HP.noalias() = row.by_own.lazyProduct(P_.middleRows<kRobotDim>(i));
-    if (row.other >= 0) {
-      HP.noalias() += row.by_other.lazyProduct(P_.middleRows<2>(at(row.other)));
+    if (row.column >= 0) {
+      HP.noalias() += row.by_other.lazyProduct(P_.middleRows<2>(row.column));
     }
   }
   FrameMatrix S(m, m);
@@ -272,8 +514,8 @@ void TeamFilter::update(int robot) {
     for (int k = 0; k < m / 2; ++k) {
       Eigen::Matrix2d HPHt =
           gain_.block<2, kRobotDim>(2 * k, i).lazyProduct(row.by_own.transpose());
-      if (row.other >= 0) {
-        HPHt += gain_.block<2, 2>(2 * k, at(row.other)).lazyProduct(row.by_other.transpose());
+      if (row.column >= 0) {
+        HPHt += gain_.block<2, 2>(2 * k, row.column).lazyProduct(row.by_other.transpose());
       }
       HPHt(1, 1) += shared * shared;
       if (k == l) {

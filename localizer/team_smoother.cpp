@@ -46,6 +46,10 @@ void TeamSmoother::smooth(const TeamFilter& filter, const Use& use) const {
       predicted.middleCols<kDim>(robot * kDim).noalias() =
           cross.middleCols<kDim>(robot * kDim) * F.transpose();
     }
+    // Landmarks do not move.
+    const Eigen::Index poses = Eigen::Index{kDim} * filter.robots();
+    cross.bottomRows(n - poses) = step->covariance.bottomRows(n - poses);
+    predicted.rightCols(n - poses) = cross.rightCols(n - poses);
     predicted.diagonal() = step->predicted_variances.array() + kVarianceMin;
     const Eigen::MatrixXd gain = predicted.ldlt().solve(cross).transpose();  // P Fᵀ predicted⁻¹
     Eigen::VectorXd change = state - step->predicted;

@@ -122,6 +122,7 @@ struct LocalizerSimulationSpec {
 /// Parameters of the localisers of all robots.
 struct LocalizerSpec {
   std::vector<LandmarkSpec> landmarks;
+  int unknown_landmarks_max = 0;  ///< largest number of landmarks at unknown positions
   std::vector<LocalizedRobotSpec> robots;
   OdometryNoiseSpec odometry_noise;
   SightingNoiseSpec sighting_noise;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <random>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "core/angle.hpp"
@@ -20,30 +21,58 @@ constexpr double kInside3 = 7.814728;
 constexpr double kStartSigma = 0.01;                      // m and rad
 const Duration kHindsightPass = std::chrono::seconds(2);  // between two passes of the smoother
 
-/// Collects errors and computes the figures.
+/// Returns the rotation and translation that moves `from` to `to` with the least squared error.
+Pose2 alignment_of(const std::vector<Eigen::Vector2d>& from,
+                   const std::vector<Eigen::Vector2d>& to) {
+  if (from.empty()) {
+    return {};
+  }
+  Eigen::Vector2d mean_from = Eigen::Vector2d::Zero();
+  Eigen::Vector2d mean_to = Eigen::Vector2d::Zero();
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    mean_from += from[k] / static_cast<double>(from.size());
+    mean_to += to[k] / static_cast<double>(from.size());
+  }
+  double cosine = 0.0;
+  double sine = 0.0;
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    const Eigen::Vector2d p = from[k] - mean_from;
+    const Eigen::Vector2d q = to[k] - mean_to;
+    cosine += p.dot(q);
+    sine += p.x() * q.y() - p.y() * q.x();
+  }
+  Pose2 to_from_from{0.0, 0.0, std::atan2(sine, cosine)};
+  const Eigen::Vector2d origin_m = mean_to - to_from_from * mean_from;
+  to_from_from.x_m = origin_m.x();
+  to_from_from.y_m = origin_m.y();
+  return to_from_from;
+}
+
+/// Returns the root mean square distance of the points `from`, moved by `to_from_from`, from `to`.
+double rmse_of(const Pose2& to_from_from, const std::vector<Eigen::Vector2d>& from,
+               const std::vector<Eigen::Vector2d>& to) {
+  double squares = 0.0;
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    squares += (to_from_from * from[k] - to[k]).squaredNorm();
+  }
+  return from.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(from.size()));
+}
+
+/// Collects estimates and computes the figures.
 class Score {
  public:
-  Score(const Recording& recording, const std::vector<bool>& trusted)
-      : recording_(recording), trusted_(trusted), by_robot_(recording.size()) {}
+  Score(const Recording& recording, const std::vector<bool>& trusted, const JudgeOptions& options)
+      : recording_(recording),
+        trusted_(trusted),
+        watch_(options.watch),
+        hidden_(options.hidden_landmarks) {}
 
   void add(std::size_t robot, Time time, const Pose2& pose, const Eigen::Matrix3d& covariance) {
-    const auto truth = recording_[robot].truth.at(time);
-    if (!truth) {
-      return;
+    if (watch_) {
+      watch_(robot, time, pose, covariance);
     }
-    const Eigen::Vector3d error(pose.x_m - truth->x_m, pose.y_m - truth->y_m,
-                                wrap_to_pi(pose.yaw_rad - truth->yaw_rad));
-    by_robot_[robot].push_back(error.head<2>().norm());
-    const Eigen::Matrix2d P = covariance.topLeftCorner<2, 2>();
-    const double of_position = error.head<2>().dot(P.inverse() * error.head<2>());
-    nees_position_ += of_position;
-    inside_position_ += of_position <= kInside2 ? 1 : 0;
-    ++positions_;
-    if (trusted_.empty() || trusted_[robot]) {
-      yaw_.push_back(std::abs(error.z()));
-      const double of_pose = error.dot(covariance.inverse() * error);
-      nees_pose_ += of_pose;
-      inside_pose_ += of_pose <= kInside3 ? 1 : 0;
+    if (const auto truth = recording_[robot].truth.at(time)) {
+      samples_.push_back({robot, pose, *truth, covariance});
     }
   }
   /// Counts an instant at which `robot` should have a pose.
@@ -51,21 +80,54 @@ class Score {
     missing_ += recording_[robot].truth.at(time) ? 1 : 0;
   }
 
-  [[nodiscard]] JudgeFigures figures() const {
+  /// @param filter  filter that contains the landmarks
+  [[nodiscard]] JudgeFigures figures(const TeamFilter& filter) const {
     JudgeFigures out;
+    Pose2 world_from_map;
+    if (!hidden_.empty()) {
+      std::vector<Eigen::Vector2d> from;
+      std::vector<Eigen::Vector2d> to;
+      for (const Sample& sample : samples_) {
+        from.push_back(sample.pose.position_m());
+        to.push_back(sample.truth.position_m());
+      }
+      world_from_map = alignment_of(from, to);
+      judge_landmarks(filter, world_from_map, out);
+    }
     std::vector<double> all;
-    for (const std::vector<double>& errors : by_robot_) {
+    std::vector<std::vector<double>> by_robot(recording_.size());
+    std::vector<double> yaw;
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(world_from_map.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    for (const Sample& sample : samples_) {
+      const Pose2 pose = world_from_map * sample.pose;
+      const Eigen::Matrix3d P3 = turn * sample.covariance * turn.transpose();
+      const Eigen::Vector3d error(pose.x_m - sample.truth.x_m, pose.y_m - sample.truth.y_m,
+                                  wrap_to_pi(pose.yaw_rad - sample.truth.yaw_rad));
+      by_robot[sample.robot].push_back(error.head<2>().norm());
+      all.push_back(error.head<2>().norm());
+      const Eigen::Matrix2d P = P3.topLeftCorner<2, 2>();
+      const double of_position = error.head<2>().dot(P.inverse() * error.head<2>());
+      out.nees_position += of_position;
+      out.inside_position += of_position <= kInside2 ? 1 : 0;
+      if (trusted_.empty() || trusted_[sample.robot]) {
+        yaw.push_back(std::abs(error.z()));
+        const double of_pose = error.dot(P3.inverse() * error);
+        out.nees_pose += of_pose;
+        out.inside_pose += of_pose <= kInside3 ? 1 : 0;
+      }
+    }
+    for (const std::vector<double>& errors : by_robot) {
       out.robot_position_m.push_back(figures_of(errors));
-      all.insert(all.end(), errors.begin(), errors.end());
     }
     out.position_m = figures_of(all);
-    out.yaw_rad = figures_of(yaw_);
-    const double positions = std::max(1.0, static_cast<double>(positions_));
-    const double poses = std::max(1.0, static_cast<double>(yaw_.size()));
-    out.nees_position = nees_position_ / positions;
-    out.inside_position = inside_position_ / positions;
-    out.nees_pose = nees_pose_ / poses;
-    out.inside_pose = inside_pose_ / poses;
+    out.yaw_rad = figures_of(yaw);
+    const double positions = std::max(1.0, static_cast<double>(all.size()));
+    const double poses = std::max(1.0, static_cast<double>(yaw.size()));
+    out.nees_position /= positions;
+    out.inside_position /= positions;
+    out.nees_pose /= poses;
+    out.inside_pose /= poses;
     out.without_pose = missing_;
     return out;
   }
@@ -92,15 +154,33 @@ class Score {
     return out;
   }
 
+  void judge_landmarks(const TeamFilter& filter, const Pose2& world_from_map,
+                       JudgeFigures& out) const {
+    std::vector<Eigen::Vector2d> to;
+    for (std::size_t k = 0; k < filter.mapped().size(); ++k) {
+      const auto truth = std::find_if(
+          hidden_.begin(), hidden_.end(),
+          [&](const scenario::LandmarkSpec& each) { return each.id == filter.mapped()[k]; });
+      if (truth != hidden_.end()) {
+        out.landmarks_m.push_back(filter.landmark_m(static_cast<int>(k)));
+        to.push_back(truth->position_m);
+      }
+    }
+    out.landmarks_rmse_m = rmse_of(world_from_map, out.landmarks_m, to);
+    out.landmarks_own_rmse_m = rmse_of(alignment_of(out.landmarks_m, to), out.landmarks_m, to);
+  }
+
+  struct Sample {
+    std::size_t robot = 0;
+    Pose2 pose;
+    Pose2 truth;
+    Eigen::Matrix3d covariance;
+  };
   const Recording& recording_;
   std::vector<bool> trusted_;
-  std::vector<std::vector<double>> by_robot_;
-  std::vector<double> yaw_;
-  double nees_position_ = 0.0;
-  double nees_pose_ = 0.0;
-  double inside_position_ = 0.0;
-  double inside_pose_ = 0.0;
-  std::int64_t positions_ = 0;
+  PoseWatch watch_;
+  std::vector<scenario::LandmarkSpec> hidden_;
+  std::vector<Sample> samples_;
   int missing_ = 0;
 };
 
@@ -204,7 +284,7 @@ JudgeFigures judge_team(const scenario::LocalizerSpec& spec, const Recording& re
                       kStartSigma * kStartSigma * Eigen::Matrix3d::Identity());
     }
   }
-  Score score(recording, trusted);
+  Score score(recording, trusted, options);
   std::mt19937_64 rng(options.seed);
   std::vector<Cursor> cursors(robots);
   for (std::size_t robot = 0; robot < robots; ++robot) {
@@ -237,7 +317,7 @@ JudgeFigures judge_team(const scenario::LocalizerSpec& spec, const Recording& re
       bytes += exchange(localizers, options.loss, rng, message);
     }
   }
-  JudgeFigures figures = score.figures();
+  JudgeFigures figures = score.figures(localizers.front().team());
   figures.placed_after_s = placed_after_s;
   figures.bytes_per_robot_s = static_cast<double>(bytes) / static_cast<double>(robots) /
                               to_seconds(time_of(span.last) - time_of(span.first));
@@ -335,12 +415,12 @@ class JointRun {
 /// Judges the estimates of a JointRun.
 class HindsightJudge {
  public:
-  HindsightJudge(const Recording& recording, const std::vector<bool>& trusted, Time begin,
-                 bool is_start_known)
-      : score_(recording, trusted),
+  HindsightJudge(const Recording& recording, const JudgeOptions& options,
+                 const std::vector<bool>& trusted, Time begin)
+      : score_(recording, trusted, options),
         begin_(begin),
         judged_until_(begin),
-        is_start_known_(is_start_known),
+        is_start_known_(options.is_start_known),
         placed_after_s_(recording.size(), -1.0) {}
 
   /// Records which robots have a pose at `now`.
@@ -368,8 +448,8 @@ class HindsightJudge {
     run.smoother().forget_before(until);
   }
 
-  [[nodiscard]] JudgeFigures figures() const {
-    JudgeFigures out = score_.figures();
+  [[nodiscard]] JudgeFigures figures(const TeamFilter& filter) const {
+    JudgeFigures out = score_.figures(filter);
     out.placed_after_s = placed_after_s_;
     return out;
   }
@@ -406,7 +486,7 @@ JudgeFigures judge_hindsight(const scenario::LocalizerSpec& spec, const Recordin
     run.filter().place(static_cast<int>(robot), start_of(recording[robot].truth, begin),
                        kStartSigma * kStartSigma * Eigen::Matrix3d::Identity());
   }
-  HindsightJudge judge(recording, trusted, begin, options.is_start_known);
+  HindsightJudge judge(recording, options, trusted, begin);
   for (std::int64_t step = span.first; step <= span.last; ++step) {
     const Time now = time_of(step);
     if (step > span.first) {
@@ -420,7 +500,7 @@ JudgeFigures judge_hindsight(const scenario::LocalizerSpec& spec, const Recordin
     }
   }
   judge.judge_until(run, time_of(span.last + 1));
-  JudgeFigures figures = judge.figures();
+  JudgeFigures figures = judge.figures(run.filter());
   figures.filter = run.filter().counts();
   return figures;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -9,6 +10,10 @@
 #include "scenario/localizer_spec.hpp"
 
 namespace vantage::localizer {
+
+/// Receives the estimate of robot `robot` (index) at `time`. In hindsight, times do not ascend.
+using PoseWatch = std::function<void(std::size_t robot, Time time, const Pose2& world_from_body,
+                                     const Eigen::Matrix3d& covariance)>;
 
 /// Options of processing a recording.
 struct JudgeOptions {
@@ -19,6 +24,11 @@ struct JudgeOptions {
   /// s; an estimate for t uses data up to t + hindsight_s. 0: filter, one localiser per robot with
   /// messages. Above 0: one joint filter without messages; infinity: all data.
   double hindsight_s = 0.0;
+  PoseWatch watch = {};  ///< receives all judged estimates; may be empty
+  /// True positions of landmarks whose positions the specification does not contain. If there are
+  /// any, the estimates are judged after one rotation and translation of all of them that fits the
+  /// robots' positions best.
+  std::vector<scenario::LandmarkSpec> hidden_landmarks = {};
 };
 
 /// Statistics of errors.
@@ -40,10 +50,13 @@ struct JudgeFigures {
   double inside_position = 0.0;        ///< share of positions inside their 95 % ellipse
   double inside_pose = 0.0;            ///< share of poses inside their 95 % ellipsoid
   std::vector<double> placed_after_s;  ///< s; time until each robot had a pose; −1: never
-  int without_pose = 0;                ///< instants at which a judged robot had no pose
-  double bytes_per_robot_s = 0.0;      ///< rate of the messages, without transport headers
-  FilterCounts filter;                 ///< counts of the first robot's filter
-  InputCounts inputs;                  ///< counts of the first robot's inputs
+  std::vector<Eigen::Vector2d> landmarks_m;  ///< positions of found hidden landmarks, not aligned
+  double landmarks_rmse_m = 0.0;             ///< m; error of landmarks_m, aligned by the robots
+  double landmarks_own_rmse_m = 0.0;         ///< m; error of landmarks_m, aligned by themselves
+  int without_pose = 0;                      ///< instants at which a judged robot had no pose
+  double bytes_per_robot_s = 0.0;            ///< rate of the messages, without transport headers
+  FilterCounts filter;                       ///< counts of the first robot's filter
+  InputCounts inputs;                        ///< counts of the first robot's inputs
 };
 
 /// Runs the localisers on `recording`.

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kLandmarksMax = 1000;
 constexpr std::size_t kLocalizedRobotsMax = 50;
+constexpr int kUnknownLandmarksMax = 200;
 constexpr int kIdMax = 1'000'000;
 constexpr std::int64_t kPosePeriodUs = 100'000;
 constexpr std::size_t kOutagesMax = 1000;
@@ -187,6 +188,7 @@ std::optional<LocalizerSpec> read_localizer(Mapping& top, const Scenario& scenar
                  [&](Mapping& noise) { read_odometry_noise(noise, spec.odometry_noise); });
     from.section("sighting_noise",
                  [&](Mapping& noise) { read_sighting_noise(noise, spec.sighting_noise); });
+    from.integer("unknown_landmarks_max", spec.unknown_landmarks_max, 0, kUnknownLandmarksMax);
     tolerate([&] { read_landmarks(from, spec); });
     tolerate([&] { read_localized_robots(from, scenario, spec); });
   });

@@ -23,6 +23,7 @@ class SimulatedTeam {
       const double angle_rad = 2.0 * kPi * k / 12.0;
       spec.landmarks.push_back({100 + k, {6.0 * std::cos(angle_rad), 4.0 * std::sin(angle_rad)}});
     }
+    landmarks = spec.landmarks;
     for (int r = 0; r < robots; ++r) {
       scenario::LocalizedRobotSpec robot;
       robot.name = "R" + std::to_string(r + 1);
@@ -73,6 +74,7 @@ class SimulatedTeam {
 
   scenario::LocalizerSpec spec;
   Time now = from_utime(1'000'000'000'000'000);
+  std::vector<scenario::LandmarkSpec> landmarks;  ///< in the world; `spec` may know fewer
   std::vector<Pose2> truth;
   std::vector<models::OdometryReport> commands;
   std::vector<std::vector<models::Sighting>> frames;
@@ -105,7 +107,7 @@ class SimulatedTeam {
            expected.range_m + range_sigma_m * normal(),
            wrap_to_pi(expected.bearing_rad + shared_rad + bearing_sigma_rad * normal())});
     };
-    for (const scenario::LandmarkSpec& landmark : spec.landmarks) {
+    for (const scenario::LandmarkSpec& landmark : landmarks) {
       add(landmark.id, landmark.position_m);
     }
     for (std::size_t other = 0; other < truth.size(); ++other) {

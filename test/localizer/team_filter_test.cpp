@@ -1,6 +1,8 @@
 #include "localizer/team_filter.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -129,8 +131,10 @@ TEST(TeamFilter, CountsUnusableSightings) {
   EXPECT_EQ(filter.counts().used, 0);
 }
 
-/// Runs the filter on the simulated team for `steps` steps and returns it.
-TeamFilter filter_after(test::SimulatedTeam& team, int steps, std::vector<double>* nees = nullptr) {
+/// Runs the filter on the simulated team for `steps` steps and returns it. With `without_ids`, the
+/// sightings have no id.
+TeamFilter filter_after(test::SimulatedTeam& team, int steps, std::vector<double>* nees = nullptr,
+                        bool without_ids = false) {
   TeamFilter filter(team.spec);
   std::vector<CommandedMotion> motions;
   for (int r = 0; r < filter.robots(); ++r) {
@@ -141,6 +145,11 @@ TeamFilter filter_after(test::SimulatedTeam& team, int steps, std::vector<double
   std::vector<Eigen::Vector3d> increments(motions.size());
   for (int i = 0; i < steps; ++i) {
     team.step();
+    for (std::vector<models::Sighting>& frame : team.frames) {
+      for (models::Sighting& sighting : frame) {
+        sighting.id = without_ids ? kNoBodyId : sighting.id;
+      }
+    }
     for (std::size_t r = 0; r < motions.size(); ++r) {
       motions[r].command(team.commands[r].stamp.time, team.commands[r].motion_body.x(),
                          team.commands[r].motion_body.z());
@@ -175,6 +184,117 @@ TEST(TeamFilter, IsConsistentWithItsCovariance) {
   EXPECT_LT(mean, 2.6);
 }
 
+/// Returns the largest position error of the robots, m.
+double worst_m(const TeamFilter& filter, const test::SimulatedTeam& team) {
+  double worst = 0.0;
+  for (int r = 0; r < filter.robots(); ++r) {
+    const Eigen::Vector2d error =
+        filter.pose(r).position_m() - team.truth[static_cast<std::size_t>(r)].position_m();
+    worst = std::max(worst, error.norm());
+  }
+  return worst;
+}
+
+TEST(TeamFilter, AssignsSightingsWithoutIds) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    test::SimulatedTeam team(3, seed);
+    const TeamFilter filter = filter_after(team, 600, nullptr, true);
+    EXPECT_LT(worst_m(filter, team), 0.3) << seed;
+    const FilterCounts& counts = filter.counts();
+    EXPECT_GT(counts.matched, 20 * (counts.ambiguous + counts.unmatched)) << seed;
+    EXPECT_EQ(counts.unknown, 0) << seed;
+  }
+}
+
+TEST(TeamFilter, UsesNoSightingThatFitsTwoBodies) {
+  test::SimulatedTeam team(1, 1);
+  team.spec.landmarks = {{1001, {3.0, 0.2}}, {1002, {3.0, -0.2}}};
+  TeamFilter filter(team.spec);
+  filter.place(0, {}, kStart);
+  models::Sighting sighting = sighting_of(team.spec, 0, {}, 0, {3.0, 0.0});
+  sighting.id = kNoBodyId;
+  filter.observe(0, {&sighting, 1});
+  EXPECT_EQ(filter.counts().ambiguous, 1);
+  EXPECT_EQ(filter.counts().used, 0);
+  EXPECT_EQ(filter.covariance(0), kStart);
+}
+
+TEST(TeamFilter, UsesNoSightingThatFitsNoBody) {
+  test::SimulatedTeam team(1, 1);
+  TeamFilter filter(team.spec);
+  filter.place(0, {}, 1e-4 * Eigen::Matrix3d::Identity());
+  const models::Sighting sighting{{}, kNoBodyId, 2.0, 0.0};
+  filter.observe(0, {&sighting, 1});
+  EXPECT_EQ(filter.counts().unmatched, 1);
+  EXPECT_EQ(filter.counts().used, 0);
+}
+
+TEST(TeamFilter, AssignsTwoSightingsWhenTheirOrderDecides) {
+  // Each sighting alone fits both landmarks, because the heading is uncertain.
+  test::SimulatedTeam team(1, 1);
+  team.spec.landmarks = {{1001, {3.0, 0.35}}, {1002, {3.0, -0.35}}, {1003, {4.0, 1.2}}};
+  TeamFilter filter(team.spec);
+  filter.place(0, {}, Eigen::Vector3d(1e-4, 1e-4, 0.04).asDiagonal());
+  const Pose2 truth{0.0, 0.0, 0.15};
+  std::vector<models::Sighting> frame;
+  for (const scenario::LandmarkSpec& landmark : team.spec.landmarks) {
+    frame.push_back(sighting_of(team.spec, 0, truth, kNoBodyId, landmark.position_m));
+  }
+  filter.observe(0, frame);
+  EXPECT_EQ(filter.counts().matched, 3);
+  EXPECT_NEAR(filter.pose(0).yaw_rad, 0.15, 0.02);
+}
+
+/// Moves the landmarks of `team` from its map to the returned list.
+std::vector<scenario::LandmarkSpec> hide_landmarks(test::SimulatedTeam& team) {
+  std::vector<scenario::LandmarkSpec> hidden = std::move(team.spec.landmarks);
+  team.spec.landmarks.clear();
+  team.spec.unknown_landmarks_max = static_cast<int>(hidden.size());
+  return hidden;
+}
+
+TEST(TeamFilter, MapsUnknownLandmarks) {
+  test::SimulatedTeam team(3, 5);
+  const std::vector<scenario::LandmarkSpec> hidden = hide_landmarks(team);
+  const TeamFilter filter = filter_after(team, 600);
+  EXPECT_LT(worst_m(filter, team), 0.4);
+  int mapped = 0;
+  for (std::size_t k = 0; k < filter.mapped().size(); ++k) {
+    for (const scenario::LandmarkSpec& landmark : hidden) {
+      if (landmark.id == filter.mapped()[k]) {
+        const int at = static_cast<int>(k);
+        const Eigen::Vector2d error = filter.landmark_m(at) - landmark.position_m;
+        EXPECT_LT(error.dot(filter.landmark_covariance(at).inverse() * error), 16.0) << landmark.id;
+        ++mapped;
+      }
+    }
+  }
+  EXPECT_GE(mapped, 6);
+  EXPECT_EQ(filter.counts().unknown, 0);
+}
+
+TEST(TeamFilter, MapsAtMostTheGivenNumberOfLandmarks) {
+  test::SimulatedTeam team(3, 5);
+  hide_landmarks(team);
+  team.spec.unknown_landmarks_max = 2;
+  const TeamFilter filter = filter_after(team, 300);
+  EXPECT_EQ(filter.mapped().size(), 2U);
+  EXPECT_GT(filter.counts().unknown, 0);
+}
+
+TEST(TeamFilter, MapsLandmarkAgainAfterWrongFirstSighting) {
+  test::SimulatedTeam team(1, 1);
+  const std::vector<scenario::LandmarkSpec> hidden = hide_landmarks(team);
+  TeamFilter filter(team.spec);
+  filter.place(0, {}, 1e-4 * Eigen::Matrix3d::Identity());
+  const models::Sighting wrong = sighting_of(team.spec, 0, {}, 1001, {5.0, 1.0});
+  const models::Sighting right = sighting_of(team.spec, 0, {}, 1001, {2.0, 0.5});
+  filter.observe(0, {&wrong, 1});
+  filter.observe(0, {&right, 1});
+  filter.observe(0, {&right, 1});
+  EXPECT_LT((filter.landmark_m(0) - Eigen::Vector2d(2.0, 0.5)).norm(), 1e-6);
+}
+
 TEST(TeamFilter, IsDeterministic) {
   test::SimulatedTeam first(3, 9);
   test::SimulatedTeam second(3, 9);
@@ -194,6 +314,24 @@ TEST(TeamFilter, AllocatesNothingPerStep) {
   copy.assign(filter);
   EXPECT_EQ(allocations.count(), 0U);
   EXPECT_GT(filter.counts().used, 0);
+}
+
+TEST(TeamFilter, AllocatesNothingForUnknownLandmarksOrWithoutIds) {
+  test::SimulatedTeam team(5, 3);
+  hide_landmarks(team);
+  TeamFilter filter = filter_after(team, 50);
+  for (std::vector<models::Sighting>& frame : team.frames) {
+    for (std::size_t k = 1; k < frame.size(); k += 2) {
+      frame[k].id = kNoBodyId;
+    }
+  }
+  const models::Sighting first{{}, 12345, 2.0, 0.1};
+  const test::AllocationCounter allocations;
+  for (int r = 0; r < filter.robots(); ++r) {
+    filter.observe(r, team.frames[static_cast<std::size_t>(r)]);
+  }
+  filter.observe(0, {&first, 1});
+  EXPECT_EQ(allocations.count(), 0U);
 }
 
 }  // namespace

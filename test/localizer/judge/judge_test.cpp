@@ -92,6 +92,37 @@ TEST(Judge, SkipsTheFirstMinuteAfterUnknownStart) {
   }
 }
 
+TEST(Judge, AlignsEstimatesWhenLandmarksAreHidden) {
+  test::SimulatedTeam team(3, 4);
+  team.spec.landmarks.clear();
+  team.spec.unknown_landmarks_max = 12;
+  Recording recording = recorded(team, 60.0);
+  JudgeOptions options;
+  options.hidden_landmarks = team.landmarks;
+  const JudgeFigures figures = judge(team.spec, recording, options);
+  EXPECT_GE(figures.landmarks_m.size(), 6U);
+  EXPECT_LT(figures.position_m.rmse, 0.3);
+  EXPECT_LE(figures.landmarks_own_rmse_m, figures.landmarks_rmse_m);
+  // A rotation and translation of the truth changes nothing.
+  const Pose2 moved_from_world{1.0, -2.0, 0.75};
+  for (std::size_t r = 0; r < recording.size(); ++r) {
+    TruePath moved;
+    for (Time time = recording[r].truth.begin(); time <= recording[r].truth.end();
+         time += std::chrono::milliseconds(100)) {
+      moved.add(time, moved_from_world * *recording[r].truth.at(time));
+    }
+    recording[r].truth = moved;
+  }
+  for (scenario::LandmarkSpec& landmark : options.hidden_landmarks) {
+    landmark.position_m = moved_from_world * landmark.position_m;
+  }
+  const JudgeFigures again = judge(team.spec, recording, options);
+  EXPECT_NEAR(again.position_m.rmse, figures.position_m.rmse, 1e-6);
+  EXPECT_NEAR(again.yaw_rad.rmse, figures.yaw_rad.rmse, 1e-6);
+  EXPECT_NEAR(again.nees_pose, figures.nees_pose, 1e-3);
+  EXPECT_NEAR(again.landmarks_rmse_m, figures.landmarks_rmse_m, 1e-6);
+}
+
 TEST(Judge, RefusesRecordingOfOtherTeam) {
   test::SimulatedTeam team(3, 1);
   EXPECT_THROW(static_cast<void>(judge(team.spec, Recording(2), {})), UsageError);
