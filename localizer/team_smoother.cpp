@@ -41,15 +41,14 @@ void TeamSmoother::smooth(const TeamFilter& filter, const Use& use) const {
       cross.middleRows<kDim>(robot * kDim).noalias() =
           F * step->covariance.middleRows<kDim>(robot * kDim);
     }
+    const Eigen::Index landmarks = n - Eigen::Index{kDim} * filter.robots();
+    cross.bottomRows(landmarks) = step->covariance.bottomRows(landmarks);  // they do not move
     for (int robot = 0; robot < filter.robots(); ++robot) {
       const auto& F = step->transition[static_cast<std::size_t>(robot)];
       predicted.middleCols<kDim>(robot * kDim).noalias() =
           cross.middleCols<kDim>(robot * kDim) * F.transpose();
     }
-    // Landmarks do not move.
-    const Eigen::Index poses = Eigen::Index{kDim} * filter.robots();
-    cross.bottomRows(n - poses) = step->covariance.bottomRows(n - poses);
-    predicted.rightCols(n - poses) = cross.rightCols(n - poses);
+    predicted.rightCols(landmarks) = cross.rightCols(landmarks);
     predicted.diagonal() = step->predicted_variances.array() + kVarianceMin;
     const Eigen::MatrixXd gain = predicted.ldlt().solve(cross).transpose();  // P Fᵀ predicted⁻¹
     Eigen::VectorXd change = state - step->predicted;
