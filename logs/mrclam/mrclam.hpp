@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -42,11 +43,14 @@ struct MrclamData {
   };
   std::vector<Landmark> landmarks;
   std::vector<Robot> robots;
+  std::int64_t reordered = 0;   ///< lines that were before their previous line; they are sorted
+  std::int64_t impossible = 0;  ///< observations with an impossible range or bearing; left out
 };
 
 /// Reads the files Barcodes.dat, Landmark_Groundtruth.dat, RobotN_Odometry.dat,
 /// RobotN_Measurement.dat and RobotN_Groundtruth.dat for N = 1, 2, …
-/// @throws StartupError with file, line, value and rule if a file is missing or has an invalid line
+/// @throws StartupError with file, line, value and rule if a file is missing, empty, or has an
+/// invalid line
 MrclamData read_mrclam(const std::string& folder);
 
 }  // namespace vantage::logs

@@ -1,6 +1,7 @@
 #include "logs/mrclam/mrclam.hpp"
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -63,10 +64,62 @@ TEST(Mrclam, NamesFileLineAndRuleOfInvalidLine) {
       << refusal_of(set);
 }
 
-TEST(Mrclam, RefusesDecreasingTimes) {
+TEST(Mrclam, RefusesDamagedFilesWithFileLineAndRule) {
+  struct Row {
+    const char* file;
+    const char* text;
+    const char* refusal;
+  };
+  for (const Row& row : {
+           Row{"Robot1_Odometry.dat", "", "Robot1_Odometry.dat: contains no line of numbers"},
+           Row{"Robot1_Odometry.dat", "# head\n", "contains no line of numbers"},
+           Row{"Robot1_Odometry.dat", "1 0.1 0.2\n2 0.1 nan\n", "Odometry.dat:2: '2 0.1 nan' must"},
+           Row{"Robot1_Odometry.dat", "1 0.1 0.2\n2 0.1 0.2 x\n", ":2: '2 0.1 0.2 x' must consist"},
+           Row{"Robot1_Odometry.dat", "-1 0.1 0.2\n", ":1: '-1 0.1 0.2' must begin with a time"},
+           Row{"Robot1_Odometry.dat", "1 1000 0.2\n", "speed within 100 m/s"},
+           // Files in each other's place.
+           Row{"Robot1_Odometry.dat", "1 63 3.787 -0.257\n", "another file of the data set"},
+           Row{"Robot1_Measurement.dat", "1 1.4 -3.9 4.0\n",
+               "must have a bar code, which is a whole"},
+           Row{"Robot1_Groundtruth.dat", "1 0.1 0.2\n", "must consist of 4 finite numbers"},
+           Row{"Robot1_Groundtruth.dat", "1 20000 0 0\n", "position within 10 km"},
+           Row{"Landmark_Groundtruth.dat", "6 63\n", "must consist of 5"},
+           Row{"Landmark_Groundtruth.dat", "6.5 0 0 0 0\n", "must begin with a subject"},
+           Row{"Barcodes.dat", "1 5.5\n", "which are whole numbers"},
+           Row{"Robot3_Odometry.dat", "1 0.1 0.2\n", "Robot2_Odometry.dat: is missing"},
+       }) {
+    const SmallSet set;
+    set.write(row.file, row.text);
+    EXPECT_NE(refusal_of(set).find(row.refusal), std::string::npos)
+        << row.refusal << " is missing in: " << refusal_of(set);
+  }
+}
+
+TEST(Mrclam, RefusesMissingFiles) {
+  for (const char* file : {"Barcodes.dat", "Landmark_Groundtruth.dat", "Robot1_Odometry.dat",
+                           "Robot1_Measurement.dat", "Robot1_Groundtruth.dat"}) {
+    const SmallSet set;
+    std::filesystem::remove(set.folder.file(file));
+    EXPECT_NE(refusal_of(set).find(file), std::string::npos) << refusal_of(set);
+  }
+}
+
+TEST(Mrclam, SortsLinesByTimeAndCountsThem) {
   const SmallSet set;
-  set.write("Robot1_Odometry.dat", "2.0 0.1 0.2\n1.0 0.1 0.2\n");
-  EXPECT_NE(refusal_of(set).find("must not be before"), std::string::npos);
+  set.write("Robot1_Odometry.dat", "2.0 0.1 0.2\n1.0 0.3 0.2\n3.0 0.1 0.2\n");
+  const MrclamData data = read_mrclam(set.folder.path());
+  EXPECT_EQ(data.reordered, 1);
+  ASSERT_EQ(data.robots[0].commands.size(), 3U);
+  EXPECT_EQ(data.robots[0].commands[0].speed_mps, 0.3);
+}
+
+TEST(Mrclam, LeavesOutImpossibleObservations) {
+  const SmallSet set;
+  set.write("Robot1_Measurement.dat", "1 63 -1 0\n1 63 2 7\n1 63 2 0.5\n");
+  const MrclamData data = read_mrclam(set.folder.path());
+  EXPECT_EQ(data.impossible, 2);
+  ASSERT_EQ(data.robots[0].observations.size(), 1U);
+  EXPECT_EQ(data.robots[0].observations[0].bearing_rad, 0.5);
 }
 
 TEST(Mrclam, RefusesFolderWithoutTheDataSet) {
