@@ -1,3 +1,5 @@
+#include "logs/mrclam/mrclam.hpp"
+
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
@@ -7,7 +9,7 @@
 
 #include "localizer/fit/sensor_fit.hpp"
 #include "localizer/judge/judge.hpp"
-#include "test/localizer/mrclam_recording.hpp"
+#include "tools/log/team_recording.hpp"
 
 // Figures of the localisers on set 6 of the MRCLAM data set, whose folder is in VANTAGE_MRCLAM.
 
@@ -22,7 +24,8 @@ class MrclamSetSix : public ::testing::Test {
     if (folder == nullptr) {
       return;
     }
-    trial_ = std::make_unique<test::MrclamTrial>(folder);
+    trial_ =
+        std::make_unique<tools::TeamRecording>(tools::team_of(logs::read_mrclam(folder), folder));
     for (std::size_t robot = 0; robot < trial_->recording.size(); ++robot) {
       sensors_.push_back(fit_sensor(trial_->spec.landmarks, trial_->recording[robot]));
       drives_.push_back(fit_drive(trial_->recording[robot]));
@@ -67,7 +70,7 @@ class MrclamSetSix : public ::testing::Test {
     return figures;
   }
 
-  static inline std::unique_ptr<test::MrclamTrial> trial_;
+  static inline std::unique_ptr<tools::TeamRecording> trial_;
   static inline std::vector<SensorFit> sensors_;
   static inline std::vector<DriveFit> drives_;
 };

@@ -12,8 +12,11 @@ offered() {  # offered WORD…: prints the completions that are offered for WORD
 expect() { [[ "$1" == "$2" ]] || { echo "offered '$1' instead of '$2'"; exit 1; }; }
 expect "$(offered "$2" tri)" trial
 expect "$(offered "$2" log met)" metrics
-expect "$(offered "$2" log fit)" "fit-motion fit-ranges"
+expect "$(offered "$2" log fit)" "fit-motion fit-ranges fit-sensor"
 expect "$(offered "$2" log fit-ranges ranges.csv --po)" --poses
+expect "$(offered "$2" log imp)" import
+expect "$(offered "$2" log import mrclam --fo)" --force
+expect "$(offered "$2" log localize six.lcmlog --late)" --late-s
 expect "$(offered "$2" log fit-motion --fitted)" --fitted-share
 expect "$(offered "$2" log fit-motion flight.lcmlog --fitted)" --fitted-share
 expect "$(offered "$2" keys rotate keys --si)" --sign

@@ -91,6 +91,52 @@ sed -e 's/range_scale: 1 *$/range_scale: 1.1/' -e 's/motion: random_waypoint/mot
 "$vantage" trial long.yaml --duration-s 240 --nodes 200 --log still.lcmlog > still.txt
 "$vantage" log fit-ranges still.lcmlog --json > still.json
 json 'abs(d["range_scale"] - 1.1) < 3 * d["range_scale_sigma"] < 0.25 and len(d["beacons"]) > 2' < still.json | grep -q True || fail "fit-ranges of a log"
+# A data set of three simulated robots: import, fit of sensors and drives, localisers.
+"$(dirname "$0")/mrclam_folder.py" set
+"$vantage" log import mrclam set set.lcmlog | grep -q "of 3 robots and 12 landmarks" || fail "import"
+exits_with 0 "$vantage" log check set.lcmlog
+exits_with 2 "$vantage" log import mrclam set set.lcmlog
+grep -q "exists already" err.txt || fail "import overwrites a log"
+cp -r set torn-set
+truncate -s -15 torn-set/Robot2_Measurement.dat
+exits_with 2 "$vantage" log import mrclam torn-set set.lcmlog --force
+grep -q "Robot2_Measurement.dat:[0-9]*: '.*' must consist of 4 finite numbers" err.txt || fail "import of a torn file"
+exits_with 0 "$vantage" log check set.lcmlog
+[[ -z $(find . -name '*.part') ]] || fail "import leaves a part of a log"
+"$vantage" log fit-sensor set.lcmlog --out fitted.yaml --json > fit.json
+json 'max(abs(r["range_scale"] - 1.03) for r in d["robots"]) < 0.003' < fit.json | grep -q True || fail "fit-sensor: scale"
+json 'all(r["range_is_depth"] for r in d["robots"])' < fit.json | grep -q True || fail "fit-sensor: depth"
+json 'max(abs(r["forward_m"] - 0.08) for r in d["robots"]) < 0.016' < fit.json | grep -q True || fail "fit-sensor: place"
+json 'max(abs(r["stamp_delay_s"] - 0.04) for r in d["robots"]) < 0.008' < fit.json | grep -q True || fail "fit-sensor: stamp"
+json 'max(abs(r["drive"]["delay_s"] + r["drive"]["lag_s"] - 0.15) for r in d["robots"]) < 0.03' < fit.json \
+  | grep -q True || fail "fit-sensor: command delay"
+exits_with 0 "$vantage" check fitted.yaml
+"$vantage" log fit-sensor set.lcmlog | grep -q "^localizer:" || fail "fit-sensor prints no section"
+rmse() { "$vantage" log localize "$@" --json | json 'd["position_m"]["rmse"]'; }
+below() { python3 -c "import sys; sys.exit(not float(sys.argv[1]) < float(sys.argv[2]))" "$1" "$2" || fail "$3: $1"; }
+[[ $(rmse set --scenario fitted.yaml) == "$(rmse set.lcmlog --scenario fitted.yaml)" ]] || fail "localize a folder"
+filtered=$(rmse set.lcmlog --scenario fitted.yaml)
+below "$filtered" 0.03 "localize"
+below "$filtered" "$(rmse set.lcmlog)" "fitted parameters do not improve localize"
+below "$(rmse set.lcmlog --scenario fitted.yaml --loss 0.2)" 0.03 "localize with loss"
+below "$(rmse set.lcmlog --scenario fitted.yaml --start unknown)" 0.03 "localize with unknown start"
+below "$(rmse set.lcmlog --scenario fitted.yaml --late-s 20)" "$filtered" "localize late"
+below "$(rmse set.lcmlog --scenario fitted.yaml --smoothed)" "$filtered" "localize smoothed"
+below "$(rmse set.lcmlog --scenario fitted.yaml --landmarks unknown)" 0.06 "localize with unknown landmarks"
+"$vantage" log localize set.lcmlog --scenario fitted.yaml --landmarks unknown --smoothed --json > hidden.json
+json 'd["landmarks"]["found"] == 12 and d["landmarks"]["own_rmse_m"] < 0.03' < hidden.json | grep -q True || fail "landmarks"
+"$vantage" log localize set.lcmlog --scenario fitted.yaml --without-ids > without.txt
+grep -q "lost robots: none" without.txt || fail "localize --without-ids"
+exits_with 2 "$vantage" log localize set.lcmlog --landmarks unknown --start unknown
+exits_with 2 "$vantage" log localize set.lcmlog --without-ids --start unknown
+"$vantage" log localize set.lcmlog --scenario fitted.yaml --out poses.lcmlog --csv poses.csv | grep -q "^all robots" ||
+  fail "localize"
+[[ $(events poses.lcmlog) == $(wc -l < poses.csv) ]] || fail "localize: log and table differ"
+exits_with 0 "$vantage" log check poses.lcmlog
+exits_with 2 "$vantage" log localize set.lcmlog --heading R9
+exits_with 2 "$vantage" log localize set.lcmlog --smoothed --loss 0.1
+exits_with 2 "$vantage" log localize flight.lcmlog
+grep -q "no section localizer" err.txt || fail "localize of a log without the section"
 "$vantage" trial "$scenario" --duration-s 6 --nodes 200 --log trial.lcmlog > trial.txt
 "$vantage" log replay trial.lcmlog --node planner:Q1 --node estimator:Q2
 exits_with 2 "$vantage" log replay trial.lcmlog --node planner:Q9

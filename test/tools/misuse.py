@@ -41,6 +41,9 @@ LOG = {
     "log metrics {}": (2, 0, 2, 2),
     "log plot {} --out new.png": (2, 0, 2, 2),
     "log fit-ranges {}": (2, 2, 2, 2),  # the truncated log has too few ranges
+    "log localize {}": (2, 2, 2, 2),  # no log has the section localizer
+    "log fit-sensor {}": (2, 2, 2, 2),
+    "log import mrclam {} new.lcmlog": (2, 2, 2, 2),  # no folder
     "log replay {} --node planner:Q1": (2, 0, 2, 2),
     "log export {} --to csv --out new-csv": (0, 0, 0, 1),
     "log export {} --to mcap --out new.mcap": (0, 0, 0, 1),
@@ -55,6 +58,8 @@ WRITERS = {
     "log merge {i} {i} --out {o}": "x.lcmlog", "log plot {i} --out {o}": "x.png",
     "log export {i} --to csv --out {o}": "csv", "log export {i} --to mcap --out {o}": "x.mcap",
     "log fit-ranges ranges.csv --poses way.csv --out {o}": "x.svg",
+    "log import mrclam set {o}": "x.lcmlog", "log localize set --out {o}": "x.lcmlog",
+    "log localize set --csv {o}": "x.csv",
     "plan {p} --nodes 1000 --svg {o}": "x.svg", "config copy lab {o}": "x.yaml",
     "trial {s} --duration-s 2 --nodes 20 --log {o}": "x.lcmlog",
     "trial {s} --duration-s 2 --nodes 20 --svg {o}": "x.svg",
@@ -74,6 +79,11 @@ WORDS = {  # mistyped word: text that the error line must contain
     "log fit-ranges ranges.csv --poses way.csv --robot Q1": "--robot is only for a log",
     "log fit-ranges ranges.csv --poses words.csv": "words.csv:3: x 'far'; expected a number",
     "log fit-ranges way.csv --poses way.csv": "way.csv:1: no column 'beacon'",
+    "log import mrclan x y": "did you mean 'mrclam'", "log localize set --start far": "known",
+    "log localize set --loss 2": "from 0 to 1", "log localize set --heading R9": "no robot 'R9'",
+    "log localize set --smoothed --late-s 3": "exclude each other",
+    "log localize set --scenario lab.yaml": "lab.yaml: has no section localizer",
+    "log import mrclam folder x.lcmlog": "folder/Barcodes.dat: cannot be read",
     "log fit-ranges flight.lcmlog --robot Q9": "no robot 'Q9'", "view --port 99999": "65535",
     "plan typo.json": "typo.json:8: tua: unknown key; did you mean tau?",
     "plan typo.json.value": "typo.json.value:8: tau: must be above 0 and at most 3600, is -1",
@@ -149,6 +159,7 @@ def fill(folder, sample, problem):
     (folder / "ranges.csv").write_text("time_s,beacon_id,range_m\n" + "".join(
         f"{t},{b},{1.1 * math.hypot(x - 9 * b, y - 30) + 0.2 * math.sin(1e3 * t)}\n"
         for t, x, y in way for b in (1, 2)))
+    subprocess.run([pathlib.Path(__file__).parent / "mrclam_folder.py", folder / "set", "20"], check=True)
     text = problem.read_text()
     (folder / "problem.json").write_text(text)
     (folder / "torn.json").write_text(text[:len(text) // 2])

@@ -11,6 +11,9 @@ void add_log_command(CLI::App& root, Runner& run) {
   add_log_metrics_commands(*log, run);
   add_log_fit_motion_command(*log, run);
   add_log_fit_ranges_command(*log, run);
+  add_log_fit_sensor_command(*log, run);
+  add_log_localize_command(*log, run);
+  add_log_import_command(*log, run);
   add_log_replay_command(*log, run);
   add_log_export_command(*log, run);
   add_log_play_command(*log, run);

@@ -21,6 +21,9 @@ void add_log_export_command(CLI::App& log, Runner& run);
 void add_log_metrics_commands(CLI::App& log, Runner& run);  ///< subcommands metrics and plot
 void add_log_fit_motion_command(CLI::App& log, Runner& run);
 void add_log_fit_ranges_command(CLI::App& log, Runner& run);
+void add_log_import_command(CLI::App& log, Runner& run);
+void add_log_localize_command(CLI::App& log, Runner& run);
+void add_log_fit_sensor_command(CLI::App& log, Runner& run);
 void add_log_play_command(CLI::App& log, Runner& run);
 void add_log_record_command(CLI::App& log, Runner& run);
 
