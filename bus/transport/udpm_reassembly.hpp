@@ -26,7 +26,7 @@ struct ReassemblyCounts {
   std::int64_t completed = 0;
   std::int64_t incomplete = 0;          ///< messages discarded because of age or memory limits
   std::int64_t oversized = 0;           ///< refused fragments of messages above the size limit
-  std::int64_t oversized_messages = 0;  ///< first fragments among `oversized`
+  std::int64_t oversized_messages = 0;  ///< number of messages above the size limit
   std::int64_t duplicates = 0;          ///< fragments already stored, or of a completed message
   std::int64_t conflicting = 0;  ///< fragments that contradict other fragments of the message
 };

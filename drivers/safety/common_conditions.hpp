@@ -155,7 +155,8 @@ inline constexpr Condition kSeparation =
                   [](const SafetyInputs& in, const SafetyLimits& lim) {
                     return in.separation_stop_m < lim.separation_hold_m;
                   }),
-            "automatic, clear_s after the fault ends; yield_s later for the later name of the two");
+            "automatic, clear_s after the fault ends; yield_s later if the nearest body is a robot "
+            "whose name sorts first");
 inline constexpr Condition kTracking =
     holds("tracking", "tracking_error_m > tracking_hold_m", {.after_s = 0.1},
           [](const SafetyInputs& in, const SafetyLimits& lim) {

@@ -75,24 +75,27 @@ constexpr Condition kEstimateLost = lands(
     "estimate lost", "estimate_error_m > estimate_error_land_m", {.blocks_arming = true},
     [](const In& in, const Lim& lim) { return in.estimate_error_m > lim.estimate_error_land_m; });
 constexpr Condition kEstimatorFailed =
-    lands("estimator failed", "the autopilot's estimator is not good",
+    lands("estimator failed", "the autopilot reports that its position estimate is unreliable",
           {.blocks_arming = true, .after_s = 1.0},
           [](const In& in, const Lim&) { return !in.estimator_good; });
-constexpr Condition kPoseForeign = lands(
-    "pose foreign",
-    "velocities of mocap and autopilot differ by > velocity_error_land_mps; poses no longer used",
-    {.after_s = 0.3, .distrusts_pose = true}, [](const In& in, const Lim& lim) {
-      return in.velocity_error_mps > lim.velocity_error_land_mps;
-    });
+constexpr Condition kPoseForeign =
+    lands("pose foreign",
+          "velocities of mocap and autopilot differ by > velocity_error_land_mps; the driver stops "
+          "using the poses",
+          {.after_s = 0.3, .distrusts_pose = true}, [](const In& in, const Lim& lim) {
+            return in.velocity_error_mps > lim.velocity_error_land_mps;
+          });
 constexpr Condition kHoverUnsteady =
     lands("hover unsteady",
-          "in hover, but faster than hover_speed_mps or > hover_off_m away; poses no longer used",
+          "commanded to hover, but faster than hover_speed_mps or > hover_off_m from the hover "
+          "point; the driver stops using the poses",
           {.after_s = 2.0, .distrusts_pose = true},
           [](const In& in, const Lim&) { return in.is_hover_deviating; });
-constexpr Condition kDoesNotSink =
-    lands("does not sink", "in descent, but more than sink_error_m too high; poses no longer used",
-          {.after_s = 2.0, .distrusts_pose = true},
-          [](const In& in, const Lim& lim) { return in.sink_error_m > lim.sink_error_m; });
+constexpr Condition kDoesNotSink = lands(
+    "does not sink",
+    "in descent, but > sink_error_m above the commanded height; the driver stops using the poses",
+    {.after_s = 2.0, .distrusts_pose = true},
+    [](const In& in, const Lim& lim) { return in.sink_error_m > lim.sink_error_m; });
 constexpr Condition kOperatorLost =
     lands("operator lost", "no heartbeat for operator_age_land_s", {.blocks_arming = true},
           [](const In& in, const Lim& lim) {
@@ -122,7 +125,7 @@ constexpr Condition kVelocityDisagrees = holds(
       return in.velocity_error_mps > lim.velocity_error_hold_mps;
     });
 constexpr Condition kEstimatorDoubtful =
-    holds("estimator doubtful", "the autopilot's estimator is not good",
+    holds("estimator doubtful", "the autopilot reports that its position estimate is unreliable",
           {.blocks_arming = true, .after_s = 0.2},
           [](const In& in, const Lim&) { return !in.estimator_good; });
 constexpr Condition kAutopilotDisobeys = holds_for_operator(

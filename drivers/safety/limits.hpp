@@ -93,9 +93,9 @@ struct SafetyLimits {
   /// rad; largest difference of the vertical between mocap and the autopilot
   double attitude_error_arm_rad = 0.17;
   double yaw_error_arm_rad = 0.26;  ///< rad; largest yaw difference between mocap and the autopilot
-  std::optional<Pose2> start;       ///< scenario's start pose, near which the first flight must
-                                    ///< begin
-  double start_off_arm_m = 0.5;     ///< m; largest distance from `start` before the first flight
+  std::optional<Pose2> start;  ///< start pose in the scenario; the first flight must begin near it
+  double start_off_arm_m =
+      0.5;  ///< m; largest distance from `start` at take-off of the first flight
   double start_turn_arm_rad = 0.3;
   double lift_height_m = 0.2;  ///< m above the ground position; hover height of the first lift
   double lift_done_m = 0.3;    ///< m; the next vehicle may lift when this vehicle has risen more

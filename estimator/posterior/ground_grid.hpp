@@ -55,7 +55,8 @@ class GroundGrid {
     }
   }
 
-  // long: exponents at points along axes that rotate with the robot, then their moments.
+  // long: computes the exponents at grid points, then their moments. The grid's axes rotate with
+  // the robot.
   [[nodiscard]] std::optional<IntegratedMoments> integrate(bool is_limited) const {
     const double c = std::cos(from_.world_from_body.yaw_rad);
     const double s = std::sin(from_.world_from_body.yaw_rad);

@@ -9,7 +9,7 @@
 namespace vantage::estimator {
 namespace {
 
-/// Returns Φ(clearance / sigma), the view probability of one limit.
+/// Returns Φ(clearance / sigma): the probability that the target is inside one limit of the view.
 double within(double clearance, double sigma) {
   if (!(std::abs(clearance) < kViewCertain_sigma * sigma)) {
     return clearance > 0.0 ? 1.0 : 0.0;

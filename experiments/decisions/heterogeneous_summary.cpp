@@ -155,9 +155,10 @@ class Summarised {
     std::string text = fmt::format("r = {}:", price);
     for (const HeterogeneousMethod& method : kMethods) {
       const PointSamples& p = curves_.at(method.name).at(price);
-      text +=
-          fmt::format(" {} I = {:.2f} for C = {:.1f} (UAV {:.1f}), J = {:.2f};", method.label,
-                      p.information.mean(), p.energy.mean(), p.energy_uav.mean(), p.value.mean());
+      text += fmt::format(
+          " {}: information I = {:.2f} nats, energy C = {:.1f} ({:.1f} for UAVs), value J = "
+          "{:.2f};",
+          method.label, p.information.mean(), p.energy.mean(), p.energy_uav.mean(), p.value.mean());
     }
     const Sample gain = gap(price, [&](int trial) { return better_descent(price, trial); });
     return text + fmt::format(" DLS minus the better order of CD per trial {}", mean_text(gain));

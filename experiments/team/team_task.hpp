@@ -5,7 +5,7 @@ namespace vantage::experiments {
 /// The functions that a team's task must provide; each is one part of a round.
 template <class Task>
 concept TeamTask = requires(Task task, int step_of_plan) {
-  task.plan();              // all robots plan for the time until the next planning
+  task.plan();              // all robots plan for the time until they plan again
   task.attack();            // the attacker knows the plans and chooses the sensors that fail
   task.move(step_of_plan);  // robots move by this step of their plans, targets by one step
   task.observe();           // robots that are not attacked observe; beliefs are updated

@@ -205,9 +205,9 @@ Summary summarise(const Tables& tables) {
   summary.figure_script = resilient_tracking_choices_figure();
   summary.figures = {"resilient-tracking-choices"};
   summary.choices = {
-      "A bearing's variance grows with the range, or with the bearing. The attacker chooses, one "
-      "after another, the robots whose loss costs most, or those whose joint plans gain most. "
-      "Beliefs are reflected at the walls, or not.",
+      "Compared settings: the variance of a bearing grows with the range or with the bearing; the "
+      "attacker chooses, one after another, the robots whose loss costs most or those whose joint "
+      "plans gain most; beliefs are reflected at the walls or not.",
       "The nearest combination has the least factor: exp of the mean |log(ours / published)| "
       "over rows, methods, means and peaks."};
   return summary;

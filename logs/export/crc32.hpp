@@ -5,7 +5,8 @@
 
 namespace vantage::logs {
 
-/// Returns the CRC-32 of the bytes with CRC-32 `before` (0: none) followed by `bytes`.
+/// Continues a CRC-32 over `bytes`. `before` is the CRC-32 of all preceding bytes; 0 if there are
+/// none.
 /// Source: IEEE 802.3, reflected polynomial 0xEDB88320.
 std::uint32_t crc32(std::string_view bytes, std::uint32_t before = 0);
 

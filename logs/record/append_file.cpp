@@ -47,7 +47,7 @@ class DiskFile : public AppendFile {
 
   std::optional<Error> sync() override {
     if (::fdatasync(fd_) != 0) {
-      return Error{path_ + ": may not be on the disk: " + reason()};
+      return Error{path_ + ": the last data may not have been written to the disk: " + reason()};
     }
     // Also syncs the folder once: without a directory entry the file would be lost.
     if (!std::exchange(is_named_, true)) {
@@ -58,7 +58,7 @@ class DiskFile : public AppendFile {
         ::close(folder);
       }
       if (!is_synced) {
-        return Error{path_ + ": its folder entry may not be on the disk: " + why};
+        return Error{path_ + ": its folder entry may not have been written to the disk: " + why};
       }
     }
     return std::nullopt;

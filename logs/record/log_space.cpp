@@ -27,9 +27,9 @@ LogSpaceCheck check_log_space(const scenario::Scenario& scenario, const std::str
   if (!free_bytes) {
     return {true, "log: the free disk space is unknown for " + path};
   }
-  const std::string summary =
-      fmt::format("log: {} are free for {}; {:g} s need at most {}", megabytes(*free_bytes), path,
-                  scenario.duration_s + kLogSpareS, megabytes(needed_bytes));
+  const std::string summary = fmt::format(
+      "log: {} free on the disk of {}; a log of {:g} s takes at most {}", megabytes(*free_bytes),
+      path, scenario.duration_s + kLogSpareS, megabytes(needed_bytes));
   return {*free_bytes >= needed_bytes, summary};
 }
 

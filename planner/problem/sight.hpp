@@ -46,9 +46,10 @@ class SightTable {
   /// True if compute_lanes() supports every planar target: all sensors have a planar law.
   [[nodiscard]] bool has_lanes() const { return !lacks_planar_law_; }
 
-  /// Adds the information from `at` to `out`, packed. False if the target is not visible. For a
-  /// moving target, sensors that measure velocity make it information about the state; the target
-  /// then has the velocity `velocity_mps`.
+  /// Adds the information that a measurement from `at` gives, in packed form, to `out`. Returns
+  /// false if the target is not visible. The information is about the position; for a moving target
+  /// and a sensor that measures velocity, it is about the full state, evaluated at the velocity
+  /// `velocity_mps`.
   [[nodiscard]] bool add_information(const Eigen::Vector3d& target_m,
                                      const Eigen::Vector2d& velocity_mps, BlockLayout layout,
                                      const Pose2& at, double cos_yaw, double sin_yaw,

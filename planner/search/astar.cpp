@@ -311,7 +311,8 @@ BestFirstSearch::Progress BestFirstSearch::step() {
 BestFirstSearch::Progress BestFirstSearch::is_dominated(NodeId id, bool& dominated) {
   const Node node = tree_[id];
   Progress progress = Progress::kGoOn;
-  constexpr int kAskEvery = 64;  // nodes compared without blocks between deadline checks: a few µs
+  // Number of compared nodes between two deadline checks; 64 comparisons take a few µs.
+  constexpr int kAskEvery = 64;
   int passed_by = 0;
   index_.near(node.world_from_body, [&](NodeId other) {
     if (++passed_by % kAskEvery == 0) {

@@ -53,8 +53,8 @@ struct Algorithm {
   std::function<std::unique_ptr<Search>(const SearchCapacity&, const AlgorithmOptions&)> make;
 };
 
-/// Returns all algorithms: those of robots, `vantage plan` and the planner study. A new search of
-/// the library is added in catalogue.cpp; scenario::kSearchNames lists its name.
+/// Returns all algorithms, whether robots, `vantage plan` or the planner study use them. To add a
+/// search, add it in catalogue.cpp and its name in scenario::kSearchNames.
 const std::vector<Algorithm>& all_algorithms();
 /// Adds a search from outside the library. Scenarios, trials, `vantage plan` and Python of this
 /// process can then name it. Call it before the first use of the name; not thread-safe.

@@ -22,10 +22,10 @@ struct LookBound {
 };
 
 /// Greatest information that measurements in the best directions can give about a static planar
-/// target. Let a ≤ b be the eigenvalues of the present information, with all-round measurements
-/// added to both, and let E be the sum of the rank-one measurements. Then det Ω ≤ (a + E) b after
-/// one measurement or while a + E ≤ b, else ((a + b + E)/2)²; tr Ω = a + b + E. The bound is
-/// attained: any such Ω is a sum of two or more equal measurements.
+/// target. Let a ≤ b be the eigenvalues of the present information plus the direction-independent
+/// measurements, and E the sum of the non-zero eigenvalues of the rank-one measurements. Then det Ω
+/// ≤ (a + E) b after one measurement or while a + E ≤ b, else ((a + b + E)/2)²; tr Ω = a + b + E.
+/// The bound is attained: two or more rank-one measurements of equal strength can produce it.
 /// Source: Fiedler 1971 (determinant of a sum), Schur–Horn (directions that attain it).
 class PointedInformation {
  public:

@@ -53,7 +53,8 @@ class SequencingBound : public PartialBound {
   /// states.
   Answer cost_to_go(const Pose2& at, int depth, const Blocks& blocks, double cutoff,
                     const Deadline& deadline, std::int64_t& work_nodes);
-  /// Returns the bound of the last answer if control `c` is next; at least the answer's cost.
+  /// Returns the bound for the node of the last cost_to_go() if its next control is `c`. It is at
+  /// least the cost that cost_to_go() returned.
   [[nodiscard]] double cost_after(int c) const { return after_[index(c)]; }
 
  private:

@@ -19,7 +19,8 @@ class TerminalBound {
  public:
   explicit TerminalBound(int targets_max) { measurable_.reserve(index(targets_max)); }
 
-  /// Tabulates `problem`. `heuristic` must be reset to `problem`. All must outlive the queries.
+  /// Tabulates `problem`. Call heuristic.reset(problem, beliefs) first. All three arguments must
+  /// outlive the queries.
   void reset(const SearchProblem& problem, const BeliefTable& beliefs,
              const InformationHeuristic& heuristic);
 

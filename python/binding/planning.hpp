@@ -35,7 +35,7 @@ class WorkMutex {
   std::atomic<std::thread::id> holder_;
 };
 
-/// Value of Python's vantage.Problem: a problem and a mutex for its users.
+/// C++ object behind Python's vantage.Problem: a problem and the mutex that protects it.
 class Problem {
  public:
   Problem(tools::PlanningProblem planning, std::string source)
@@ -60,7 +60,8 @@ class Problem {
       planner::require_valid(planning_.problem);
       const Pose2& start = planning_.problem.start;
       require(models::clearance_m(*planning_.world, start.position_m()) > 0.0,
-              "start: must be inside the map and outside every obstacle, touching neither");
+              "start: must be inside the map, outside every obstacle, and not on an edge of the "
+              "map or of an obstacle");
     } catch (...) {
       planning_.problem = before;
       throw;

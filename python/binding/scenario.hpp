@@ -7,7 +7,7 @@
 
 namespace vantage::python {
 
-/// Value of Python's vantage.Scenario. It is immutable, so trials can share it.
+/// C++ object behind Python's vantage.Scenario. It is immutable, so trials can share it.
 struct Scenario {
   scenario::Scenario value;
   std::string source;  ///< file name, or the text that replaces it in messages

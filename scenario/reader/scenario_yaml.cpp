@@ -173,7 +173,7 @@ void read_tour(Mapping& from, TourSpec& tour) {
 
 void check_round(Mapping& from, const PlannerSpec& planner) {
   if (planner.execute_steps > planner.horizon_steps) {
-    from.refuse("execute_steps", fmt::format("must be at most horizon_steps, {}, is {}",
+    from.refuse("execute_steps", fmt::format("must be at most horizon_steps ({}), but is {}",
                                              planner.horizon_steps, planner.execute_steps));
   }
   const double round_s = planner.execute_steps * planner.step_s;

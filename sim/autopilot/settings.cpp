@@ -28,7 +28,7 @@ AutopilotSettings px4(const ParameterValue& value) {
   out.pose_loss_s = 1e-6 * of("EKF2_NOAID_TOUT", 5e6) - kBeforeNoAidS;
   out.has_barometer = of("EKF2_BARO_CTRL", 1.0) > 0.0;
   if (const auto idle_s = if_positive(of("COM_DISARM_PRFLT", 10.0))) {
-    constexpr double kSpoolUpS = 1.0;  // s; PX4 counts from the end of spool-up
+    constexpr double kSpoolUpS = 1.0;  // s; PX4's disarm timer starts at the end of spool-up
     out.idle_disarm_s = *idle_s + kSpoolUpS;
   }
   out.land_disarm_s = if_positive(of("COM_DISARM_LAND", 2.0));

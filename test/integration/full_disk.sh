@@ -17,7 +17,7 @@ status=0
 "$bin/vantage" up "$scenario" --url "$url" --duration-s 300 --log "$disk/flight.lcmlog" \
   > "$dir/refused.out" 2> "$dir/refused.err" || status=$?
 [[ $status == 2 ]] || fail "a trial without space for its log exits with $status instead of 2"
-grep -q 'are free for .*flight.lcmlog; 360 s need at most 108.0 MB' "$dir/refused.err" ||
+grep -q 'free on the disk of .*flight.lcmlog; a log of 360 s takes at most 108.0 MB' "$dir/refused.err" ||
   fail "free and needed space are not printed"
 [[ -z $(ls "$disk") ]] || fail "files were created"
 

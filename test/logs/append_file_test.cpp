@@ -76,7 +76,8 @@ TEST(AppendFile, ReportsWriteErrors) {
   EXPECT_EQ(full->size_bytes(), 0U);
   const auto unsynced = full->sync();
   ASSERT_TRUE(unsynced);
-  EXPECT_EQ(unsynced->message, "/dev/full: may not be on the disk: Invalid argument");
+  EXPECT_EQ(unsynced->message,
+            "/dev/full: the last data may not have been written to the disk: Invalid argument");
   const auto uncut = full->cut(0);
   ASSERT_TRUE(uncut);
   EXPECT_EQ(uncut->message, "/dev/full: its unfinished end cannot be cut off: Invalid argument");

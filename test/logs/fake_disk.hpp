@@ -131,7 +131,8 @@ class FakeDisk {
     const std::size_t size = content.bytes.size();
     changed_.wait(lock, [&] { return !sync_hangs_; });
     if (sync_fails_) {
-      return Error{path + ": may not be on the disk: Input/output error"};
+      return Error{path +
+                   ": the last data may not have been written to the disk: Input/output error"};
     }
     content.synced_bytes = size;
     changed_.notify_all();

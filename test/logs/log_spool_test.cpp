@@ -217,8 +217,10 @@ TEST(LogSpool, ReportsUnsyncedData) {
   LogSpool spool(quick(), disk.opener());
   write(spool, 0);
   const std::string notices = wait_for_notice(spool, "LOG NOT SAFE");
-  EXPECT_NE(notices.find(kPath + ": may not be on the disk: Input/output error"),
-            std::string::npos);
+  EXPECT_NE(
+      notices.find(kPath +
+                   ": the last data may not have been written to the disk: Input/output error"),
+      std::string::npos);
   EXPECT_FALSE(spool.report().is_good());
 }
 

@@ -239,10 +239,9 @@ void read_problem(Mapping& top, PlanningProblem& read) {
   top.section("robot",
               [&](Mapping& robot) { problem.start = read_start(robot, problem.height_m); });
   if (models::clearance_m(*read.world, problem.start.position_m()) <= 0.0) {
-    top.refuse("robot",
-               fmt::format("must be inside the map and outside every obstacle, touching neither; "
-                           "is at [{}, {}]",
-                           problem.start.x_m, problem.start.y_m));
+    top.refuse("robot", fmt::format("must be inside the map, outside every obstacle, and not on an "
+                                    "edge of the map or of an obstacle; is at [{}, {}]",
+                                    problem.start.x_m, problem.start.y_m));
   }
   top.number("tau", problem.step_s, positive(kLongest_s));
   if (const std::optional<Value> controls = top.find("controls")) {

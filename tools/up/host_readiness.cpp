@@ -94,7 +94,9 @@ UpOptions with_priority(const scenario::Scenario& scenario, UpOptions options,
   const bool is_granted = grants_fifo(kDriverPriority);
   options.driver_priority = is_granted ? kDriverPriority : 0;
   const bool has_priority = is_granted || runs_in_real_time();
-  if (!has_priority && options.ignore_others) {  // otherwise run_up() has listened for this time
+  // `load` is measured while run_up() listens for other hosts. With ignore_others run_up() does not
+  // listen, so this function waits for the same time.
+  if (!has_priority && options.ignore_others) {
     std::this_thread::sleep_for(trial::kListenTime);
   }
   const auto fault = has_priority ? std::nullopt : host_fault({false, load.free_processors()});

@@ -16,9 +16,9 @@ namespace vantage::tools {
 /// - all records of the scenario, of the team, of plans and of events;
 /// - at most one record per second of each vehicle and process, and of the targets' states;
 /// - the positions of all bodies five times per second.
-/// The size is bounded; the oldest records are removed first. Either all records are passed on to
-/// the Sink `audience`, or only its wants() is called, so that it knows every topic. One thread
-/// writes; any thread may read.
+/// The size is bounded; the oldest records are removed first. With Forwarding::kRecords, all
+/// records are passed on to the Sink `audience`. With kWantsOnly, only audience.wants() is called,
+/// so that `audience` knows every topic. One thread writes; any thread may read.
 class History : public logs::foxglove::Sink {
  public:
   enum class Forwarding { kRecords, kWantsOnly };

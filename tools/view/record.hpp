@@ -23,7 +23,7 @@ struct RecordOptions {
   std::string link;  ///< part of a page link after its '#': view, cameras, layers
 };
 
-/// Returns the address of the page for the recording browser.
+/// Returns the address of the page that the browser opens to make the recording.
 std::string record_address(const std::string& url, const std::string& key,
                            const RecordOptions& options, double length_s);
 

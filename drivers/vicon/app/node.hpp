@@ -25,7 +25,7 @@ class ViconNode : public bus::Node {
   /// VICON.
   ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
             std::function<void(const std::string&)> report);
-  /// As above, for the driver of `row`.
+  /// As above, for the mocap protocol that the table row `row` describes.
   ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
             const vicon::SessionRow& row, std::function<void(const std::string&)> report);
 

@@ -84,8 +84,9 @@ inline constexpr double kDoubt = 0.5;
 /// change. The covariance is enlarged towards the belief that discover() gives for the detection
 /// alone, with share kDoubt: Σ ← Σ + kDoubt (Σ_z + d dᵀ), d from the mean to that belief's mean.
 /// The next detection is then within the gate, both at the old position and at the position of this
-/// detection. Until then, received beliefs without a detection at least as new are not fused.
-/// Returns false and leaves the track unchanged if the sensor cannot determine the position.
+/// detection. Until the robot detects the target again, it fuses a received belief only if the
+/// belief includes a detection made at `time` or later. Returns false and leaves the track
+/// unchanged if the sensor cannot determine the position.
 bool doubt(Track& track, const scenario::EstimatorSpec& spec, const models::SensorModel& sensor,
            const models::Viewpoint& from, const models::Measurement& measurement, Time time);
 

@@ -18,7 +18,8 @@ static_assert(kLabels == models::kTrackLabelMin,
 
 constexpr double kSameWithin_sigma = 3.0;
 constexpr double kTellsMore_nats = 0.5;
-/// Least existence probability at which an own track is matched with a teammate's confirmed track.
+/// Least existence probability at which one of the robot's tracks is matched with a track that a
+/// teammate confirmed.
 constexpr double kPlausible = 0.1;
 /// Existence probability of a track that a teammate confirmed; beliefs do not contain the exact
 /// value.

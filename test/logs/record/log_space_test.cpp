@@ -21,7 +21,8 @@ TEST(RoomForLog, CoversTrialAndLandings) {
   EXPECT_TRUE(enough.is_enough);
   const LogSpaceCheck little = check_log_space(scenario, "lab.lcmlog", 89'900'000U);
   EXPECT_FALSE(little.is_enough);
-  EXPECT_EQ(little.summary, "log: 89.9 MB are free for lab.lcmlog; 300 s need at most 90.0 MB");
+  EXPECT_EQ(little.summary,
+            "log: 89.9 MB free on the disk of lab.lcmlog; a log of 300 s takes at most 90.0 MB");
   EXPECT_TRUE(check_log_space(scenario, "lab.lcmlog", std::nullopt).is_enough)
       << "unknown free space";
 }
@@ -100,7 +101,7 @@ TEST(RoomForLog, ReportsFreeAndRequiredSpace) {
   scenario.robots.resize(1);
   EXPECT_EQ(log_bytes_needed(scenario), 6'050'000U);  // 100 kB/s · 60.5 s
   EXPECT_EQ(check_log_space(scenario, "a", 6'050'000U).summary,
-            "log: 6.0 MB are free for a; 60.5 s need at most 6.0 MB");
+            "log: 6.0 MB free on the disk of a; a log of 60.5 s takes at most 6.0 MB");
   EXPECT_TRUE(check_log_space(scenario, "a", 6'050'000U).is_enough);
   EXPECT_FALSE(check_log_space(scenario, "a", 6'049'999U).is_enough);
 }

@@ -147,7 +147,7 @@ Eigen::Matrix2d along(double angle_rad, double strength) {
 }
 
 // Compares the result with the best of many directions of one or two measurements.
-TEST(PointedInformation, EqualsBestMeasurementDirections) {
+TEST(PointedInformation, EqualsInformationFromBestDirections) {
   std::mt19937_64 rng(43);
   int stretched = 0;
   int round = 0;

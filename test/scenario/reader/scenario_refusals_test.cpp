@@ -128,7 +128,7 @@ const BadEdit kRanges[] = {
     {"OscillatorOfOneSigma", "velocity_sigma_mps: [0.47, 0.29]", "@velocity_sigma_mps: 0.4", "estimator.target_model.velocity_sigma_mps: must be a list of two numbers [x, y]"},
     {"TargetsInFourDimensions", "position_dim: 2", "@position_dim: 4", "must be at least 2 and at most 3, is '4'"},
     {"RoundTooShort", "team_budget_s: 0.5", "@team_budget_s: 0.96", "must fit with publish_margin_s, 0.05, into a round of execute_steps · step_s = 1 s; is 0.96"},
-    {"ExecutesBeyondItsHorizon", "execute_steps: 2", "@execute_steps: 13", "must be at most horizon_steps, 12, is 13"},
+    {"ExecutesBeyondItsHorizon", "execute_steps: 2", "@execute_steps: 13", "must be at most horizon_steps (12), but is 13"},
     {"MocapOfAnUnknownProtocol", "  rate_hz: 50\n", "  rate_hz: 50\n  @protocol: xsens\n", "mocap.protocol: must be one of datastream, object_stream, vrpn, natnet, qtm; is 'xsens'"},
     {"MocapPort", "  rate_hz: 50\n", "  rate_hz: 50\n  @port: 0\n", "mocap.port: must be at least 1 and at most 65535, is '0'"},
     {"MocapBlock", "  rate_hz: 50\n", "  rate_hz: 50\n  @block_bytes: 500\n", "mocap.block_bytes: must be one of 256, 512, 1024; is 500"},

@@ -16,7 +16,7 @@ using test::kDefaults;
 using test::kTargets;
 
 // The world is not centred at the origin, so that an offset with the wrong sign is detected.
-TEST(ScenarioRules, GridsAndDrawsFollowWorldOffset) {
+TEST(ScenarioRules, GridsAndRandomPositionsFollowWorldOffset) {
   const auto world = [](double x_m, double y_m, const std::string& more) {
     const auto text = [](double a, double b) {
       return "[" + std::to_string(a) + ", " + std::to_string(b) + "]";
@@ -52,7 +52,7 @@ TEST(ScenarioRules, RoundsAreLongEnough) {
   };
   EXPECT_EQ(with("horizon_steps: 7, execute_steps: 7"), "taken");
   EXPECT_EQ(with("horizon_steps: 7, execute_steps: 8"),
-            "f:7: planner.execute_steps: must be at most horizon_steps, 7, is 8");
+            "f:7: planner.execute_steps: must be at most horizon_steps (7), but is 8");
   const std::string round = "execute_steps: 3, step_s: 0.25, publish_margin_s: 0.125, ";
   EXPECT_EQ(with(round + "team_budget_s: 0.625"), "taken") << "exactly the duration of the round";
   EXPECT_EQ(with(round + "team_budget_s: 0.75"),

@@ -500,7 +500,7 @@ class Workshop:
             return self.sound[test.name]
 
     def compile(self, wanted, made, sources, name, text, options=()):
-        """Compiles an object with another text of the file `name`, its source or a header."""
+        """Compiles an object after replacing the file `name`, its source or a header, by `text`."""
         words = list(self.command_of[wanted])
         words[words.index("-o") + 1] = made
         overlay = sources / name

@@ -341,7 +341,7 @@ const handlers = [
   [/^\/(?!lcm\/)/, (record, topic) => record.entities && (layer_of(topic)?.shown ?? true) && world.update(topic, tinted(topic, record))],
 ];
 
-/** Gives each target's true position and estimates the colour of the target. */
+/** Draws each target's true position and its estimates in the colour of the target. */
 function tinted(topic, record) {
   if (!/^\/(targets|estimates|belief\/[^/]+)$/.test(topic)) return record;
   for (const { id, cubes, lines, texts } of record.entities) {
