@@ -25,7 +25,7 @@ AssignmentSolver::AssignmentSolver(int rows_max, int columns_max) {
 // Finds the shortest path to an unassigned column for each row. This function is long: one loop.
 std::span<const int> AssignmentSolver::solve(std::span<const double> cost, int rows, int columns) {
   demand(rows >= 0 && rows <= columns && cost.size() == index(rows) * index(columns),
-         "an assignment needs as many columns as rows, and a cost for each pair");
+         "an assignment needs at least as many columns as rows, and one cost per row and column");
   column_of_row_.assign(index(rows), -1);
   row_price_.assign(index(rows), 0.0);
   row_of_column_.assign(index(columns), -1);

@@ -325,9 +325,9 @@ std::vector<std::string> security_faults(const scenario::Scenario& scenario) {
 void require_operator(const scenario::Scenario& scenario) {
   if (scenario.security.mode != scenario::SecurityMode::kOff &&
       load_keyring(scenario.security.keys).signing(Role::kOperator) == nullptr) {
-    throw StartupError(
-        scenario.security.keys +
-        ": this host cannot send commands: operator-ID.sign is missing; only stations have it");
+    throw StartupError(scenario.security.keys +
+                       ": this host cannot send commands: operator-ID.sign is missing; only "
+                       "operator stations have this file");
   }
 }
 

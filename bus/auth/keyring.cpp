@@ -96,8 +96,9 @@ Key read_key(const fs::path& path, const FileName& name) {
   }
   key.id = key_id(name.role, contents.bytes());
   if (key.id != name.id) {
-    throw StartupError(fmt::format("{}: the file contains key {}, not the key in its name",
-                                   path.string(), key_name(key)));
+    throw StartupError(
+        fmt::format("{}: the file contains the key {}, but its name contains another key",
+                    path.string(), key_name(key)));
   }
   const fs::path seed_path = fs::path(path).replace_extension(kSeedSuffix);
   if (name.role == Role::kOperator && fs::exists(fs::symlink_status(seed_path))) {

@@ -82,7 +82,8 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
                    "prefix of every channel that this process publishes");
     if (program.can_replay) {
       app.add_flag("--replay", arguments.replay,
-                   "repeat the computations of a replayed log, from the inputs that it names");
+                   "recompute the outputs of a log that is being replayed, from the inputs that "
+                   "the log lists for each output");
     }
     try {
       app.parse(argc, argv);

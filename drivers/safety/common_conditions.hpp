@@ -94,25 +94,26 @@ inline constexpr Condition kEmergencyStop =
 inline constexpr Condition kMotor = kills(
     "motor", "the autopilot reports a failed motor", {.blocks_arming = true, .spares_pilot = true},
     [](const SafetyInputs& in, const SafetyLimits&) { return in.motor_failed; });
-inline constexpr Condition kFenceFar =
-    kills("fence far", "centre > fence_kill_m outside or above the ceiling",
-          {.blocks_arming = true, .spares_pilot = true},
-          [](const SafetyInputs& in, const SafetyLimits& lim) {
-            return in.fence_centre_m < -lim.fence_kill_m;
-          });
+inline constexpr Condition kFenceFar = kills(
+    "fence far", "the vehicle's centre is > fence_kill_m outside the fence or above the ceiling",
+    {.blocks_arming = true, .spares_pilot = true},
+    [](const SafetyInputs& in, const SafetyLimits& lim) {
+      return in.fence_centre_m < -lim.fence_kill_m;
+    });
 inline constexpr Condition kPoseLost =
     lands("pose lost", "pose_age_s > pose_age_land_s", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.pose_age_s > lim.pose_age_land_s;
           });
 inline constexpr Condition kFence =
-    lands("fence", "edge > fence_land_m outside; moves inward only", {.blocks_arming = true},
-          [](const SafetyInputs& in, const SafetyLimits& lim) {
+    lands("fence",
+          "the vehicle's edge is > fence_land_m outside the fence; only inward motion is allowed",
+          {.blocks_arming = true}, [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.fence_now_m < -lim.fence_land_m;
           });
 inline constexpr Condition kSeparationBreach =
-    lands("separation breach", "nearest body < separation_land_m", {.blocks_arming = true},
-          [](const SafetyInputs& in, const SafetyLimits& lim) {
+    lands("separation breach", "the nearest body is closer than separation_land_m",
+          {.blocks_arming = true}, [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.separation_now_m < lim.separation_land_m;
           });
 inline constexpr Condition kTrackingLost =
@@ -120,13 +121,13 @@ inline constexpr Condition kTrackingLost =
           [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.tracking_error_m > lim.tracking_land_m;
           });
-inline constexpr Condition kBatteryCritical =
-    lands("battery critical", "share < battery_land_share", {.blocks_arming = true, .after_s = 3.0},
-          [](const SafetyInputs& in, const SafetyLimits& lim) {
-            return in.battery_share < lim.battery_land_share;
-          });
+inline constexpr Condition kBatteryCritical = lands(
+    "battery critical", "battery share < battery_land_share",
+    {.blocks_arming = true, .after_s = 3.0}, [](const SafetyInputs& in, const SafetyLimits& lim) {
+      return in.battery_share < lim.battery_land_share;
+    });
 inline constexpr Condition kEnding =
-    lands("ending", "the driver was requested to end", {.blocks_arming = true},
+    lands("ending", "the driver received a request to end", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits&) { return in.is_ending; });
 inline constexpr Condition kPoseStale =
     holds("pose stale", "pose_age_s > pose_age_hold_s", {.blocks_arming = true},
@@ -134,7 +135,7 @@ inline constexpr Condition kPoseStale =
             return in.pose_age_s > lim.pose_age_hold_s;
           });
 inline constexpr Condition kPoseLate =
-    holds("pose late", "latency > pose_latency_hold_s", {.blocks_arming = true},
+    holds("pose late", "pose latency > pose_latency_hold_s", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.pose_latency_s > lim.pose_latency_hold_s;
           });
@@ -162,27 +163,27 @@ inline constexpr Condition kTracking =
           [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.tracking_error_m > lim.tracking_hold_m;
           });
-inline constexpr Condition kNoPlan =
-    cleared(holds("no plan", "no plan, or it has ended and plan_age_s > plan_age_hold_s", {},
-                  [](const SafetyInputs& in, const SafetyLimits& lim) {
-                    return !in.has_plan || (in.plan_ended && in.plan_age_s > lim.plan_age_hold_s);
-                  }),
-            Clearing::kAtOnce, "a plan passes the check and begins where the vehicle is");
+inline constexpr Condition kNoPlan = cleared(
+    holds("no plan", "no plan received, or the plan has ended and plan_age_s > plan_age_hold_s", {},
+          [](const SafetyInputs& in, const SafetyLimits& lim) {
+            return !in.has_plan || (in.plan_ended && in.plan_age_s > lim.plan_age_hold_s);
+          }),
+    Clearing::kAtOnce, "a plan passes the check and begins where the vehicle is");
 inline constexpr Condition kPlannerLate =
-    holds("planner late", "plans_late_hold plans in a row after the deadline", {},
+    holds("planner late", "plans_late_hold plans in a row arrived after their deadlines", {},
           [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.plans_late >= lim.plans_late_hold;
           });
 inline constexpr Condition kMapDiffers =
-    holds("map differs", "another scenario is announced", {.blocks_arming = true},
+    holds("map differs", "another process announces a different scenario", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits&) { return in.map_differs; });
 inline constexpr Condition kOperatorQuiet = holds_for_operator(
-    "operator quiet", "no heartbeat for operator_age_hold_s", {.blocks_arming = true},
-    [](const SafetyInputs& in, const SafetyLimits& lim) {
+    "operator quiet", "no heartbeat of the operator for operator_age_hold_s",
+    {.blocks_arming = true}, [](const SafetyInputs& in, const SafetyLimits& lim) {
       return lim.needs_operator && in.operator_age_s > lim.operator_age_hold_s;
     });
 inline constexpr Condition kDriverStalled =
-    holds("driver stalled", "> stall_hold_s between two ticks", {},
+    holds("driver stalled", "> stall_hold_s between two ticks of the driver", {},
           [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.since_last_tick_s > lim.stall_hold_s;
           });
@@ -202,21 +203,22 @@ inline constexpr Condition kHostBusy =
             return in.processor_wait_s > lim.processor_wait_arm_s;
           });
 inline constexpr Condition kPoseUnsettled =
-    notes("pose unsettled", "fewer than pose_frames_to_arm plausible poses",
+    notes("pose unsettled", "fewer than pose_frames_to_arm plausible poses in a row",
           {.blocks_arming = true}, [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.poses_accepted < lim.pose_frames_to_arm;
           });
-inline constexpr Condition kPlannerSilent =
-    notes("planner silent", "no message from the leaseholder for plan_silent_warn_s", {},
-          [](const SafetyInputs& in, const SafetyLimits& lim) {
-            return in.planner_age_s > lim.plan_silent_warn_s;
-          });
+inline constexpr Condition kPlannerSilent = notes(
+    "planner silent", "the planner that holds the lease has sent no message for plan_silent_warn_s",
+    {}, [](const SafetyInputs& in, const SafetyLimits& lim) {
+      return in.planner_age_s > lim.plan_silent_warn_s;
+    });
 inline constexpr Condition kTwoPlanners =
-    notes("two planners", "a planner without the lease published during the lease",
+    notes("two planners", "a second planner published while another planner holds the lease",
           {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits&) { return in.second_planner; });
 inline constexpr Condition kAnotherVersion =
-    notes("another version", "a message of an unknown type in the last other_version_clear_s",
+    notes("another version",
+          "a message of an unknown type was received in the last other_version_clear_s",
           {.blocks_arming = true}, [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.other_version_age_s < lim.other_version_clear_s;
           });
@@ -224,7 +226,7 @@ inline constexpr Condition kPlansRefused =
     notes("plans refused", "the newest plan did not pass the check", {},
           [](const SafetyInputs& in, const SafetyLimits&) { return in.plans_refused > 0; });
 inline constexpr Condition kBatteryLow =
-    notes("battery low", "share < battery_low_share", {.after_s = 1.0},
+    notes("battery low", "battery share < battery_low_share", {.after_s = 1.0},
           [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.battery_share < lim.battery_low_share;
           });

@@ -166,7 +166,7 @@ class GuardCore {
   double processor_wait_s_ = 0.0;  ///< s; value of the last report
   std::optional<Time> other_version_at_;
   bool emergency_stop_ = false;
-  bool is_ending_ = false;  ///< the driver was requested to end
+  bool is_ending_ = false;  ///< the driver received a request to end
   std::optional<models::OperatorAction> request_;
   std::array<std::int64_t, kPoseVerdicts> pose_counts_{};
   PoseVerdict pose_verdict_ = PoseVerdict::kAbsent;

@@ -103,7 +103,7 @@ struct SafetyInputs : Surroundings {
   double flight_s = 0.0;             ///< s since the vehicle became airborne
 
   // Inputs about this process.
-  bool is_ending = false;  ///< the driver was requested to end
+  bool is_ending = false;  ///< the driver received a request to end
 
   // Inputs about the operator.
   double operator_age_s = 0.0;  ///< s since the last heartbeat of the station in charge

@@ -29,7 +29,7 @@ class DriverEnd {
   /// second request
   DriverEnd(Time started, Duration landing) : started_(started), landing_(landing) {}
 
-  /// Reports that the driver was requested to end; `requests` is the number of requests.
+  /// Reports that the driver received a request to end; `requests` is the number of requests.
   void request(int requests, Time now);
   /// Updates the decision. Call it in each loop after a request.
   void step(const EndFacts& facts, Time now);

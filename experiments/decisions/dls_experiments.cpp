@@ -52,9 +52,9 @@ Summary summarise_savings(const Tables& tables) {
         compare_range(fmt::format("{} robots: reduction of the adopted proposals", n),
                       fewer_adopted, 0, 60, "%"));
     summary.lines.push_back(fmt::format(
-        "{:2} robots, N = {:6.0f}: {:5.3f} N calls instead of {:5.2f} N ({:.1f} % fewer; {:.1f} % "
-        "if the N calls for the single candidates are added to both), "
-        "{:.2f} proposals adopted instead of {:.2f}, {:.1f} messages instead of {:.1f}",
+        "{:2} robots, N = {:6.0f}: {:5.3f} N oracle calls instead of {:5.2f} N ({:.1f} % fewer; "
+        "{:.1f} % if the N calls for the single candidates are added to both), {:.2f} proposals "
+        "adopted instead of {:.2f}, {:.1f} messages instead of {:.1f}",
         n, samples.candidates(n), both.calls.mean(), naive.calls.mean(), fewer_calls,
         fewer_percent(1.0 + both.calls.mean(), 1.0 + naive.calls.mean()), both.adopted.mean(),
         naive.adopted.mean(), both.messages.mean(), naive.messages.mean()));
@@ -62,8 +62,9 @@ Summary summarise_savings(const Tables& tables) {
   const int n = samples.team_sizes().back();
   const auto mean_s = [&](const char* part) { return samples.cpu_s(n, part).mean(); };
   summary.time_lines.push_back(fmt::format(
-      "CPU of {} robots, means: trajectories {:.3f} s (published: < 2 s), single gains {:.4f} s, "
-      "lazy + warm {:.4f} s; naive {:.3f} s, or {:.2f} s without reuse between calls",
+      "Mean CPU time with {} robots: candidate trajectories {:.3f} s (published: < 2 s), gains of "
+      "single candidates {:.4f} s, local search lazy + warm {:.4f} s; naive {:.3f} s, or {:.2f} s "
+      "if calls share no results",
       n, mean_s("trajectories"), mean_s("each alone"), mean_s("lazy + warm"), mean_s("naive"),
       samples.of(n, "naive").calls.mean() * samples.candidates(n) *
           mean_s("one call from scratch")));
@@ -128,12 +129,12 @@ Summary summarise_objective(const Tables& tables) {
     const double cd = std::max(value("cd cheap first"), value("cd dear first"));
     summary.compared.push_back(compare_claim(
         fmt::format("{} robots: mean J of DLS minus mean J of the better order of CD", n),
-        fmt::format("{:.2f} nats; minus the better order per trial {}", value("dls") - cd,
-                    mean_text(gaps.of_dls.at(n))),
+        fmt::format("{:.2f} nats; difference to the better order in each trial {}",
+                    value("dls") - cd, mean_text(gaps.of_dls.at(n))),
         "≥ 0", value("dls") >= cd));
     summary.compared.push_back(
         compare_claim(fmt::format("{} robots: mean J of DLS with the best 10 %, minus CD", n),
-                      fmt::format("{:.2f} nats; minus the better order per trial {}",
+                      fmt::format("{:.2f} nats; difference to the better order in each trial {}",
                                   value("dls best 10 %") - cd, mean_text(gaps.of_best_share.at(n))),
                       "> 0", value("dls best 10 %") > cd));
     summary.lines.push_back(

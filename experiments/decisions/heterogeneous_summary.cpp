@@ -57,9 +57,8 @@ class Summarised {
     summary.lines.push_back(fmt::format("I and J in nats; the figure shows trial {}", trial));
     const auto mean_s = [&](const char* part) { return times_.at(part).mean(); };
     summary.time_lines.push_back(
-        fmt::format("CPU of a trial, means: trajectories {:.3f} s, gains of N = {:.0f} candidates "
-                    "{:.4f} s, DLS "
-                    "{:.4f} s, CD {:.4f} s",
+        fmt::format("Mean CPU time of a trial: trajectories {:.3f} s, gains of N = {:.0f} "
+                    "candidates {:.4f} s, DLS {:.4f} s, CD {:.4f} s",
                     mean_s("trajectories"), candidates_.mean(), mean_s("each alone"), mean_s("dls"),
                     mean_s("cd uav first")));
     return summary;
@@ -142,8 +141,8 @@ class Summarised {
                       "DLS consistently better", higher == points));
     summary.compared.push_back(
         compare_claim(fmt::format("mean J of DLS minus that of {}, paired by trial", method.label),
-                      fmt::format("≥ 0 at {} of {} prices; the interval is > 0 at {}", better,
-                                  points, surely_better),
+                      fmt::format("≥ 0 at {} of {} prices; the interval is above 0 at {} of them",
+                                  better, points, surely_better),
                       "better on average", better == points));
     const Sample pictured = gap_to(kPicturedPrice, method.name);
     summary.compared.push_back(

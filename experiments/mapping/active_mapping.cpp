@@ -226,7 +226,7 @@ void compare(const std::map<std::string, PlanSamples>& samples, Summary& summary
                     "all, in less than 10 s",
                     static_cast<std::size_t>(long_astar.proven) == long_astar.cost.size()),
       compare_claim(
-          "landmarks observed by the optimum of the known start",
+          "landmarks that the optimal plan from the known start observes",
           fmt::format("{:.0f} of 6, cost {:.4f}, proven: {}", samples.at("known,astar").seen.mean(),
                       samples.at("known,astar").cost.mean(),
                       samples.at("known,astar").proven == 1 ? "yes" : "no"),

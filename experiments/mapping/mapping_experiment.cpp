@@ -232,8 +232,7 @@ Summary summarise(const Tables& tables) {
     if (cases[i].is_in_dissertation()) {
       summary.compared.push_back(compare_claim(what, ours, "< 0", less.mean() < 0.0));
     } else {
-      summary.lines.push_back("Variant or attacker that is not in the source, " + what + ": " +
-                              ours);
+      summary.lines.push_back("Not in the source: " + what + ": " + ours);
     }
   }
   summary.lines.push_back(rounds_line(tables));
@@ -246,8 +245,8 @@ Summary summarise(const Tables& tables) {
   summary.figures = {"resilient-mapping-maps", "resilient-mapping-entropy"};
   summary.choices = {
       "The source does not state the number of attacked robots. Here: 1, 2 and 3 of 6.",
-      "The source gives T_REPLAN as T_TASK, but redraws attacks after each planning duration. "
-      "Here: planned again every 4 steps.",
+      "The source sets T_REPLAN = T_TASK, but chooses new attacks after each planning period. "
+      "Here: a new plan and new attacks every 4 steps.",
       "The maps of the source have no scale. Here: 16 m, cells of 0.2 m; the map is then nearly "
       "complete at the end, as in the source.",
       "96 beams per scan, 48 in planning; 95 % probability per cell observation; clamp at 99 %; "

@@ -106,7 +106,8 @@ Summary summarise(const Tables& tables) {
                        trials.entropy_nats.half_interval(), trials.sticking, trials.switching);
     const std::size_t runs = trials.entropy_nats.size();
     const std::string ours = fmt::format(
-        "switches per trial {} and {}; no robot switches in {} of {} trials, both do in {}",
+        "switches per trial: first robot {}, second {}; no robot switches in {} of {} trials, both "
+        "robots in {}",
         mean_text(trials.switches[0]), mean_text(trials.switches[1]), trials.sticking, runs,
         trials.switching);
     const std::string what = fmt::format("jammed robot: {}, {}", cases[i].jam.name,
@@ -133,10 +134,12 @@ Summary summarise(const Tables& tables) {
   summary.choices = {
       "Simulated, not flown, without measurement noise: true positions of robots and targets equal "
       "the estimates.",
-      "The source does not state the jammed robot. Here: always the first or always the second to "
-      "plan, or at each planning the one with the larger gain. The figure shows the first.",
-      "Targets 4 m apart, primitives, noise, T, τ as in config/lab.yaml; planned again every two "
-      "steps; random walk of 0.01 m²/s; two minutes; ten trials with starts drawn in each half."};
+      "The source does not state the jammed robot. Here three cases: always the robot that plans "
+      "first, always the robot that plans second, or in each round the robot with the larger gain. "
+      "The figure shows the first case.",
+      "Targets 4 m apart with a random walk of 0.01 m²/s; primitives, noise, T and τ as in "
+      "config/lab.yaml; a new plan every two steps; ten trials of two minutes, with one random "
+      "start in each half of the world."};
   return summary;
 }
 

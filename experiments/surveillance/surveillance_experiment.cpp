@@ -260,9 +260,9 @@ Summary summarise(const Tables& tables) {
       "The map of the camp is our own choice: 120 × 90 m, fifteen buildings with a landmark "
       "each, 24 trees.",
       "The source does not state σ of the range. Here: 0.15 m as in tracking; prior 1 m.",
-      "A plan uses each landmark's k at the time of planning.",
-      "The attacker chooses robots greedily at each planning, by the gain of the whole plans. "
-      "A second attacker chooses the robots whose single plans gain most.",
+      "A plan uses each landmark's number k of steps without observation at the time of planning.",
+      "The attacker chooses robots greedily in each planning round, by the gain of their joint "
+      "plans. A second attacker chooses the robots whose single plans gain most.",
       "landmark_watch.hpp describes how each measure counts intervals that have no end; see also "
       "restricted_mean.hpp."};
   return summary;

@@ -75,9 +75,8 @@ Summary summarise(const Tables& tables) {
   summary.figures = {"tracking-clutter"};
   summary.choices = {
       "The dissertation has no such figure: its detections contain the target's id.",
-      "Every method is one central filter with the same motion model, measurement update and "
-      "detections. "
-      "The sensors fly by the beliefs that use the known ids.",
+      "Every method is a central filter with the same motion model, measurement update and "
+      "detections. The paths of the sensors are planned with the beliefs that use the known ids.",
       "OSPA of order 2, cutoff 1 m. lmb receives the number of targets; jpda and "
       "nearest_neighbour confirm tracks by counts of hits and misses."};
   return summary;

@@ -213,7 +213,7 @@ Pose2 start_of(const TruePath& truth, Time time) {
       return *pose;
     }
   }
-  throw UsageError("a known start needs a true pose after the start of the span");
+  throw UsageError("a known start requires a true pose after the start of the evaluated time");
 }
 
 /// Calls `use` with the sightings of each frame stamped ≤ `until`, with corrected times, from
@@ -355,7 +355,7 @@ class JointRun {
            next < inputs.odometry.size() && inputs.odometry[next].stamp.time <= to; ++next) {
         const models::OdometryReport& odometry = inputs.odometry[next];
         require(odometry.kind == models::OdometryKind::kCommand,
-                "hindsight needs odometry of commands");
+                "smoothing with later data requires odometry of kind kCommand");
         motions_[robot].command(odometry.stamp.time, odometry.motion_body.x(),
                                 odometry.motion_body.z());
       }

@@ -124,8 +124,9 @@ std::optional<Event> TargetStory::on(const TargetStatus& target, const std::stri
       }
       state_ = State::kLost;
       return event(LogLevel::kWarning, "lost",
-                   target.estimate ? "lost: as uncertain as before it was found"
-                                   : "lost: no robot has an estimate");
+                   target.estimate
+                       ? "lost: the estimate is as uncertain as before the target was found"
+                       : "lost: no robot has an estimate");
     case State::kLost:
       if (!is_known || target.entropy_nats > prior_nats_ - kRegain_nats) {
         return std::nullopt;

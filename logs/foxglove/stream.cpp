@@ -47,7 +47,9 @@ void Stream::put_event(const std::optional<Event>& event, Time received_at) {
 void Stream::on_publisher(std::string_view channel, std::int64_t run_id, Time received_at) {
   if (publishers_.on_run(channel, run_id)) {
     put_event(Event{received_at, LogLevel::kError, "two_publishers",
-                    fmt::format("{}: two processes publish; only one of them is used", channel)},
+                    fmt::format(
+                        "{}: two processes publish this channel; only the messages of one are used",
+                        channel)},
               received_at);
   }
 }

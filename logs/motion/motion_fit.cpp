@@ -225,8 +225,8 @@ std::vector<FittedMotion> fit_motion(std::span<const std::vector<TargetCourse>> 
   for (const MotionSample* sample : {&fitted, &held_back}) {
     for (const MotionMoments& moments : sample->moments[0]) {
       require(moments.samples > 0,
-              "fit-motion: too few target positions; the fitted and the held-out part "
-              "of the time each need more than 8 s");
+              "fit-motion: too few target positions; the part of the log used for the fit and the "
+              "rest must each be longer than 8 s");
     }
   }
   std::vector<FittedMotion> all;

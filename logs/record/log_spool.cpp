@@ -224,8 +224,8 @@ void LogSpool::put_run(std::span<const std::uint8_t> events) {
   const std::lock_guard lock(mutex_);
   is_overflowing_ = false;
   if (!events.empty() && !std::exchange(report_.is_written, true)) {
-    notices_.push_back(report_.path +
-                       ": written again; events lost: " + std::to_string(report_.events_lost));
+    notices_.push_back(report_.path + ": the log is written again; number of lost events: " +
+                       std::to_string(report_.events_lost));
   }
 }
 

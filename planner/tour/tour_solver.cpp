@@ -26,7 +26,7 @@ TourProblem::TourProblem(int stops_max, int robots_max, int samples)
 
 void TourProblem::resize(int stops, int robots, double sample_s, double visit_s) {
   demand(stops >= 0 && stops <= stops_max_ && robots >= 1 && robots <= robots_max_,
-         "tour: stops and robots must fit the capacity");
+         "tour: the numbers of stops and robots must be at most the capacity");
   demand(sample_s > 0.0 && std::isfinite(sample_s), "tour: sample_s must be > 0");
   demand(visit_s >= 0.0 && std::isfinite(visit_s), "tour: visit_s must be ≥ 0");
   stops_ = stops;
@@ -80,7 +80,7 @@ void TourSolver::set_tour(int robot, std::span<const std::uint16_t> tour) {
 void TourSolver::solve(const TourProblem& problem, const Deadline& deadline) {
   demand(
       index(problem.stop_count()) <= stops_max_ && index(problem.robot_count()) <= counts_.size(),
-      "tour: stops and robots must fit the capacity");
+      "tour: the numbers of stops and robots must be at most the capacity");
   problem_ = &problem;
   deadline_ = &deadline;
   work_nodes_ = 0;

@@ -355,7 +355,8 @@ sensor's own motion.)");
             return found ? py::object(array_of(*found)) : py::object(py::none());
           },
           py::arg("viewpoint"), py::arg("z"), py::arg("position_dim") = 2,
-          "Returns the target position that gives z exactly; None if z does not determine it.");
+          "Returns the target position that gives z exactly; None if z does not determine a "
+          "position.");
 }
 
 void bind_world(py::module_& module) {
@@ -370,7 +371,7 @@ World(bounds, obstacles=()): bounds (4,) and obstacles (n, 4): xmin, ymin, xmax,
           },
           py::arg("point"),
           "Returns the distance to the nearest obstacle or wall, m; negative inside an obstacle or "
-          "outside.")
+          "outside the world.")
       .def(
           "line_of_sight",
           [](const World& w, const Doubles& a, const Doubles& b) {

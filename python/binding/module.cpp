@@ -11,7 +11,7 @@ PYBIND11_MODULE(_vantage, module) {
   py::register_exception<vantage::StartupError>(module, "StartupError", PyExc_ValueError).doc() =
       "A file or text is invalid. The message states the location and what was expected.";
   py::register_exception<vantage::UsageError>(module, "UsageError", PyExc_ValueError).doc() =
-      "An argument breaks a rule.";
+      "An argument violates a rule. The message names the argument and the rule.";
   bind_models(module);
   bind_planning(module);
   bind_team(module);

@@ -164,10 +164,11 @@ double gap_of(const Plan& plan) {
 
 // This function is long: it lists the Python names, one entry each.
 void bind_problem(py::module_& module) {
-  py::class_<Problem>(module, "Problem",
-                      R"(One robot's planning problem: docs/guide/planning-problems.md.
+  py::class_<Problem>(
+      module, "Problem",
+      R"(Planning problem of one robot, as described in docs/guide/planning-problems.md.
 
-Problem(source): from a dict with the keys of that page, or from the JSON file at a path.
+Problem(source) reads a dict with the keys of that page, or the JSON file at a path.
 Invalid input raises StartupError with the message of `vantage plan`.)")
       .def(py::init(&problem_of), py::arg("source"))
       .def_static(
@@ -221,7 +222,7 @@ Invalid input raises StartupError with the message of `vantage plan`.)")
 
 M may change. Raises UsageError unless each covariance is symmetric and positive definite.)")
       .def("score", &score, py::arg("poses"),
-           R"(Returns the cost of the poses (T, 3) after each step, by the plain recursion.
+           R"(Returns the cost of the path with the poses (T, 3), one after each step.
 
 Nats for cost logdet, m² for trace. Reachability and clearance of the poses are not checked.)")
       .def("__repr__", [](const Problem& p) {
@@ -276,7 +277,7 @@ void bind_plan(py::module_& module) {
       .def_property_readonly("nodes_generated", integer(&SearchResult::nodes_generated))
       .def_property_readonly("nodes_expanded", integer(&SearchResult::nodes_expanded))
       .def_property_readonly("work_nodes", integer(&SearchResult::work_nodes),
-                             "Work in the unit of Planner(nodes=…).")
+                             "Amount of search work, in the unit of Planner(nodes=…).")
       .def_property_readonly("passes", integer(&SearchResult::passes))
       .def_property_readonly(
           "elapsed_s", [](const Plan& p) { return p.outcome.elapsed_s; },
@@ -289,7 +290,7 @@ void bind_plan(py::module_& module) {
           "Memory of nodes, blocks and lists in use.")
       .def_property_readonly(
           "stop_reason", [](const Plan& p) { return tools::word_of(p.result().stop_reason); },
-          "finished, converged, deadline or memory.")
+          "Reason for the end of the search: finished, converged, deadline or memory.")
       .def_property_readonly(
           "history",
           [](const Plan& p) {
@@ -315,9 +316,9 @@ void bind_planner(py::module_& module) {
   py::class_<Planner>(module, "Planner", R"(A search with reusable memory.
 
 Planner(algorithm="default", *, budget_s=None, nodes=None, epsilon=1.0, delta_m=1.0, weight=1.0,
-memory_mb=512): as the flags of `vantage plan`; the default budget is one second. With nodes the
-result is reproducible to the bit and equals that of the command. Other threads run during the
-search; a Planner solves one problem at a time.)")
+memory_mb=512) has the options of `vantage plan`; the default budget is one second. With nodes the
+result is reproducible bit for bit and equals the result of the command. Other threads run during
+the search; a Planner solves one problem at a time.)")
       .def(py::init([](const std::string& algorithm, std::optional<double> budget_s,
                        std::optional<std::int64_t> nodes, double epsilon, double delta_m,
                        double weight, std::size_t memory_mb) {
@@ -331,7 +332,7 @@ search; a Planner solves one problem at a time.)")
            R"(Returns the best plan at the deadline.
 
 The first call for a problem size allocates memory. Ctrl-C raises KeyboardInterrupt.
-A signal handler must not use the interrupted objects.)")
+A Python signal handler must not use the Planner or the Problem of an interrupted call.)")
       .def(
           "prepare",
           [](Planner& self, const Problem& problem) {

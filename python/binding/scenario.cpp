@@ -38,8 +38,8 @@ void bind_scenario(py::module_& module) {
   py::class_<Scenario, std::shared_ptr<Scenario>>(module, "Scenario",
                                                   R"(Complete description of a trial.
 
-Scenario(source): from the YAML file at a path, from an installed scenario by its name ("lab"), or
-from a dict with the keys of such a file (`vantage config copy lab` writes one). Invalid input
+Scenario(source) reads the YAML file at a path, an installed scenario by its name ("lab"), or
+a dict with the keys of such a file (`vantage config copy lab` writes one). Invalid input
 raises StartupError with line, key, rule, value and a probable correction.)")
       .def(py::init(&scenario_of), py::arg("source"))
       .def_static("parse", &parsed, py::arg("yaml"), py::arg("name") = "scenario",

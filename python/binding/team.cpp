@@ -132,7 +132,7 @@ void bind_decision(py::module_& module) {
           "J: information gain of all plans together minus the cost of motion, nats.")
       .def_property_readonly(
           "bound", &Decision::bound,
-          R"(Proven upper bound of J over all choices of these candidates; exhaustive: the value.
+          R"(Proven upper bound of J over all choices of these candidates; equal to J for exhaustive.
 
 None for rain, which searches instead of choosing, and for measure logdet.)")
       .def_property_readonly(
@@ -140,7 +140,7 @@ None for rain, which searches instead of choosing, and for measure logdet.)")
           "Chosen row of `candidates` for each robot; None for a robot without a plan.")
       .def_property_readonly(
           "candidates", &candidates_of,
-          "For each robot (N, T): controls of its candidates; with rain, its one plan.")
+          "For each robot (N, T): controls of its candidates; with rain, only its plan.")
       .def_property_readonly(
           "controls", [](const Decision& d) { return per_robot(d, &controls_of); },
           "For each robot (T,): rows of its Problem.controls; (0,) without a plan.")
@@ -189,7 +189,7 @@ All attacks are enumerated.)")
           R"(Returns a proven upper bound of J over all paths that the robots' controls allow, nats.
 
 It ignores obstacles and the cost of motion. With attacks_max it bounds the value that remains after
-the worst attack on that number of robots. More nodes of work give a tighter bound, in about 0.1 s
+the worst attack on that number of robots. More nodes give a tighter bound and take about 0.1 s
 per million. None: no bound is known (for example for targets in 3-D).)")
       .def("__repr__", [](const Decision& d) {
         return "<vantage.Decision " + d.algorithm() + ": " + std::to_string(d.value()) + " nats>";
@@ -241,16 +241,17 @@ void bind_team(py::module_& module) {
       R"(Returns a Decision: a plan for each robot of a team. The result is reproducible.
 
 problems: one per robot, each with its own start, controls, sensor and map, and with the same
-targets, T and tau; dicts and paths are accepted. A search with `nodes` of work (epsilon and delta_m
+targets, T and tau; dicts and paths are accepted. A search with `nodes` nodes (epsilon and delta_m
 as in Planner) gives each robot at most candidates_max candidates. The team chooses among them by
 `algorithm`, one of team_algorithms(); with rain each robot searches by `planner` or `nodes`.
 J is the information of all observations about the targets, nats, minus the cost of motion. measure
 mutual: I(y_1:T; z_1:T), for which the algorithms have guarantees; logdet: ½ Σ log det Σ⁰_t / Σ_t.
-energy: one dict for all robots or one per robot: price_nats of one unit of cost, and the costs of a
-step: rest_cost, turn_cost (turning alone) and move_cost.
+energy: one dict for all robots or one per robot, with price_nats per unit of cost and the costs of
+a step: rest_cost, turn_cost (turning without driving) and move_cost.
 
 attacks_max: number of jammed robots that resilient, resilient_exhaustive, max_min and rain expect.
-order and rounds_max: order and number of rounds; only coordinate_descent accepts them.
+order: order in which the robots choose; rounds_max: maximum number of rounds; both only for
+coordinate_descent.
 alpha: each step of a local search multiplies J by at least 1 + alpha/N⁴, with N candidates.)");
 }
 

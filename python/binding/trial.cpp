@@ -103,7 +103,8 @@ class Trial {
     require(seconds_s >= 0.0 && seconds_s <= 1e6, "seconds: must be ≥ 0 and ≤ 1000000");
     const py::gil_scoped_release release;
     require(!is_at_work_.exchange(true),
-            "the trial is being stepped by another thread or by itself");
+            "the trial is already being stepped, by another thread or by the call of one of its "
+            "functions");
     const AtWork at_work{is_at_work_};
     const std::lock_guard lock(mutex_);
     trial_->advance_to(trial_->time() + from_seconds(seconds_s));
@@ -278,19 +279,19 @@ void bind_trial(py::module_& module) {
                     R"(One trial in virtual time: simulator, sensors, estimators, planners.
 
 Trial(scenario, *, log=None, sensors={}, planners={}, filters={}): the scenario may also be a path
-or a dict. The result depends only on the scenario with its seed, however the trial is stepped,
-and equals that of `vantage trial`. A scenario without planner.node_budget gets 20 000 nodes per
-slot, as there. `log` is the path of an LCM log to write.
+or a dict. The result depends only on the scenario and its seed, not on how the trial is stepped,
+and equals the result of `vantage trial`. Without planner.node_budget a search has 20 000 nodes per
+slot, as in `vantage trial`. `log` is the path of an LCM log to write.
 
 sensors={"Q1": look}: look(viewpoint, targets, time_s) replaces that robot's sensor at each planning
 step. viewpoint (4,): x, y, z in m and yaw in rad; targets {id: (3,) m}; time_s since the Unix
 epoch. It returns a list of (id, z (k,), V (k, k)). The function decides which targets are detected
-and how accurately; the meaning of z is that of the scenario's sensor kind.
+and how accurately; the scenario's sensor kind defines the meaning of z.
 
 planners={"Q1": plan, …}, one for each robot: plan(question) replaces the scenario's search once per
 round; vantage.own.Search describes the question. It returns rows (n, 3) of speed in m/s, yaw rate
-in rad/s and duration in s, or None. The result is checked like any plan; without one the robot uses
-its fallback. The scenario, also in logs, then contains planner.algorithm: external.
+in rad/s and duration in s, or None. The result is checked like any plan; without a valid
+result the robot uses its fallback. The scenario, also in logs, then contains planner.algorithm: external.
 
 filters={"Q1": filter}: filter(looks, time_s) replaces the target estimation of that robot. looks is
 a list of (viewpoint, [(id, z, V), …]) since the last step. It returns

@@ -76,7 +76,7 @@ void require_sense(const TeamRequest& request, int robots) {
   only("energy", !request.energy.empty());
   only("planner", request.search != nullptr);
   require(request.options.attacks_max >= 0 && request.options.attacks_max <= robots,
-          fmt::format("attacks_max: must be ≥ 0 and ≤ {}, the number of robots, got {}", robots,
+          fmt::format("attacks_max: must be ≥ 0 and ≤ the number of robots ({}), got {}", robots,
                       request.options.attacks_max));
   require_order(request.options.order, robots);
   require(request.options.rounds_max >= 1,
@@ -92,7 +92,7 @@ void require_sense(const TeamRequest& request, int robots) {
             fmt::format("{}: must be ≥ 0, got {}", name, value));
   }
   require(request.energy.empty() || request.energy.size() == index(robots),
-          fmt::format("energy: must have one entry per robot, {}, got {}", robots,
+          fmt::format("energy: must have one entry per robot ({}), got {}", robots,
                       request.energy.size()));
 }
 
@@ -119,7 +119,7 @@ void require_team(const std::vector<SearchProblem>& problems) {
 
 void require_few(const char* argument, double sets) {
   require(sets <= kMostSets,
-          fmt::format("{}: leaves {:.3g} choices to evaluate one by one; the limit is {:.0f}",
+          fmt::format("{}: requires the evaluation of {:.3g} choices; the limit is {:.0f}",
                       argument, sets, kMostSets));
 }
 

@@ -18,7 +18,7 @@ TeamTask::TeamTask(int robots, int steps_max, const JammerSpec& jammer)
           fmt::format("robots: must be ≥ 1 and ≤ {}, got {}", kRobotsMax, robots));
   require(steps_max >= 1, fmt::format("episode_steps: must be ≥ 1, got {}", steps_max));
   require(jammer.attacks >= 0 && jammer.attacks <= robots,
-          fmt::format("attacks: must be ≥ 0 and ≤ robots, {}, got {}", robots, jammer.attacks));
+          fmt::format("attacks: must be ≥ 0 and ≤ robots ({}), got {}", robots, jammer.attacks));
   require(jammer.period_steps >= 1,
           fmt::format("attack_period_steps: must be ≥ 1, got {}", jammer.period_steps));
   jammed_.assign(static_cast<std::size_t>(robots), 0);

@@ -24,7 +24,7 @@ VectorTask::VectorTask(int count, int threads, const Make& make) : parallel_(thr
 void VectorTask::reset(std::span<const std::uint64_t> seeds) {
   require(
       seeds.size() == tasks_.size(),
-      fmt::format("seeds: must have one seed per task, {}, got {}", tasks_.size(), seeds.size()));
+      fmt::format("seeds: must have one seed per task ({}), got {}", tasks_.size(), seeds.size()));
   seeds_.assign(seeds.begin(), seeds.end());
   parallel_.run(tasks_.size(), [&](std::size_t i) { tasks_[i]->reset(seeds_[i]); });
   was_reset_ = true;

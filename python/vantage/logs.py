@@ -67,7 +67,7 @@ class Log:
     def __init__(self, path):
         self._log = _vantage._Log(path)
         self.channels = {name: Channel(**entry) for name, entry in self._log.channels().items()}
-        """{name: (type, messages, first_utime, last_utime)}; type None: not one of vantage's."""
+        """{name: (type, messages, first_utime, last_utime)}; type is None unless it is one of vantage's."""
 
     @property
     def path(self):

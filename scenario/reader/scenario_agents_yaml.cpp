@@ -69,7 +69,7 @@ void check_start(Mapping& from, const models::World& world, const Pose2& start,
 
 void check_sensor(Mapping& from, const SensorModel& sensor) {
   if (sensor.range_min_m >= sensor.range_max_m) {
-    from.refuse("range_min_m", fmt::format("must be below range_max_m, {}, is {}",
+    from.refuse("range_min_m", fmt::format("must be below range_max_m ({}), but is {}",
                                            sensor.range_max_m, sensor.range_min_m));
   }
   if (sensor.kind.law().measures_bearing && sensor.range_min_m <= 0.0) {
@@ -157,13 +157,13 @@ void read_primitives(Mapping& from, const models::VehicleLimits& limits,
   }
   for (const models::UnicycleControl& control : primitives) {
     if (control.speed_mps > limits.speed_max_mps) {
-      value->refuse(fmt::format("speed_mps must be at most limits.speed_max_mps, {}, is {}",
+      value->refuse(fmt::format("speed_mps must be at most limits.speed_max_mps ({}), but is {}",
                                 limits.speed_max_mps, control.speed_mps));
     }
     if (std::abs(control.yaw_rate_radps) > limits.yaw_rate_max_radps) {
       value->refuse(
-          fmt::format("yaw_rate_radps must be at most limits.yaw_rate_max_radps, {}, in either "
-                      "direction; is {}",
+          fmt::format("yaw_rate_radps must be at most limits.yaw_rate_max_radps ({}) in either "
+                      "direction, but is {}",
                       limits.yaw_rate_max_radps, control.yaw_rate_radps));
     }
   }
@@ -194,7 +194,7 @@ void read_battery(Mapping& from, BatterySpec& battery) {
   from.number("empty_v", battery.empty_v, above_to(0.0, kCellMaxV));
   from.number("full_v", battery.full_v, above_to(0.0, kCellMaxV));
   if (battery.full_v <= battery.empty_v) {
-    from.refuse("full_v", fmt::format("must be above empty_v, {}, is {}; volts per cell",
+    from.refuse("full_v", fmt::format("must be above empty_v ({}), but is {}; volts per cell",
                                       battery.empty_v, battery.full_v));
   }
 }
@@ -242,7 +242,7 @@ void read_crazyflie(Mapping& from, CrazyflieSpec& crazyflie) {
   from.number("empty_v", crazyflie.empty_v, above_to(0.0, kCellMaxV));
   from.number("full_v", crazyflie.full_v, above_to(0.0, kCellMaxV));
   if (crazyflie.full_v <= crazyflie.empty_v) {
-    from.refuse("full_v", fmt::format("must be above empty_v, {}, is {}", crazyflie.empty_v,
+    from.refuse("full_v", fmt::format("must be above empty_v ({}), but is {}", crazyflie.empty_v,
                                       crazyflie.full_v));
   }
   if (!crazyflie.url.starts_with("udp://") && !crazyflie.url.starts_with("radio://")) {
@@ -276,16 +276,17 @@ void check_separation(Mapping& from, const RobotSpec& robot, const Scenario& sce
     const double separation_m = scenario.planner.separation_m;
     const double radii_m = robot.limits.radius_m + other.limits.radius_m;
     if (separation_m < radii_m) {
-      from.refuse("limits",
-                  fmt::format("planner.separation_m must be at least the radii of {} and {}, {} m "
-                              "together; is {}",
-                              other.name, robot.name, radii_m, separation_m));
+      from.refuse("limits", fmt::format("planner.separation_m must be at least the sum of the "
+                                        "radii of {} and {} ({} m), but is {}",
+                                        other.name, robot.name, radii_m, separation_m));
     }
     const double distance_m = (start_in_space_m(robot) - start_in_space_m(other)).norm();
     if (distance_m < separation_m) {
-      from.refuse("start", fmt::format("must be at least planner.separation_m, {} m, from the "
-                                       "start of {}; is {:.3g}",
-                                       separation_m, other.name, distance_m));
+      from.refuse(
+          "start",
+          fmt::format(
+              "must be at least planner.separation_m ({} m) from the start of {}, but is {:.3g}",
+              separation_m, other.name, distance_m));
     }
   }
 }
@@ -303,10 +304,9 @@ void check_plans(Mapping& top, const Scenario& scenario) {
     return;
   }
   if (planner.horizon_steps > kStepsMax) {
-    top.refuse("planner",
-               fmt::format("horizon_steps must be at most {} if a robot's device is wire or "
-                           "real, the longest plan that its driver accepts; is {}",
-                           kStepsMax, planner.horizon_steps));
+    top.refuse("planner", fmt::format("horizon_steps must be at most {}, the longest plan that a "
+                                      "driver accepts, if a robot's device is wire or real; is {}",
+                                      kStepsMax, planner.horizon_steps));
   }
   for (const RobotSpec& robot : scenario.robots) {
     const double plan_s = planner.horizon_steps * planner.step_s +
@@ -358,15 +358,14 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   from.finish();
 
   if (robot.height_m >= scenario.world.ceiling_m) {
-    from.refuse("height_m", fmt::format("must be below world.ceiling_m, {}, is {}",
+    from.refuse("height_m", fmt::format("must be below world.ceiling_m ({}), but is {}",
                                         scenario.world.ceiling_m, robot.height_m));
   }
   if (robot.height_m + robot.limits.radius_m > scenario.world.ceiling_m) {
-    from.refuse(
-        "height_m",
-        fmt::format("must be at most world.ceiling_m, {}, less the robot's radius_m, {}: it "
-                    "would touch the ceiling; is {}",
-                    scenario.world.ceiling_m, robot.limits.radius_m, robot.height_m));
+    from.refuse("height_m",
+                fmt::format("must be at most world.ceiling_m ({}) minus the robot's radius_m ({}), "
+                            "otherwise it touches the ceiling; is {}",
+                            scenario.world.ceiling_m, robot.limits.radius_m, robot.height_m));
   }
   check_start(from, scenario.world, robot.start,
               robot.limits.radius_m + scenario.planner.obstacle_margin_m);

@@ -17,7 +17,8 @@ void read_attack(Mapping& from, const Scenario& scenario, AttackSpec& attack) {
   from.number("from_s", attack.from_s, from_to(0.0, kTimeMaxS));
   from.number("to_s", attack.to_s, above_to(0.0, kTimeMaxS));
   if (!(attack.to_s > attack.from_s)) {
-    from.refuse("to_s", fmt::format("must be above from_s, {}, is {}", attack.from_s, attack.to_s));
+    from.refuse("to_s",
+                fmt::format("must be above from_s ({}), but is {}", attack.from_s, attack.to_s));
   }
   if (const std::optional<Value> robots = from.find_required("robots")) {
     for (const Value& item : robots->items()) {
@@ -35,8 +36,9 @@ void read_attack(Mapping& from, const Scenario& scenario, AttackSpec& attack) {
 void read_attacks(Mapping& top, Scenario& scenario) {
   const int robots = static_cast<int>(scenario.robots.size());
   if (scenario.planner.attacks_max > 0 && scenario.planner.attacks_max >= robots) {
-    top.refuse("planner", fmt::format("attacks_max must be below the number of robots, {}, is {}",
-                                      robots, scenario.planner.attacks_max));
+    top.refuse("planner",
+               fmt::format("attacks_max must be below the number of robots ({}), but is {}", robots,
+                           scenario.planner.attacks_max));
   }
   const std::optional<Value> list = top.find("attacks");
   if (!list) {

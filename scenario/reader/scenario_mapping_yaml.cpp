@@ -20,7 +20,7 @@ void read_scanner(Mapping& from, models::BeamSensor& scanner) {
   from.number("range_max_m", scanner.range_max_m, above_to(0.0, kLengthMaxM));
   from.number("range_sigma_m", scanner.sigma_m, above(0.0));
   if (scanner.range_min_m >= scanner.range_max_m) {
-    from.refuse("range_min_m", fmt::format("must be below range_max_m, {}, is {}",
+    from.refuse("range_min_m", fmt::format("must be below range_max_m ({}), but is {}",
                                            scanner.range_max_m, scanner.range_min_m));
   }
 }

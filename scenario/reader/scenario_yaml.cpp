@@ -83,7 +83,7 @@ void read_target_truth(Mapping& from, TargetTruthSpec& truth) {
   from.number("pause_max_s", truth.pause_max_s, from_to(0.0, kDurationMaxS));
   from.number("acceleration_q", truth.acceleration_q, at_least(0.0));
   if (truth.speed_min_mps > truth.speed_max_mps) {
-    from.refuse("speed_min_mps", fmt::format("must be at most speed_max_mps, {}, is {}",
+    from.refuse("speed_min_mps", fmt::format("must be at most speed_max_mps ({}), but is {}",
                                              truth.speed_max_mps, truth.speed_min_mps));
   }
 }
@@ -179,8 +179,8 @@ void check_round(Mapping& from, const PlannerSpec& planner) {
   const double round_s = planner.execute_steps * planner.step_s;
   if (planner.publish_margin_s + planner.team_budget_s > round_s) {
     from.refuse("team_budget_s",
-                fmt::format("must fit with publish_margin_s, {}, into a round of execute_steps · "
-                            "step_s = {} s; is {}",
+                fmt::format("must be at most the round (execute_steps · step_s = {1} s) minus "
+                            "publish_margin_s ({0}), but is {2}",
                             planner.publish_margin_s, round_s, planner.team_budget_s));
   }
 }

@@ -207,7 +207,7 @@ def test_full_disk_is_reported_at_once_and_leaves_a_complete_log():
     assert f"LOG NOT WRITTEN: {recorder.log}: cannot be written: No space left on device" in recorder.said()
     until(refused, "word of it on HEALTH_RECORDER")
     (disk / "else").unlink()
-    until(lambda: "written again; events lost: 0" in recorder.said(), "writing again")
+    until(lambda: "the log is written again; number of lost events: 0" in recorder.said(), "writing again")
     assert recorder.end() == 1, "exit code 0 although the log was not written"
     ticks = of(recorder.log, "TICK")
     assert [struct.unpack(">I", data[:4])[0] for _, data in ticks] == list(range(sent)), "events were lost"

@@ -21,7 +21,9 @@ TEST(Stream, ReportsAChannelWithTwoPublishersOnce) {
   ASSERT_EQ(notebook.of("/events").size(), 1U);
   const Json event = notebook.of("/events")[0];
   EXPECT_EQ(event.at("name"), "two_publishers");
-  EXPECT_EQ(event.at("message"), "MEASUREMENT_Q1: two processes publish; only one of them is used");
+  EXPECT_EQ(
+      event.at("message"),
+      "MEASUREMENT_Q1: two processes publish this channel; only the messages of one are used");
 }
 
 TEST(Stream, RecoloursRobotsWhenJammingChanges) {

@@ -185,7 +185,7 @@ TEST(LogSpool, IsIntactAfterAFullDisk) {
   EXPECT_EQ(spool.report().write_errors, 1) << "one error, although it is retried";
   EXPECT_TRUE(write(spool, 5));
   disk.set_room(std::size_t{1} << 20U);
-  wait_for_notice(spool, "written again; events lost: 0");
+  wait_for_notice(spool, "the log is written again; number of lost events: 0");
   EXPECT_TRUE(spool.report().is_written);
   spool.close();
   expect_events(disk.bytes(kPath), 0, 6);
@@ -429,7 +429,8 @@ TEST(LogSpool, RetriesCreatingTheNextFile) {
   LogSpool spool(options, open);
   write(spool, 0);
   write(spool, 1);
-  const std::string notices = wait_for_notice(spool, "written again; events lost: 0");
+  const std::string notices =
+      wait_for_notice(spool, "the log is written again; number of lost events: 0");
   EXPECT_NE(notices.find("LOG NOT WRITTEN: /nowhere/flight-2.lcmlog: not yet"), std::string::npos)
       << notices;
   spool.close();

@@ -38,7 +38,8 @@ TEST(TargetStory, ReportsDiscoveryLossAndNewSightingOnce) {
       {3.0, std::nullopt, "", State::kKnown},  // its first estimate is not evaluated yet
       {3.0, 1.0, "", State::kKnown},
       {3.0, 4.9, "", State::kKnown},
-      {3.0, 5.0, "R3 lost: as uncertain as before it was found", State::kLost},
+      {3.0, 5.0, "R3 lost: the estimate is as uncertain as before the target was found",
+       State::kLost},
       {3.0, 4.9, "", State::kLost},  // within the hysteresis
       {3.0, 4.5, "R3 found again by Q1", State::kKnown},
       {3.0, std::nullopt, "R3 lost: no robot has an estimate", State::kLost},

@@ -178,9 +178,10 @@ void check_round(const Scenario& scenario, std::vector<std::string>& faults) {
   const scenario::PlannerSpec& planner = scenario.planner;
   const double round_s = planner.execute_steps * planner.step_s;
   if (planner.team_budget_s + planner.publish_margin_s > round_s) {
-    faults.push_back(fmt::format(
-        "planner: team_budget_s + publish_margin_s is {:g} s, must fit into the round of {:g} s",
-        planner.team_budget_s + planner.publish_margin_s, round_s));
+    faults.push_back(
+        fmt::format("planner: team_budget_s + publish_margin_s is {:g} s, but must be at most the "
+                    "round of {:g} s",
+                    planner.team_budget_s + planner.publish_margin_s, round_s));
   }
   if (planner.execute_steps > planner.horizon_steps) {
     faults.emplace_back("planner: execute_steps must not be greater than horizon_steps");

@@ -63,14 +63,14 @@ void note_sensors(const Scenario& scenario, Notes& notes) {
     };
     if (sensor.range_max_m <= robot.limits.radius_m) {
       note("range_max_m", sensor.range_max_m,
-           fmt::format("not more than the robot's own radius_m {:g}, so it sees a target only when "
-                       "they touch; increase it",
+           fmt::format("not more than the robot's radius_m {:g}, so the robot sees a target only "
+                       "when they touch; increase the range",
                        robot.limits.radius_m));
     }
     if (scenario.estimator.target_model.position_dim == 3 && sensor.range_max_m <= robot.height_m) {
       note("range_max_m", sensor.range_max_m,
            fmt::format("not more than height_m {:g}, so no target on the ground is in range; fly "
-                       "lower or increase it",
+                       "lower or increase the range",
                        robot.height_m));
     }
     if (sensor.range_min_m > 0.9 * sensor.range_max_m) {
@@ -81,7 +81,7 @@ void note_sensors(const Scenario& scenario, Notes& notes) {
     }
     if (degrees(sensor.fov_rad) < 5.0) {
       note("fov_deg", degrees(sensor.fov_rad),
-           "fov_deg is the full angle; targets are rarely in view");
+           "targets are rarely in view; fov_deg is the full angle, not half of it");
     }
     if (law.measures_range && sensor.range_sigma_m >= sensor.range_max_m) {
       note("range_sigma_m", sensor.range_sigma_m,
@@ -115,7 +115,8 @@ void note_detection_belief(const Scenario& scenario, Notes& notes) {
     if (assumed > 0.0 && assumed > actual + kTolerance) {
       notes.push_back(fmt::format(
           "robot {}: sensor.detection_probability {:g}, but estimator.detection_probability {:g}: "
-          "beliefs move away from places where a target was only missed; set both alike",
+          "beliefs move away from positions where the sensor only missed a target; set both to the "
+          "same value",
           robot.name, actual, assumed));
       return;
     }
@@ -255,9 +256,9 @@ void note_plans(const Scenario& scenario, Notes& notes) {
     }
   }
   if (scenario.duration_s < 2.0 * round_s(planner)) {
-    notes.push_back(
-        fmt::format("duration_s {:g}: the trial ends before the second planning round, each {:g} s",
-                    scenario.duration_s, round_s(planner)));
+    notes.push_back(fmt::format(
+        "duration_s {:g}: the trial ends before the second planning round; a round lasts {:g} s",
+        scenario.duration_s, round_s(planner)));
   }
   if (scenario.robots.size() > 1 && planner.tracking_tolerance_m > 0.5 * planner.separation_m) {
     notes.push_back(fmt::format(
@@ -277,8 +278,8 @@ void note_team(const Scenario& scenario, Notes& notes) {
   const double range_m = scenario.network.communication_range_m;
   if (robots > 1 && range_m > 0.0 && range_m <= planner.separation_m) {
     notes.push_back(fmt::format(
-        "network.communication_range_m {:g}: not more than planner.separation_m {:g}, so "
-        "robots never exchange beliefs; increase it, or set 0: no exchange",
+        "network.communication_range_m {:g}: not more than planner.separation_m {:g}, so robots "
+        "never exchange beliefs; increase the range, or set 0 if they must not exchange beliefs",
         range_m, planner.separation_m));
   }
 }
@@ -306,7 +307,7 @@ void note_mocap(const Scenario& scenario, Notes& notes) {
   }
   if (mocap.latency_s > 0.2) {
     notes.push_back(fmt::format(
-        "mocap.latency_s {:g}: poses arrive too late to control a vehicle, which holds or lands",
+        "mocap.latency_s {:g}: poses arrive too late to control a vehicle; it then holds or lands",
         mocap.latency_s));
   }
   for (const RobotSpec& robot : scenario.robots) {

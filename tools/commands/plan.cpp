@@ -73,12 +73,11 @@ void add_plan_command(CLI::App& root, Runner& chosen) {
                    "search algorithm, see the list below")
       ->check(one_of(names))
       ->capture_default_str();
-  auto* budget =
-      command
-          ->add_option("--budget-s", arguments->request.budget_s,
-                       "search time in seconds, without the preparation of memory (default: "
-                       "1, unless --nodes is given)")
-          ->check(number_between(0.0, kLongestBudget_s));
+  auto* budget = command
+                     ->add_option("--budget-s", arguments->request.budget_s,
+                                  "search time in seconds, excluding the allocation of memory "
+                                  "(default: 1, unless --nodes is given)")
+                     ->check(number_between(0.0, kLongestBudget_s));
   command
       ->add_option("--nodes", arguments->request.nodes,
                    "search nodes instead of a time limit; gives exactly the same result every time")

@@ -156,13 +156,12 @@ void add_trial_command(CLI::App& root, Runner& chosen) {
   command->add_option("--jobs", arguments->jobs, "with several trials: number of threads")
       ->check(positive_number())
       ->capture_default_str();
-  command->add_option(
-      "--log", arguments->log_path,
-      "new file for an LCM event log of all messages; with several trials a folder, "
-      "which gets PLANNER_SEED.lcmlog");
+  command->add_option("--log", arguments->log_path,
+                      "new file for an LCM event log of all messages; with several trials: a "
+                      "folder for the logs PLANNER_SEED.lcmlog");
   command->add_option("--svg", arguments->svg_path,
                       "file for a picture of the end of the trial (SVG; also PNG); with several "
-                      "trials a figure of the comparison (SVG)");
+                      "trials: a figure of the comparison (SVG)");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
       "Ctrl-C, SIGTERM, closing the terminal or a failure to write the log ends the trial early.\n"

@@ -138,9 +138,9 @@ void add_restart_options(CLI::App& command, RestartPolicy& restarts) {
       ->check(positive_number())
       ->capture_default_str();
   command
-      .add_option(
-          "--backoff-first-s", restarts.backoff_first_s,
-          "wait before the first restart, s; doubled at each failure, reset after a run of 10 s")
+      .add_option("--backoff-first-s", restarts.backoff_first_s,
+                  "wait before the first restart, s; doubled at each failure; back to this value "
+                  "after a run of 10 s")
       ->check(non_negative_number())
       ->capture_default_str();
   command.add_option("--backoff-max-s", restarts.backoff_max_s, "longest wait before a restart, s")

@@ -279,7 +279,8 @@ void add_view_command(CLI::App& root, Runner& chosen) {
       command
           ->add_flag("--operate", arguments->is_operating,
                      "serve an operator page as well: arm, take off, follow, hold, land, emergency "
-                     "stop; one page at a time operates, and its heartbeat ends with the page")
+                     "stop; only one page at a time can operate; its heartbeat ends when the page "
+                     "is closed")
           ->excludes(log);
   command
       ->add_option("--scenario", arguments->scenario,

@@ -98,7 +98,7 @@ std::vector<ComparedValue> quantities_of(const logs::TrialSummary& summary) {
                                     {"entropy of the team, nat", summary.entropy_nats},
                                     {"targets found", summary.discovered},
                                     {"time until found, s", robot.discovery_time_s},
-                                    {"share of time unknown", robot.undiscovered_share},
+                                    {"share of time without estimate", robot.undiscovered_share},
                                     {"NEES of a robot", robot.consistency.mean_nees},
                                     {"median NEES of a robot", robot.consistency.median_nees},
                                     {"share in the 95 % ellipse", robot.consistency.coverage_95}};

@@ -86,7 +86,7 @@ class OrderSender {
   /// Returns the newest status of each vehicle.
   [[nodiscard]] const std::map<std::string, ReceivedStatus>& vehicles() const { return vehicles_; }
   /// Returns why vehicles will not obey an order in their newest state, such as "no effect on Q1:
-  /// not in operation, arm and take off first"; empty if all will, or if none was received
+  /// not in operation; arm and take off first"; empty if all will, or if none was received
   /// recently.
   [[nodiscard]] std::string without_effect(Time now, models::OperatorAction action,
                                            const std::string& robot) const;

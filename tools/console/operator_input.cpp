@@ -66,7 +66,7 @@ std::string_view obstacle(OperatorAction action, models::FlightState state) {
   const bool needs_ground = action == OperatorAction::kArm || action == OperatorAction::kTakeOff;
   switch (state) {
     case FlightState::kIdle:
-      return action == OperatorAction::kFollow ? "not in operation, arm and take off first" : "";
+      return action == OperatorAction::kFollow ? "not in operation; arm and take off first" : "";
     case FlightState::kFollow:
     case FlightState::kHold:
       return needs_ground ? "already in operation" : "";
@@ -76,7 +76,7 @@ std::string_view obstacle(OperatorAction action, models::FlightState state) {
                  : "";
     case FlightState::kKilled:
       return action == OperatorAction::kTakeOff || action == OperatorAction::kFollow
-                 ? "stopped, arm it first"
+                 ? "stopped; arm it first"
                  : "";
   }
   return "";

@@ -70,7 +70,7 @@ int edit(const EditArguments& arguments) {
 int repair(const EditArguments& arguments) {
   const logs::IndexedLog log = open_log(arguments.input);
   const logs::ScanCounts& scan = log.survey().scan;
-  print_line(fmt::format("{}: {} damaged stretches dropped ({} bytes), {} doubtful events {}",
+  print_line(fmt::format("{}: {} damaged parts dropped ({} bytes), {} doubtful events {}",
                          arguments.input, scan.stretches, scan.bytes_damaged, scan.doubtful,
                          arguments.strict ? "left out" : "kept"));
   return edit(arguments);

@@ -137,7 +137,8 @@ std::vector<std::string> to_lines(const RangeReport& report) {
   out.push_back(fmt::format("bias    {:.3f} ± {:.3f} m", fit.calibration.range_bias_m,
                             fit.range_bias_sigma_m));
   out.push_back(fmt::format(
-      "number of ranges with the information of one independent range: {:.1f}", fit.correlation));
+      "number of correlated ranges with the information of one independent range: {:.1f}",
+      fit.correlation));
   out.emplace_back();
   const std::optional<double> nees = mean_nees(report);
   out.push_back(fmt::format("{:<10} {:>7} {:>10} {:>10} {:>9} {:>9} {:>10}{}", "beacon", "ranges",

@@ -181,8 +181,8 @@ Request parse_binary(std::string_view frame) {
   const auto id_length = take<std::uint32_t>(rest);
   if (command > 1 || !std::isfinite(out.speed) || out.speed <= 0.0F || id_length != rest.size()) {
     return Malformed{
-        "playback control: the command must be 0 or 1, the speed above 0, and the id as long as "
-        "stated"};
+        "playback control: the command must be 0 or 1, the speed above 0, and the id must have the "
+        "stated length"};
   }
   out.play = command == 0;
   if (had_seek) {

@@ -122,8 +122,8 @@ bool record_log(logs::SeekableLog& log, const logs::TypeLibrary& types, WebOptio
   const double length_s = to_seconds(log.range().second - log.range().first);
   if (options.from_s >= options.to_s.value_or(length_s) || options.from_s >= length_s) {
     throw StartupError(
-        fmt::format("{}: no part from {} to {} s to record; the log is {:.1f} s long", log.path(),
-                    options.from_s, options.to_s.value_or(length_s), length_s));
+        fmt::format("{}: the part from {} to {} s cannot be recorded: the log is {:.1f} s long",
+                    log.path(), options.from_s, options.to_s.value_or(length_s), length_s));
   }
   require_writable(options.path);
   const TemporaryFolder folder;

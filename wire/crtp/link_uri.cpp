@@ -38,8 +38,8 @@ std::vector<std::string_view> parts_of(std::string_view text) {
 Result<LinkUri> parse_radio(std::string_view uri) {
   const std::vector<std::string_view> parts = parts_of(uri.substr(kRadio.size()));
   if (parts.size() != 4) {
-    return refuse(uri,
-                  "expected radio://DONGLE/CHANNEL/RATE/ADDRESS, as radio://0/80/2M/E7E7E7E701");
+    return refuse(
+        uri, "expected radio://DONGLE/CHANNEL/RATE/ADDRESS, such as radio://0/80/2M/E7E7E7E701");
   }
   RadioUri out;
   const auto dongle = number(parts[0], 10);
@@ -85,7 +85,7 @@ Result<LinkUri> parse_link_uri(std::string_view text) {
     return refuse(text, address.error().message);
   }
   if (address.value().host.empty()) {
-    return refuse(text, "needs the host of the vehicle, as udp://127.0.0.1:19850");
+    return refuse(text, "needs the host of the vehicle, such as udp://127.0.0.1:19850");
   }
   return LinkUri(UdpUri{address.value().host, address.value().port});
 }

@@ -18,7 +18,8 @@ constexpr Duration kTickMax = std::chrono::milliseconds(100);
 const scenario::MocapSpec& checked(const scenario::MocapSpec& spec) {
   if (spec.device == scenario::DeviceSource::kDirect) {
     throw StartupError(
-        "mocap is 'direct': the simulator publishes it itself; set mocap.device to wire or real");
+        "mocap.device is 'direct': the simulator publishes VICON; set mocap.device to wire or "
+        "real");
   }
   return spec;
 }

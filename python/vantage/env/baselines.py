@@ -54,7 +54,7 @@ class Planner:
         if replan_steps is None:
             replan_steps = horizon_steps if is_mapping else min(6, horizon_steps)
         if not 1 <= replan_steps <= horizon_steps:
-            raise ValueError(f"replan_steps: must be ≥ 1 and ≤ horizon_steps, {horizon_steps}, got {replan_steps}")
+            raise ValueError(f"replan_steps: must be ≥ 1 and ≤ horizon_steps ({horizon_steps}), got {replan_steps}")
         self._env = env
         self._planner = _vantage._Baseline(env._tasks, algorithm, horizon_steps, nodes)
         self._replan_steps = replan_steps

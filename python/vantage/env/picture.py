@@ -51,7 +51,7 @@ def decode_png(data):
 
 
 class Pictures:
-    """Pictures of some tasks: files in a temporary folder, and the page that shows the first one."""
+    """Pictures of several tasks as files in a temporary folder, and a web page that shows the first task."""
 
     def __init__(self, tasks, title):
         self._tasks = tasks

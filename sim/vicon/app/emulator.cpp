@@ -78,7 +78,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "how a hidden body is sent: absent, zero or repeated")
       ->transform(CLI::CheckedTransformer(styles));
   app.add_option("--occluded-s", arguments.occluded_s,
-                 "time for which the bodies are hidden, in turn, in every 10 s; s")
+                 "s; time for which each body in turn is hidden, in every 10 s")
       ->check(CLI::Range(0.0, kOcclusionPeriod_s));
   auto* bodies =
       app.add_option("--bodies", arguments.bodies, "number of bodies that move on circles")

@@ -87,7 +87,7 @@ struct VehicleKnobs {
   bool mode_left = false;
   bool is_stalled = false;        ///< the driver does not run
   double processor_wait_s = 0.0;  ///< s; reported wait of the driver within the last second
-  bool is_ending = false;         ///< the driver was requested to end
+  bool is_ending = false;         ///< the driver received a request to end
   bool map_differs = false;
   bool drops_teammate_plans = false;  ///< plans of teammates do not arrive
 };

@@ -67,7 +67,7 @@ std::vector<Fault> plan_faults() {
          with_trusted_plans(fault(
              31, "planner that keeps flying at a teammate", "Q2 at Q1, unseen by the plan check",
              spoils(PlanFault::kHeadOn, "Q2"), ends(kHold, {{kHold, 4.0}}, "separation")))),
-      fault(42, "map differs", "another scenario is announced",
+      fault(42, "map differs", "another process announces a different scenario",
             sets(&VehicleKnobs::map_differs, true), ends(kHold, {{kHold, kTicks}}, "map differs")),
   };
 }

@@ -217,8 +217,8 @@ TEST(FitMotion, RequiresEightSecondsOfEachPart) {
     return std::vector<std::vector<TargetCourse>>{{course_of(0, steps, wobble)}};
   };
   EXPECT_EQ(why_not(logs(268), 0.7),
-            "fit-motion: too few target positions; the fitted and the held-out part of the time "
-            "each need more than 8 s");
+            "fit-motion: too few target positions; the part of the log used for the fit and the "
+            "rest must each be longer than 8 s");
   EXPECT_EQ(why_not(logs(269), 0.7), "") << "81 steps are held out";
   EXPECT_NE(why_not(logs(268), 0.3), "");
   EXPECT_EQ(why_not(logs(269), 0.3), "");

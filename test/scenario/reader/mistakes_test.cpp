@@ -63,7 +63,8 @@ TEST(MistakesOfScenario, IncludeUnknownKeysOfASectionThatBreaksARule) {
   const std::vector<std::string> mistakes =
       mistakes_in(test::lab_with({{"team_budget_s: 0.5", "team_budget_s: 2\n  pace_s: 3"}}));
   ASSERT_EQ(mistakes.size(), 2U);
-  EXPECT_EQ(mistakes[0].find("planner.team_budget_s: must fit"), 0U) << mistakes[0];
+  EXPECT_EQ(mistakes[0].find("planner.team_budget_s: must be at most the round"), 0U)
+      << mistakes[0];
   EXPECT_EQ(mistakes[1].find("planner.pace_s: unknown key"), 0U) << mistakes[1];
 }
 

@@ -85,7 +85,7 @@ TEST(MappingScenario, RefusesInvalidMap) {
             "x.yaml:5: mapping.resolution_m: must divide world.bounds into at most 50000 cells; "
             "0.01 gives 8e+05");
   EXPECT_EQ(with("{scanner: {range_min_m: 2}}"),
-            "x.yaml:5: mapping.scanner.range_min_m: must be below range_max_m, 1.5, is 2");
+            "x.yaml:5: mapping.scanner.range_min_m: must be below range_max_m (1.5), but is 2");
   EXPECT_TRUE(with("{beams: 3}").starts_with("x.yaml:5: mapping.beams: unknown key"));
   EXPECT_EQ(refusal_of(kTeam + "planner: {objective: exploring}\n"),
             "x.yaml:4: planner.objective: must be one of tracking, mapping; is 'exploring'");

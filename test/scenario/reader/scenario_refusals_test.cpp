@@ -97,7 +97,7 @@ const BadEdit kValues[] = {
     {"RealAutopilotThatDoesNotSign", "  - name: Q3\n", "  - name: Q3\n    device: real\n    @autopilot: {dialect: px4, url: \"udp://:1\", system_id: 1}\n", "must contain the key_file of a real vehicle"},
     {"UnknownParameterPolicy", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", parameters: perhaps}\n", "must be one of verify, warn, ignore; is 'perhaps'"},
     {"BatteryWithoutCells", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", battery: {full_v: 4.2}}\n", "cells"},
-    {"BatteryFullerWhenEmpty", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", battery: {cells: 3, empty_v: 4.2, full_v: 4.1}}\n", "must be above empty_v, 4.2, is 4.1"},
+    {"BatteryFullerWhenEmpty", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", battery: {cells: 3, empty_v: 4.2, full_v: 4.1}}\n", "must be above empty_v (4.2), but is 4.1"},
     {"RoverWithoutAUrl", "  - name: Q3\n", "  - name: Q3\n    @rover: {number: 1}\n", "url"},
     {"RoverOnASerialLine", "  - name: Q3\n", "  - name: Q3\n    @rover: {url: \"serial:/dev/ttyS0\"}\n", "must begin with udp:// or udpout://"},
     {"RoverNumberZero", "  - name: Q3\n", "  - name: Q3\n    @rover: {url: \"udp://:1\", number: 0}\n", "number"},
@@ -111,15 +111,15 @@ const BadEdit kValues[] = {
 
 const BadEdit kRanges[] = {
     {"NoDuration", "duration_s: 300", "@duration_s: 0", "must be above 0 and at most 86400, is 0"},
-    {"EmptyBounds", "max_m: [4, 2]", "@max_m: [4, -2]", "must be above min_m, [-4, -2], in x and in y; is [4, -2]"},
+    {"EmptyBounds", "max_m: [4, 2]", "@max_m: [4, -2]", "must be above min_m ([-4, -2]) in x and in y, but is [4, -2]"},
     {"ObstacleInsideOut", "max_m: [-1.2, 1.1]", "@max_m: [-1.9, 1.1]", "world.obstacles[0].footprint.max_m: must be above min_m"},
     {"ObstacleOutside", "{min_m: [-1.8, 0.5], max_m: [-1.2, 1.1]}", "@{min_m: [-1.8, 5], max_m: [-1.2, 6]}", "footprint: must overlap world.bounds; is entirely outside"},
     {"NegativeRange", "range_max_m: 1 ", "@range_max_m: -1 ", "range_max_m: must be above 0 and at most 10000, is -1"},
-    {"RangesCrossed", "range_min_m: 0.1", "@range_min_m: 1.5", "must be below range_max_m, 1, is 1.5"},
+    {"RangesCrossed", "range_min_m: 0.1", "@range_min_m: 1.5", "must be below range_max_m (1), but is 1.5"},
     {"BearingWithoutLeastRange", "range_min_m: 0.1", "@range_min_m: 0", "must be above 0 for a sensor that measures bearings"},
     {"CameraWithoutLeastDepth", "depth_min_m: 0.05", "@depth_min_m: 0", "depth_min_m: must be above 0, is 0"},
     {"MoreThanATurn", "fov_deg: 360", "@fov_deg: 361", "must be above 0 and at most 360, is 361"},
-    {"SpeedsCrossed", "speed_min_mps: 0.2", "@speed_min_mps: 2", "must be at most speed_max_mps, 1.4, is 2"},
+    {"SpeedsCrossed", "speed_min_mps: 0.2", "@speed_min_mps: 2", "must be at most speed_max_mps (1.4), but is 2"},
     {"CertainDetection", "detection_probability: 0.8", "@detection_probability: 1", "must be at least 0 and below 1, is 1"},
     {"EndlessGrid", "grid_resolution_m: 0.25", "@grid_resolution_m: 0.0001", "must divide world.bounds into at most"},
     {"NegativeQ", "    q: 0.3", "    @q: -0.15", "estimator.target_model.q: must be at least 0, is -0.15"},
@@ -127,7 +127,7 @@ const BadEdit kRanges[] = {
     {"OscillatorWithoutSpread", "position_sigma_m: [1.75, 0.83]", "@position_sigma_m: [0, 0.83]", "estimator.target_model.position_sigma_m[0]: must be above 0 and at most 10000, is 0"},
     {"OscillatorOfOneSigma", "velocity_sigma_mps: [0.47, 0.29]", "@velocity_sigma_mps: 0.4", "estimator.target_model.velocity_sigma_mps: must be a list of two numbers [x, y]"},
     {"TargetsInFourDimensions", "position_dim: 2", "@position_dim: 4", "must be at least 2 and at most 3, is '4'"},
-    {"RoundTooShort", "team_budget_s: 0.5", "@team_budget_s: 0.96", "must fit with publish_margin_s, 0.05, into a round of execute_steps · step_s = 1 s; is 0.96"},
+    {"RoundTooShort", "team_budget_s: 0.5", "@team_budget_s: 0.96", "must be at most the round (execute_steps · step_s = 1 s) minus publish_margin_s (0.05), but is 0.96"},
     {"ExecutesBeyondItsHorizon", "execute_steps: 2", "@execute_steps: 13", "must be at most horizon_steps (12), but is 13"},
     {"MocapOfAnUnknownProtocol", "  rate_hz: 50\n", "  rate_hz: 50\n  @protocol: xsens\n", "mocap.protocol: must be one of datastream, object_stream, vrpn, natnet, qtm; is 'xsens'"},
     {"MocapPort", "  rate_hz: 50\n", "  rate_hz: 50\n  @port: 0\n", "mocap.port: must be at least 1 and at most 65535, is '0'"},
@@ -157,13 +157,13 @@ const BadEdit kTeams[] = {
     {"StartOutside", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 0, y_m: 2.5}", "robots[1].start: (0, 2.5) m is outside world.bounds"},
     {"StartInObstacle", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 1.5, y_m: -0.8}", "robots[1].start: (1.5, -0.8) m is inside an obstacle"},
     {"StartAtTheWall", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 0, y_m: 1.9}", "must be at least 0.35 m from obstacles and walls; at (0, 1.9) m it is 0.1"},
-    {"StartsTooNear", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: -2.8, y_m: 0}", "must be at least planner.separation_m, 0.6 m, from the start of Q1; is 0.539"},
+    {"StartsTooNear", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: -2.8, y_m: 0}", "must be at least planner.separation_m (0.6 m) from the start of Q1, but is 0.539"},
     {"StartWithoutY", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 0}", "robots[1].start: missing required key y_m"},
-    {"AboveTheCeiling", "height_m: 2.0", "@height_m: 3.0", "robots[2].height_m: must be below world.ceiling_m, 3, is 3"},
-    {"TouchingTheCeiling", "height_m: 2.0", "@height_m: 2.8", "robots[2].height_m: must be at most world.ceiling_m, 3, less the robot's radius_m, 0.25: it would touch the ceiling; is 2.8"},
+    {"AboveTheCeiling", "height_m: 2.0", "@height_m: 3.0", "robots[2].height_m: must be below world.ceiling_m (3), but is 3"},
+    {"TouchingTheCeiling", "height_m: 2.0", "@height_m: 2.8", "robots[2].height_m: must be at most world.ceiling_m (3) minus the robot's radius_m (0.25), otherwise it touches the ceiling; is 2.8"},
     {"NoPrimitives", "primitives: lab", "@primitives: []", "must contain at least 1 and at most 64 primitives, contains 0"},
-    {"PrimitivesTooFast", "primitives: lab", "@primitives: standard", "speed_mps must be at most limits.speed_max_mps, 1, is 3"},
-    {"PrimitivesTurnTooFast", "primitives: lab", "@primitives: [{speed_mps: 1, yaw_rate_radps: -4}]", "yaw_rate_radps must be at most limits.yaw_rate_max_radps, 3, in either direction; is -4"},
+    {"PrimitivesTooFast", "primitives: lab", "@primitives: standard", "speed_mps must be at most limits.speed_max_mps (1), but is 3"},
+    {"PrimitivesTurnTooFast", "primitives: lab", "@primitives: [{speed_mps: 1, yaw_rate_radps: -4}]", "yaw_rate_radps must be at most limits.yaw_rate_max_radps (3) in either direction, but is -4"},
     {"PrimitiveBackwards", "primitives: lab", "@primitives: [{speed_mps: -1, yaw_rate_radps: 0}]", "primitives[0].speed_mps: must be at least 0, is -1"},
     {"PrimitivesUnknown", "primitives: lab", "@primitives: fast", "must be one of standard, lab; is 'fast'"},
     {"FalseAlarmsWithIds", "clutter_per_look: 0 ", "@clutter_per_look: 1 ", "clutter_per_look: must be 0 with detects_ids: true: a false alarm cannot have the id of a target; is 1"},
@@ -261,8 +261,8 @@ TEST(ParseScenario, ReadsAliases) {
       "  - footprint: {min_m: *one, max_m: *one}\n" +
       kRobot + kTargets;
   EXPECT_EQ(refusal_of(text),
-            "lab.yaml:6: world.obstacles[1].footprint.max_m: must be above min_m, [1, 1], in x and "
-            "in y; is [1, 1]");
+            "lab.yaml:6: world.obstacles[1].footprint.max_m: must be above min_m ([1, 1]) in x and "
+            "in y, but is [1, 1]");
   EXPECT_EQ(refusal_of("name: x\nworld: &a {bounds: *a}\n" + kRobot + kTargets),
             "lab.yaml:2: world.bounds.bounds: unknown key; valid keys are min_m, max_m");
   // Each line is ten times as large as the previous one; if aliases were copied, there would be ten
@@ -309,8 +309,8 @@ TEST(ParseScenario, RefusesContradictingKeys) {
                               "robots:\n"
                               "  - {name: A, start: {x_m: 2, y_m: 2}}\n"
                               "  - {name: B, start: {x_m: 6, y_m: 6}, limits: {radius_m: 0.4}}\n"),
-            "lab.yaml:7: robots[1].limits: planner.separation_m must be at least the radii of A "
-            "and B, 0.65 m together; is 0.6");
+            "lab.yaml:7: robots[1].limits: planner.separation_m must be at least the sum of the "
+            "radii of A and B (0.65 m), but is 0.6");
   EXPECT_EQ(refusal_of("name: x\nworld: {bounds: {min_m: [0, 0], max_m: [9000, 9000]}}\n" + kRobot +
                        kTargets),
             "lab.yaml:1: grid_resolution_m: must divide world.bounds into at most 4000000 cells; "

@@ -146,7 +146,7 @@ TEST(ScenarioRules, PrimitivesKeepNumberAndSpeedLimits) {
   }
   EXPECT_EQ(
       one("2.25", "0"),
-      "f:6: robots[0].primitives: speed_mps must be at most limits.speed_max_mps, 2, is 2.25");
+      "f:6: robots[0].primitives: speed_mps must be at most limits.speed_max_mps (2), but is 2.25");
   for (const std::string turn : {"1.75", "-1.75"}) {
     EXPECT_EQ(one("0", turn),
               "f:6: robots[0].primitives: yaw_rate_radps must be at most "
@@ -186,19 +186,19 @@ TEST(ScenarioRules, StartsKeepClearanceToWallsObstaclesAndRobots) {
   for (const auto& [x, y, z] :
        Triples{{"1.5", "1", "3"}, {"1", "0.5", "3"}, {"1", "1", "2.5"}, {"1.3", "1.4", "3"}}) {
     EXPECT_EQ(answer_to_two(a, b(x, y, z)),
-              "f:7: robots[1].start: must be at least planner.separation_m, 0.6 m, from the start "
-              "of A; is 0.5");
+              "f:7: robots[1].start: must be at least planner.separation_m (0.6 m) from the start "
+              "of A, but is 0.5");
   }
   // The message names the first of three robots that is too near, with the radii of that pair.
   EXPECT_EQ(answer_to_two(", start: {x_m: 1, y_m: 1}, limits: {radius_m: 0.125}",
                           ", start: {x_m: 4, y_m: 1}, limits: {radius_m: 0.375}",
                           "planner: {separation_m: 0.375}\n"),
-            "f:7: robots[1].limits: planner.separation_m must be at least the radii of A and B, "
-            "0.5 m together; is 0.375");
+            "f:7: robots[1].limits: planner.separation_m must be at least the sum of the radii of "
+            "A and B (0.5 m), but is 0.375");
   EXPECT_EQ(answer_to_two(", start: {x_m: 1, y_m: 1}", ", start: {x_m: 4, y_m: 1}",
                           "planner: {separation_m: 0.375}\n"),
-            "f:7: robots[1]: limits: planner.separation_m must be at least the radii of A and B, "
-            "0.5 m together; is 0.375")
+            "f:7: robots[1]: limits: planner.separation_m must be at least the sum of the radii of "
+            "A and B (0.5 m), but is 0.375")
       << "default values of the robot";
 }
 
@@ -209,9 +209,9 @@ TEST(ScenarioRules, WholeRobotsStayBelowTheCeiling) {
   };
   EXPECT_EQ(at("9.5"), "taken");
   EXPECT_EQ(at("9.75"),
-            "f:6: robots[0].height_m: must be at most world.ceiling_m, 10, less the robot's "
-            "radius_m, 0.5: it would touch the ceiling; is 9.75");
-  EXPECT_EQ(at("10.5"), "f:6: robots[0].height_m: must be below world.ceiling_m, 10, is 10.5");
+            "f:6: robots[0].height_m: must be at most world.ceiling_m (10) minus the robot's "
+            "radius_m (0.5), otherwise it touches the ceiling; is 9.75");
+  EXPECT_EQ(at("10.5"), "f:6: robots[0].height_m: must be below world.ceiling_m (10), but is 10.5");
 }
 
 TEST(ScenarioRules, ObstaclesOverlapTheWorld) {
@@ -235,11 +235,11 @@ TEST(ScenarioRules, ObstaclesOverlapTheWorld) {
               "is entirely outside");
   }
   EXPECT_EQ(box("[2, 3]", "[4, 3]"),
-            "f:5: world.obstacles[0].footprint.max_m: must be above min_m, [2, 3], in x and in y; "
-            "is [4, 3]");
+            "f:5: world.obstacles[0].footprint.max_m: must be above min_m ([2, 3]) in x and in y, "
+            "but is [4, 3]");
   EXPECT_EQ(box("[4, 2]", "[3, 5]"),
-            "f:5: world.obstacles[0].footprint.max_m: must be above min_m, [4, 2], in x and in y; "
-            "is [3, 5]");
+            "f:5: world.obstacles[0].footprint.max_m: must be above min_m ([4, 2]) in x and in y, "
+            "but is [3, 5]");
 }
 
 TEST(ScenarioRules, AutopilotUrlsAreSupportedByTheDriver) {
@@ -254,9 +254,10 @@ TEST(ScenarioRules, AutopilotUrlsAreSupportedByTheDriver) {
             "'tcp://h:1'");
   EXPECT_EQ(with("dialect: px4"), "f:6: robots[0].autopilot: missing required key url");
   EXPECT_EQ(with("url: \"udp://:1\""), "f:6: robots[0].autopilot: missing required key dialect");
-  EXPECT_EQ(with("dialect: px4, url: \"udp://:1\", battery: {empty_v: 3.5, full_v: 3.5, cells: 2}"),
-            "f:6: robots[0].autopilot.battery.full_v: must be above empty_v, 3.5, is 3.5; volts "
-            "per cell");
+  EXPECT_EQ(
+      with("dialect: px4, url: \"udp://:1\", battery: {empty_v: 3.5, full_v: 3.5, cells: 2}"),
+      "f:6: robots[0].autopilot.battery.full_v: must be above empty_v (3.5), but is 3.5; volts "
+      "per cell");
   EXPECT_EQ(with("dialect: px4, url: \"udp://:1\", battery: {full_v: 4}"),
             "f:6: robots[0].autopilot.battery: missing required key cells");
 }
@@ -352,7 +353,7 @@ TEST(ScenarioRules, CrazyfliesHaveRadioOrUdpUrls) {
   EXPECT_EQ(answer_to_robot(", crazyflie: {url: \"usb://0\"}"),
             "f:6: robots[0].crazyflie.url: must begin with radio:// or udp://, is 'usb://0'");
   EXPECT_EQ(answer_to_robot(", crazyflie: {url: \"udp://h:1\", empty_v: 4, full_v: 3.5}"),
-            "f:6: robots[0].crazyflie.full_v: must be above empty_v, 4, is 3.5");
+            "f:6: robots[0].crazyflie.full_v: must be above empty_v (4), but is 3.5");
 }
 
 TEST(ScenarioRules, MaximumRangeExceedsMinimumRange) {
@@ -361,9 +362,9 @@ TEST(ScenarioRules, MaximumRangeExceedsMinimumRange) {
   };
   EXPECT_EQ(with("range_min_m: 3, range_max_m: 3.5"), "taken");
   EXPECT_EQ(with("range_min_m: 3.5, range_max_m: 3.5"),
-            "f:6: robots[0].sensor.range_min_m: must be below range_max_m, 3.5, is 3.5");
+            "f:6: robots[0].sensor.range_min_m: must be below range_max_m (3.5), but is 3.5");
   EXPECT_EQ(with("range_min_m: 4, range_max_m: 3.5"),
-            "f:6: robots[0].sensor.range_min_m: must be below range_max_m, 3.5, is 4");
+            "f:6: robots[0].sensor.range_min_m: must be below range_max_m (3.5), but is 4");
   EXPECT_EQ(with("kind: position, detects_ids: false, clutter_per_look: 2"), "taken");
   EXPECT_EQ(with("clutter_per_look: 1.5"),
             "f:6: robots[0].sensor.clutter_per_look: must be 0 with detects_ids: true: a false "
@@ -402,7 +403,7 @@ TEST(ScenarioRules, TargetsHaveValidIdsPositionsAndSpeeds) {
   EXPECT_EQ(answer_to(base + "  - {start: {x_m: 9.5, y_m: 1}}\n"),
             "f:6: targets[0].start: (9.5, 1) m is outside world.bounds");
   EXPECT_EQ(answer_to(base + "  - {}\ntarget_truth: {speed_min_mps: 1.5, speed_max_mps: 1}\n"),
-            "f:7: target_truth.speed_min_mps: must be at most speed_max_mps, 1, is 1.5");
+            "f:7: target_truth.speed_min_mps: must be at most speed_max_mps (1), but is 1.5");
   // If the list is not too long, its first wrong entry is reported.
   const auto many = [&](int count) {
     std::string list = "  - {id: -1}\n";

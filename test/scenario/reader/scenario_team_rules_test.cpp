@@ -56,8 +56,8 @@ TEST(ScenarioRules, RoundsAreLongEnough) {
   const std::string round = "execute_steps: 3, step_s: 0.25, publish_margin_s: 0.125, ";
   EXPECT_EQ(with(round + "team_budget_s: 0.625"), "taken") << "exactly the duration of the round";
   EXPECT_EQ(with(round + "team_budget_s: 0.75"),
-            "f:7: planner.team_budget_s: must fit with publish_margin_s, 0.125, into a round of "
-            "execute_steps · step_s = 0.75 s; is 0.75");
+            "f:7: planner.team_budget_s: must be at most the round (execute_steps · step_s = 0.75 "
+            "s) minus publish_margin_s (0.125), but is 0.75");
 }
 
 TEST(ScenarioRules, ToursNeedASearchForTargets) {
@@ -99,11 +99,11 @@ TEST(ScenarioRules, TeamAlgorithmsExcludeEachOther) {
             "f:8: planner.attacks_max: must be 0 with algorithm: external, which sends no "
             "proposals; is 1");
   EXPECT_EQ(with("attacks_max: 2"),
-            "f:8: planner: attacks_max must be below the number of robots, 2, is 2");
+            "f:8: planner: attacks_max must be below the number of robots (2), but is 2");
   EXPECT_EQ(with("attacks_max: 1001"),
             "f:8: planner.attacks_max: must be at least 0 and at most 1000, is '1001'");
   EXPECT_EQ(with("attacks_max: 5"),
-            "f:8: planner: attacks_max must be below the number of robots, 2, is 5");
+            "f:8: planner: attacks_max must be below the number of robots (2), but is 5");
 }
 
 // A belief contains targets and, for each cell of the world or of the neighbourhood, the time of
@@ -212,9 +212,9 @@ TEST(ScenarioRules, AttacksHaveATimeSpanAndKnownRobots) {
   EXPECT_EQ(attack("from_s: 2.5, to_s: 2.75, robots: [A]"), "taken");
   EXPECT_EQ(attack("to_s: 2, robots: []"), "taken");
   EXPECT_EQ(attack("from_s: 2.5, to_s: 2.5, robots: [A]"),
-            "f:8: attacks[0].to_s: must be above from_s, 2.5, is 2.5");
+            "f:8: attacks[0].to_s: must be above from_s (2.5), but is 2.5");
   EXPECT_EQ(attack("from_s: 2.5, to_s: 1, robots: [A]"),
-            "f:8: attacks[0].to_s: must be above from_s, 2.5, is 1");
+            "f:8: attacks[0].to_s: must be above from_s (2.5), but is 1");
   EXPECT_EQ(attack("to_s: 2, robots: [A, B]"),
             "f:8: attacks[0].robots[1]: must be the name of a robot, is 'B'");
   EXPECT_EQ(attack("to_s: 2"), "f:8: attacks[0]: missing required key robots");

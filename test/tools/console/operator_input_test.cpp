@@ -185,10 +185,10 @@ TEST(Keys, AnEmergencyStopAfterAPartialSequenceIsKept) {
 // Every order and state: an order without effect has a reason, an order that is obeyed has none.
 TEST(ReasonWithoutEffect, ExistsForEveryOrderThatAVehicleIgnores) {
   using models::FlightState;
-  const std::string not_flying = "not in operation, arm and take off first";
+  const std::string not_flying = "not in operation; arm and take off first";
   const std::string in_operation = "already in operation";
   const std::string landing = "is landing";
-  const std::string stopped = "stopped, arm it first";
+  const std::string stopped = "stopped; arm it first";
   struct Row {
     OperatorAction action;
     std::vector<std::string> by_state;  ///< idle, follow, hold, land, killed
