@@ -28,8 +28,9 @@ struct MocapSpec {
   DeviceSource device = DeviceSource::kDirect;
 
   MocapProtocol protocol = MocapProtocol::kDataStream;
-  std::string host = "127.0.0.1";  ///< server; object stream: the default accepts any sender
-  int port = 0;                    ///< 0: default port of the protocol
+  std::string host =
+      "127.0.0.1";  ///< host of the server; with an object stream, the default accepts any sender
+  int port = 0;     ///< 0: default port of the protocol
   StreamMode mode = StreamMode::kPush;
   UpAxis up_axis = UpAxis::kAsTold;
   int block_bytes = 256;          ///< datagram size of a simulated object stream: 256, 512 or 1024

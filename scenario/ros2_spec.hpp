@@ -30,7 +30,7 @@ struct Ros2DetectionInput {
 struct Ros2Spec {
   int domain = 0;                     ///< ROS_DOMAIN_ID
   std::string interface = "lo";       ///< network card; lo: this host only
-  std::string prefix;                 ///< begin of the topics of robots; empty or "/name"
+  std::string prefix;                 ///< prefix of the robots' topics; empty or "/name"
   std::string world_frame = "world";  ///< name of the world frame in messages
   std::vector<Ros2PoseInput> poses;
   std::vector<Ros2DetectionInput> detections;

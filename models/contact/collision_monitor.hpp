@@ -64,14 +64,14 @@ class CollisionMonitor {
   [[nodiscard]] std::int64_t disagreements() const { return disagreements_; }
 
  private:
-  struct Geometry;  // defined in the source, so that this header needs no FCL
+  struct Geometry;  // defined in the source file, so that this header does not include FCL
   struct Contact {
     bool touching = false;
     bool too_near = false;
   };
   struct ContactCheck {
     bool fcl_hit = false;
-    double distance_m = 0.0;        ///< between surfaces at the current step
+    double distance_m = 0.0;        ///< m; distance between the surfaces at the current step
     double swept_distance_m = 0.0;  ///< smallest distance since the last step
   };
 
@@ -96,10 +96,11 @@ class CollisionMonitor {
   std::vector<Eigen::Vector3d> new_m_;
   NearPairs near_;
   std::vector<NearPairs::Pair> candidates_;
-  std::vector<NearPairs::Pair> in_contact_;  ///< touching or too near at the last step, ascending
-  std::vector<Contact> pairs_;               ///< pair i < j has the index j (j − 1) / 2 + i
-  std::vector<Contact> obstacles_;           ///< index: body · number of obstacles + obstacle
-  std::vector<Contact> bounds_;              ///< per body
+  std::vector<NearPairs::Pair>
+      in_contact_;              ///< pairs that touched or were too near at the last step, ascending
+  std::vector<Contact> pairs_;  ///< pair i < j has the index j (j − 1) / 2 + i
+  std::vector<Contact> obstacles_;  ///< index: body · number of obstacles + obstacle
+  std::vector<Contact> bounds_;     ///< per body
   std::vector<std::string> obstacle_names_;
   double min_separation_m_;
   std::int64_t non_finite_ = 0;

@@ -86,7 +86,7 @@ struct RobotMeasurement {
 /// One robot's belief of one target.
 struct TargetBelief {
   int target_id = 0;        ///< target id, or a track's label (≥ kTrackLabelMin)
-  Information information;  ///< at the message's time
+  Information information;  ///< the target's state at the message's time
   Time last_seen{};         ///< time of the newest measurement in this belief, from any robot
 };
 
@@ -99,7 +99,8 @@ struct RobotBelief {
   int degree = 0;                     ///< number of neighbours in communication range at this step
   std::vector<TargetBelief> targets;  ///< discovered targets, by ascending target_id
   GridGeometry grid;
-  std::vector<std::int64_t> last_seen_utime;  ///< per cell, VisibilityGrid::kNeverSeen for never
+  std::vector<std::int64_t> last_seen_utime;  ///< time at which each cell was last seen;
+                                              ///< VisibilityGrid::kNeverSeen: never
   std::vector<InputRef> inputs;               ///< inputs of this step in the order of use
 };
 
@@ -129,7 +130,7 @@ struct RangeScan {
   Viewpoint viewpoint;             ///< assumed viewpoint of the scan
   bool jammed = false;             ///< true: the range finder was attacked; there are no ranges
   double field_of_view_rad = 0.0;  ///< in (0, 2π]; beams are spaced as in BeamSensor
-  double range_max_m = 0.0;        ///< readings near this value: the beam hit nothing
+  double range_max_m = 0.0;        ///< m; a reading near this value means that the beam hit nothing
   std::vector<double> ranges_m;    ///< by beam
   std::vector<InputRef> inputs;
 };
@@ -142,16 +143,19 @@ struct RobotMap {
   std::int64_t step = 0;  ///< index of the estimator step
   Viewpoint viewpoint;
   GridGeometry grid;
-  std::vector<std::int16_t> own_looks;   ///< per cell, from this run's own scans
-  std::vector<std::int16_t> team_looks;  ///< per cell, own scans plus those received from teammates
-  double entropy_nats = 0.0;             ///< entropy of the map from team_looks
-  std::vector<InputRef> inputs;  ///< belief (for the pose), previous own map, scans, team's maps
+  std::vector<std::int16_t>
+      own_looks;  ///< per cell: only from scans of this robot since the start of this process
+  std::vector<std::int16_t>
+      team_looks;  ///< per cell: this robot's scans plus the scans received from teammates
+  double entropy_nats = 0.0;  ///< entropy of the map from team_looks
+  std::vector<InputRef>
+      inputs;  ///< belief (for the pose), this robot's previous map, scans, teammates' maps
 };
 
 /// The origin of a published plan. Lower values are better.
 enum class PlanSource {
   kSearched = 0,  ///< the best complete plan of this slot's search
-  kShifted = 1,   ///< remainder of the previous plan, checked again
+  kShifted = 1,   ///< the remaining part of the previous plan, after a new check
   kBraking = 2,   ///< stop and hover
 };
 
@@ -206,7 +210,7 @@ struct TeamProposal {
   /// sender.
   double value_nats = 0.0;
   std::vector<TeamChoice> choices;    ///< at most one per robot; robots without an entry hover
-  std::vector<std::int64_t> history;  ///< fingerprints of all solutions up to this one, inclusive
+  std::vector<std::int64_t> history;  ///< fingerprints of all earlier solutions and of this one
   std::int64_t nodes = 0;             ///< node budget that reproduces the search for candidates
   /// Inputs of the candidates; the last input is the proposal that this proposal improves, if any.
   std::vector<InputRef> inputs;
@@ -214,8 +218,8 @@ struct TeamProposal {
   [[nodiscard]] const TeamChoice* find(const std::string& of_robot) const;
 };
 
-/// Returns the number of a planning round as every program shows it: its last five digits, because
-/// rounds are counted from 1970; "-" for no round (negative).
+/// Returns the number of a planning round as shown in all programs: only the last five digits,
+/// because rounds are counted from 1970. Returns "-" for a negative number, which means no round.
 std::string round_text(std::int64_t round);
 
 enum class FlightState { kIdle, kFollow, kHold, kLand, kKilled };
@@ -273,7 +277,7 @@ struct CollisionReport {
   CollisionKind kind = CollisionKind::kNearMiss;
   std::string body_a;
   std::string body_b;       ///< a body, or "obstacle:<index>", or "bounds"
-  double distance_m = 0.0;  ///< between surfaces; collision: ≤ 0
+  double distance_m = 0.0;  ///< m, between the surfaces; ≤ 0 for a collision
 };
 
 /// The robots with sensors that are jammed at present (ATTACK).
@@ -294,7 +298,8 @@ struct ProcessHealth {
   Stamp stamp;
   std::string process;
   ProcessState state = ProcessState::kStarting;
-  std::vector<NamedCount> counters;  ///< includes a counter for each reason to drop messages
+  std::vector<NamedCount>
+      counters;  ///< counters of the process, one for each reason for dropped messages among them
   std::int64_t loops = 0;
   double loop_worst_s = 0.0;  ///< longest handling time since the last report
   std::int64_t deadlines_missed = 0;
@@ -311,7 +316,7 @@ struct SupervisedProcess {
   SupervisedPhase phase = SupervisedPhase::kRunning;
   int restarts = 0;
   double down_s = 0.0;     ///< time not running since its first start, s
-  double cpu_share = 0.0;  ///< share of one core over about the last second
+  double cpu_share = 0.0;  ///< share of one core used during about the last second
   std::int64_t memory_bytes = 0;
   std::string last_end;  ///< "exit 1", "signal 9"; empty: the process never ended
 };

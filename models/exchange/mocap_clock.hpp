@@ -9,7 +9,8 @@
 namespace vantage::models {
 
 /// Converts capture times of mocap frames to this host's clock, even when the clock that stamps the
-/// frames is set to another time. Each receiver of VICON uses captured() instead of the stamp.
+/// frames is set to another time. Every receiver of VICON uses the time that captured() returns
+/// instead of the stamp.
 ///
 /// The latency is arrival minus stamp minus the known clock offset. It is valid between 0 and one
 /// second plus the latency stated in the frame (`arrival` at the publisher minus its stamp). The
@@ -41,10 +42,12 @@ class MocapClock {
   bool has_frame_ = false;
   std::int64_t run_id_ = 0;
   Time stamp_{};
-  Time publisher_arrival_{};  ///< arrival of the frame at the publisher, by the stamping clock
+  Time publisher_arrival_{};  ///< time at which the publisher received the frame, by the clock that
+                              ///< stamps frames
   Time arrival_{};
   std::int64_t number_ = 0;
-  Duration period_{};  ///< time between stamps; 0 before two frames by the same clock
+  Duration period_{};  ///< time between the stamps of consecutive frames; 0 until two frames by the
+                       ///< same clock arrived
   Duration offset_{};  ///< clock of `arrival` minus clock of the stamp
   Duration latency_{};
 };

@@ -15,7 +15,8 @@ struct UnicycleControl {
 
 /// Returns the exact pose after `duration_s` of `control` (no integration error).
 /// x' = x + ντ sinc(ωτ/2) cos(θ + ωτ/2), y' = y + ντ sinc(ωτ/2) sin(θ + ωτ/2), θ' = θ + ωτ wrapped.
-/// Source: Schlotfeldt, dissertation, eq. 2.37 with the τ that 3.5 and 4.12 drop.
+/// Source: Schlotfeldt, dissertation, eq. 2.37 with the factor τ that is missing in eq. 3.5 and
+/// 4.12.
 Pose2 step_unicycle(const Pose2& world_from_body, const UnicycleControl& control,
                     double duration_s);
 

@@ -21,10 +21,10 @@ namespace vantage::models {
 
 /// One segment of constant control and constant deceleration.
 struct PlanSegment {
-  UnicycleControl control;  ///< at the segment's start
+  UnicycleControl control;  ///< speed at the segment's start
   double duration_s = 0.0;
-  /// Forward deceleration: 0 for a primitive. For the stop at the end: the vehicle's brake
-  /// deceleration, with zero yaw rate.
+  /// m/s²; forward deceleration: 0 for a primitive. The stop at the end has the vehicle's brake
+  /// deceleration and zero yaw rate.
   double brake_mps2 = 0.0;
 };
 
@@ -43,7 +43,7 @@ inline constexpr double kFlownDurationMax_s = 60.0;
 /// State at one time of a trajectory.
 struct TrajectoryPoint {
   Pose2 world_from_body;
-  UnicycleControl control;  ///< applied at this time; zero in the hover
+  UnicycleControl control;  ///< control applied at this time; zero in the hover
 };
 
 /// Returns the state at `time`: stationary at the start pose before the start time, hovering after

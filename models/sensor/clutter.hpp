@@ -11,9 +11,10 @@ namespace vantage::models {
 
 /// Properties of a sensor's detections: missed targets, false alarms and target ids.
 struct DetectionModel {
-  double detection_probability = 1.0;  ///< for a target in view and in line of sight
-  double clutter_per_look = 0.0;       ///< mean number of false alarms per measurement
-  bool detects_ids = true;             ///< each detection has its target's id
+  double detection_probability =
+      1.0;  ///< probability of detecting a target in view and in line of sight
+  double clutter_per_look = 0.0;  ///< mean number of false alarms per measurement
+  bool detects_ids = true;        ///< true: each detection has its target's id
 };
 
 /// Returns the area of the ground in view, m², if no walls block the view. The result for a tilted

@@ -28,7 +28,7 @@ enum class ParameterRule { kAny, kAtLeastZero, kAboveZero };
 /// A parameter of one kind of sensor. Scenarios, planning problems and Python read it under its
 /// name. Values are stored in SensorModel; read them with own_parameter().
 struct SensorParameter {
-  std::string_view name;  ///< ends in the unit: "range_rate_sigma_mps"
+  std::string_view name;  ///< name with the unit at its end: "range_rate_sigma_mps"
   std::string_view unit;  ///< "m/s"
   double initial;         ///< default
   ParameterRule rule;
@@ -69,7 +69,8 @@ struct SensorLaw {
   /// the target is directly above or below the sensor.
   bool measures_range = false;
   bool measures_bearing = false;
-  /// z = H (target − sensor), where H only depends on the heading: a Kalman update is exact.
+  /// True if z = H (target − sensor), where H depends only on the heading. A Kalman update is then
+  /// exact.
   bool is_linear = false;
   int (*measurement_dim)(int position_dim) = nullptr;
   /// True if a target within range and field of view can be measured; null: always.

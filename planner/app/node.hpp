@@ -43,9 +43,9 @@ class PlannerNode : public bus::Node {
   /// external_missing (rounds without an answer), external_late (answers after the deadline),
   /// external_unasked (answers without a request, or duplicates), external_refused (answers that
   /// are not valid plans; unsafe plans count as plan_checks_failed). With shared slots:
-  /// yielded_rounds. bodies_dropped: bodies in the way beyond the number that a plan can avoid.
-  /// rounds_short_of_processor: rounds in which a robot with a driver brakes instead of searching,
-  /// because its planner gets too little processor time.
+  /// yielded_rounds. bodies_dropped: bodies in the way that were ignored because a plan can avoid
+  /// only a limited number. rounds_short_of_processor: rounds in which a robot with a driver brakes
+  /// instead of searching, because its planner gets too little processor time.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   [[nodiscard]] std::int64_t deadlines_missed() const override { return state_.plans_late; }
 
@@ -73,11 +73,13 @@ class PlannerNode : public bus::Node {
   RoundSchedule schedule_;
   std::unique_ptr<PlanMode> mode_;
   Time attack_received_{};
-  std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest frame; input once the slot begins
+  std::shared_ptr<const models::MocapFrame>
+      mocap_;  ///< newest frame; it becomes an input when the slot begins
   /// Earlier frames, at least kVelocityTime apart, for the velocity of bodies.
   std::shared_ptr<const models::MocapFrame> mocap_before_, mocap_between_;
   std::map<std::string, models::PoseEstimate> poses_;  ///< newest POSE_R with motion, by robot
-  std::optional<models::BeliefMixture> mixture_;  ///< newest mixture; arrives before its belief
+  std::optional<models::BeliefMixture>
+      mixture_;  ///< newest mixture; it arrives before the belief to which it belongs
   std::optional<bus::NeighbourWatch> neighbours_;
   std::int64_t slots_skipped_ = 0;
   std::int64_t short_of_processor_ = 0;

@@ -11,9 +11,9 @@ namespace vantage::planner {
 
 /// Stage of a robot's slot.
 enum class SlotStage : std::uint8_t {
-  kWaiting,  ///< not begun, or the slot's plan waits for an answer
+  kWaiting,  ///< the slot has not begun, or its plan waits for an answer
   kDue,      ///< the slot's plan or proposal must be made now
-  kMissed,   ///< the slot ended before any work on it began
+  kMissed,   ///< the slot ended before work on its plan began
 };
 
 /// Messages that a planner node exchanges before its plan, and the times of this exchange; selected

@@ -15,7 +15,7 @@ namespace vantage::planner {
 
 /// A trajectory that a team decision may assign to a robot.
 struct Candidate {
-  std::vector<int> controls;  ///< indices into its SearchProblem::controls, one per step
+  std::vector<int> controls;  ///< indices into the robot's SearchProblem::controls, one per step
   std::vector<Pose2> poses;   ///< poses at the end of each step
   std::vector<PredictedMeasurement>
       measurements;          ///< sorted by target, then step; only those with nonzero information
@@ -59,7 +59,8 @@ struct CandidateOptions {
   /// True: anytime passes starting at (ε, δ) instead of one pass, and leaves ordered by ½ J_T plus
   /// energy cost instead of J_T. Usable candidates then exist whenever the deadline expires.
   bool is_anytime = false;
-  std::size_t leaves_max = kNoLimit;      ///< maximum number of leaves examined, in the order above
+  std::size_t leaves_max =
+      kNoLimit;  ///< maximum number of leaves examined, in the order described above
   std::size_t candidates_max = kNoLimit;  ///< maximum number of candidates kept
 
   static constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();

@@ -23,7 +23,7 @@ struct DecisionAlgorithm {
   std::string_view what;  ///< description for --help, one line
   /// Names of the DecisionOptions that it uses, and "energy" if the candidates may have costs.
   std::vector<std::string_view> options;
-  bool is_optimal = false;  ///< true: its value without attacks is the optimum
+  bool is_optimal = false;  ///< true: the algorithm finds the optimum if there are no attacks
   bool has_bait = false;    ///< bait robots (ResilientRound) keep the plans that they made alone
   /// Returns the number of team choices that are evaluated one by one; null: a polynomial number.
   double (*evaluations)(const TeamOracle& oracle, const DecisionOptions& options) = nullptr;

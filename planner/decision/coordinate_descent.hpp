@@ -9,8 +9,10 @@ namespace vantage::planner {
 
 /// Options of coordinate descent.
 struct DescentOptions {
-  std::vector<int> order;  ///< order of choosing; empty: 0, 1, …; unlisted robots get no candidate
-  int rounds_max = 1;      ///< maximum number of rounds; ends earlier after a round without change
+  std::vector<int> order;  ///< order in which robots choose; empty: 0, 1, …; robots that are not
+                           ///< listed get no candidate
+  int rounds_max =
+      1;  ///< maximum number of rounds; the search ends earlier after a round without change
   /// True: tries candidates by descending individual value and stops at the first with a value
   /// below the best gain found. The result does not change. Ignored unless the information is
   /// submodular.

@@ -17,7 +17,7 @@ struct TeamDecision {
   std::int64_t adopted = 0;    ///< adopted changes of the team's solution
   std::int64_t messages = 0;   ///< broadcasts of all robots, including empty proposals
   bool finished = true;        ///< false: the deadline expired first
-  std::vector<Choice> optima;  ///< only after a local search: result of each round
+  std::vector<Choice> optima;  ///< result of each round; empty unless a local search was used
 };
 
 /// Condition under which a local operation counts as an improvement: g' ≥ (1 + α/N⁴) g with g = J +

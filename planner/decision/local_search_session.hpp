@@ -22,7 +22,7 @@ struct SessionSetup {
   int robot = 0;                    ///< index of this robot
   std::int64_t round = 0;
   Time activation{};
-  TeamProblem problem;                  ///< own beliefs; candidates of this robot only, or none
+  TeamProblem problem;  ///< problem with this robot's beliefs and only its candidates, if any
   std::vector<models::TeamChoice> own;  ///< motions of the candidates, in the same order
   /// Returns a teammate's choice as a candidate, evaluated on this robot's beliefs.
   std::function<Candidate(const models::TeamChoice&)> candidate_of;
@@ -62,7 +62,8 @@ class LocalSearchSession {
   /// when a committed choice belongs to this robot or to an unknown robot
   explicit LocalSearchSession(SessionSetup setup);
   ~LocalSearchSession() = default;
-  LocalSearchSession(const LocalSearchSession&) = delete;  // members refer to setup_
+  LocalSearchSession(const LocalSearchSession&) =
+      delete;  // not copyable, because members refer to setup_
   LocalSearchSession& operator=(const LocalSearchSession&) = delete;
   LocalSearchSession(LocalSearchSession&&) = delete;
   LocalSearchSession& operator=(LocalSearchSession&&) = delete;

@@ -47,12 +47,13 @@ class ProposalSearch {
   const ImprovementRule* rule_;
   int robot_;
   bool lazy_;
-  TeamSet team_;  ///< S⁻ while additions are tried, S otherwise
+  TeamSet team_;  ///< the set S⁻ while additions are tried, otherwise the set S
   std::vector<CandidateId> order_;
   std::span<const char> excluded_;
   Choice choice_;
   double value_ = 0.0;
-  int turn_ = 0;  ///< index of the deletion: none (NOP), own, then the teammates'
+  int turn_ =
+      0;  ///< index of the deletion: first none (NOP), then this robot's, then those of teammates
   int drop_robot_ = -1;
   bool is_adding_ = false;
   std::size_t next_addition_ = 0;

@@ -15,7 +15,7 @@ struct DriveOptions {
   /// 1/2, the robot may enter unknown cells (it has a bumper); with a value below 1/2, only
   /// observed cells.
   double occupied_from = 0.51;
-  /// Cells with at most this probability of being occupied count as known to be free.
+  /// Cells with at most this probability of being occupied are assumed to be free.
   double free_up_to = 0.35;
 };
 

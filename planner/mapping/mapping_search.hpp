@@ -20,13 +20,14 @@ std::vector<models::UnicycleControl> mapping_primitives();
 /// A robot's path over one planning horizon.
 struct MapRoute {
   Pose2 start;
-  std::vector<int> controls;    ///< indices into the primitives, one per step; empty: stay
-  std::vector<Pose2> poses;     ///< poses at the end of each step, where scans are taken
-  double gain_nats = 0.0;       ///< information in addition to that of the fixed scans
-  std::int64_t nodes = 0;       ///< nodes of the search tree
-  double value_nats = 0.0;      ///< gain_nats minus the frontier penalty
-  std::int64_t work_nodes = 0;  ///< examined steps, allowed or not: unit of node budgets
-  bool is_cut = false;          ///< the deadline expired: there may be better routes
+  std::vector<int> controls;  ///< indices into the primitives, one per step; empty: stay
+  std::vector<Pose2> poses;   ///< poses at the end of each step, where scans are taken
+  double gain_nats = 0.0;     ///< information gained in addition to that of the fixed scans
+  std::int64_t nodes = 0;     ///< nodes of the search tree
+  double value_nats = 0.0;    ///< gain_nats minus the frontier penalty
+  std::int64_t work_nodes =
+      0;  ///< number of examined steps, including steps that are not allowed; unit of node budgets
+  bool is_cut = false;  ///< true: the deadline expired, so better routes may exist
 };
 
 struct MappingSearchOptions {

@@ -45,7 +45,7 @@ struct BeamView {
   };
   struct Beam {
     double nats = 0.0;
-    std::uint32_t begin = 0;  ///< the beam's cells are shares[begin … end)
+    std::uint32_t begin = 0;  ///< the shares of the beam's cells are shares[begin … end)
     std::uint32_t end = 0;
   };
   double nats = 0.0;  ///< sum; upper bound of the gain in addition to any other scans
@@ -102,7 +102,7 @@ class ViewTable {
   models::BeamSensor sensor_;
   ViewOptions options_;
   int sectors_ = 1;              ///< number of distinct headings
-  std::int64_t beam_cells_ = 0;  ///< number of cells of all computed beams: the work done
+  std::int64_t beam_cells_ = 0;  ///< number of cells of all computed beams, a measure of the work
   MapCoverage within_;           ///< coverage within one scan
   models::BeamProfile profile_;
   std::vector<double> weight_;  ///< weight of each cell of the beam

@@ -19,8 +19,8 @@ namespace vantage::planner {
 /// allocates only up to the sizes given to the constructor; the queries allocate nothing.
 class MotionTable {
  public:
-  static constexpr int kPieces = 5;  ///< straight pieces per arc, for separation
-  static constexpr int kParts = 16;  ///< parts of an arc in distance field checks
+  static constexpr int kPieces = 5;  ///< number of straight pieces per arc in separation checks
+  static constexpr int kParts = 16;  ///< number of parts per arc in checks with the distance field
 
   /// `steps_max`: steps from the start until every teammate hovers and this robot's last stop has
   /// ended.
@@ -79,7 +79,7 @@ class MotionTable {
   struct Primitive {
     Pose2 end;                             ///< body at start from body at end
     Eigen::Vector2d piece_end_m[kPieces];  ///< ends of the pieces, in the body frame at the start
-    Pose2 along[kParts];                   ///< poses after k of kParts parts, in the body frame
+    Pose2 along[kParts];  ///< poses after k of the kParts parts of the arc, in the body frame
     double length_m = 0.0;
     double sagitta_m = 0.0;  ///< m; deviation of one piece of the arc from its chord
     models::UnicycleControl control;
@@ -102,7 +102,7 @@ class MotionTable {
   std::vector<Primitive> primitives_;
   Views ends_;  ///< end poses of the controls in the body frame
   double reach_m_ = 0.0;
-  int pieces_each_ = 0;                         ///< pieces per teammate: until all vehicles hover
+  int pieces_each_ = 0;  ///< number of pieces per teammate, until all vehicles hover
   std::vector<TeammatePiece> teammate_pieces_;  ///< [teammate][depth][piece]
   std::vector<double>
       step_distances_m_;            ///< [teammate][depth]: maximum distance covered in one step

@@ -53,13 +53,16 @@ struct SearchProblem {
   /// square). Empty if there is none.
   std::vector<std::vector<models::StateMatrix>> fixed_information;
 
-  /// Added to J_T of every complete plan; nothing is added if it is empty. A target counts as
-  /// measured if a sensor of this robot gives information about it at a step before the last.
+  /// Terminal value, which is added to J_T of every complete plan; empty: nothing is added. A
+  /// target counts as measured if a sensor of this robot gives information about it at a step
+  /// before the last.
   TerminalValue terminal;
 
   const models::World* world = nullptr;          ///< null: unbounded and empty
-  const models::DistanceField* field = nullptr;  ///< field of `world`; null: same results, slower
-  double clearance_m = 0.0;           ///< m; radius of the disc around the robot that must be free
+  const models::DistanceField* field = nullptr;  ///< distance field of `world`; null: the results
+                                                 ///< are the same, but the search is slower
+  double clearance_m =
+      0.0;  ///< m; radius of the disc around the robot that must be free of obstacles
   bool obstacles_block_sight = true;  ///< false: sensors see over or through obstacles
 
   /// Committed motion of the teammates. The plan keeps `separation_m` from it in space, or in the
@@ -101,9 +104,9 @@ void require_valid(const SearchProblem& problem);
 
 /// Reason why a search ended.
 enum class StopReason {
-  kFinished,   ///< search complete: the result is optimal over the controls
-  kDeadline,   ///< time or nodes were used up
-  kMemory,     ///< the arena is full
+  kFinished,  ///< the search is complete: its result is optimal among all sequences of the controls
+  kDeadline,  ///< time or nodes were used up
+  kMemory,    ///< the arena is full
   kConverged,  ///< the requested (ε, δ) pass is complete
 };
 

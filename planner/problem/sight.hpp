@@ -85,8 +85,9 @@ class SightTable {
     double isotropic_per_m2 = 0.0;  ///< 1/m²; information of a position sensor
     double growth_per_m = 0.0;      ///< 1/m; variance factor is max(floor, r · growth_per_m)
     double variance_floor = 1.0;
-    bool lacks_planar_law = false;  ///< no planar law: evaluate information() for each view
-    bool is_directional = true;     ///< false: a position sensor
+    bool lacks_planar_law =
+        false;  ///< true: the kind has no planar law, so information() is evaluated for each view
+    bool is_directional = true;  ///< false: a position sensor
     bool variance_grows = false;
   };
   [[nodiscard]] static bool add_planar_information(const Sensor& sensor, double dx_m, double dy_m,

@@ -41,7 +41,7 @@ class TerminalValue {
   };
 
   TerminalValue() = default;
-  /// @throws UsageError when an argument breaks a rule above or is not finite
+  /// @throws UsageError when an argument violates a rule stated above or is not finite
   TerminalValue(std::vector<Stop> stops, Fields fields);
 
   [[nodiscard]] bool is_empty() const { return stops_.empty(); }
@@ -51,7 +51,7 @@ class TerminalValue {
   struct Rest {
     double offset = 0.0;
     double rate_per_s = 0.0;
-    int field = -1;  ///< −1: independent of x
+    int field = -1;  ///< index of the grid of travel times; −1: V does not depend on x
   };
   /// Returns the rest of the tour after measurements of the targets `measured`. O(targets), and
   /// O(stops) if a stop is among them.

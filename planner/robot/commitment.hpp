@@ -14,7 +14,7 @@ struct Commitment {
   enum class Known {
     kMotion,
     kNoPose,       ///< the robot's pose was never received
-    kUnknownPlan,  ///< the robot flies a plan from before its planner's restart
+    kUnknownPlan,  ///< the robot flies a plan that was made before its planner restarted
   };
   Known known = Known::kMotion;
   models::Trajectory motion;  ///< motion from t_{k+1} on; valid only for kMotion

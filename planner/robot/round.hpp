@@ -65,10 +65,11 @@ class RoundSchedule {
   Duration round_{};
   Duration margin_{};
   Duration budget_{};
-  bool is_shared_ = false;  ///< a slot can belong to several robots
+  bool is_shared_ = false;  ///< true: a slot can belong to several robots
   int slots_ = 1;           ///< number of slots; if not shared, the number of robots
   int slot_index_ = 0;
-  bool is_exchange_ = false;  ///< all robots share the first half
+  bool is_exchange_ =
+      false;  ///< true: all robots share the first half of the budget for their exchange
   bool has_proposals_ = false;
 };
 

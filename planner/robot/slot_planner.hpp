@@ -20,9 +20,9 @@ struct SlotTask {
   const PlanInputs& inputs;
   const models::Trajectory& committed;
   const RoundProblem& round;
-  PlanLadder ladder;  ///< selects the slot's plan
+  PlanLadder ladder;  ///< chooser of the slot's plan
   PlannerCounts& counts;
-  bool is_bait = false;  ///< the robot flies its proposal
+  bool is_bait = false;  ///< true: the robot is bait and flies its proposal
 };
 
 /// Planning method of a robot's slot; selected by the scenario (make_slot_planner()).

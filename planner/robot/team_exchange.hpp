@@ -47,7 +47,7 @@ class TeamExchange {
   TeamExchange(TeamExchange&&) = delete;
   TeamExchange& operator=(TeamExchange&&) = delete;
 
-  /// See LocalSearchSession.
+  /// The following functions are described in LocalSearchSession.
   [[nodiscard]] ReceiveOutcome receive(const models::TeamProposal& proposal);
   [[nodiscard]] std::optional<models::TeamProposal> improve(const Deadline& deadline);
 

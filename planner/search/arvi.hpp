@@ -14,7 +14,7 @@
 namespace vantage::planner {
 
 enum class ReducedSearch {
-  kAnytime,     ///< ARVI: ε = δ = ∞ first, then the schedule, finally ε = δ = 0
+  kAnytime,  ///< ARVI: a pass with ε = δ = ∞, then passes with halved values, finally ε = δ = 0
   kSinglePass,  ///< RVI with the given ε and δ
   kGreedy,      ///< first pass of ARVI only: the best next step, T times
   kExhaustive,  ///< FVI: no pruning
@@ -65,7 +65,7 @@ class ReducedValueIteration : private TreeSearch {
   struct Level {
     NodeList pending;             ///< nodes excluded in earlier passes, by ascending cost
     NodeList open;                ///< O_t
-    NodeId unexpanded = kNoNode;  ///< first member of `open` that is not in C_t
+    NodeId unexpanded = kNoNode;  ///< index of the first member of `open` that is not in C_t
   };
   enum class Progress { kDone, kDeadline, kMemory };
 

@@ -16,9 +16,10 @@
 namespace vantage::planner {
 
 enum class BestFirst {
-  kAStar,          ///< expands the least g + h first, until no open node can be better
-  kWeightedAStar,  ///< least g' + w h' first, until the plan is within factor w of the optimum
-  kAegis,          ///< least g' + w h' first, without (ε, δ)-dominated nodes, until OPEN is empty
+  kAStar,  ///< expands the node of least g + h first, until no open node can improve the plan
+  kWeightedAStar,  ///< expands the node of least g' + w h' first, until the plan is within factor w
+                   ///< of the optimum
+  kAegis,  ///< as kWeightedAStar, but without (ε, δ)-dominated nodes and until OPEN is empty
 };
 
 enum class NodeBound {
@@ -34,7 +35,7 @@ struct BestFirstOptions {
   double delta_m = 0.0;
   double yaw_weight_m_per_rad = 0.3;
   /// Number of expansions between two dives. A dive follows the best child down to a leaf, so that
-  /// the plan improves early. 0: only at the start.
+  /// the plan improves early. 0: one dive at the start.
   int dive_every = 64;
 };
 
@@ -112,12 +113,13 @@ class BestFirstSearch : private TreeSearch {
   std::size_t open_peak_ = 0;
   std::size_t floors_peak_ = 0;
   std::vector<double> floor_sums_;  ///< Σ_{k ≤ t} L_k
-  std::vector<NodeId> stops_;       ///< first nodes of each depth, candidates for the fallback
+  std::vector<NodeId>
+      stops_;  ///< first nodes of each depth, from which the fallback plan is chosen
   std::vector<int> stop_counts_;
   PoseMetric metric_;
   BestFirstOptions options_;
   bool weighted_ = false;
-  NodeId next_ = kNoNode;  ///< next node of the dive; open, but not in open_
+  NodeId next_ = kNoNode;  ///< next node of the dive; it is an open node but is not stored in open_
   bool dives_ = false;
   std::int64_t next_dive_ = 0;
   double least_dominated_ = 0.0;

@@ -15,7 +15,7 @@ namespace vantage::planner {
 struct RandomWalkOptions {};
 
 /// Planner that chooses a uniformly random feasible control at each step, seeded by the problem;
-/// backtracks from dead ends. Allocates; ignores deadlines (5000 tries at most).
+/// backtracks from dead ends. Allocates memory. Ignores deadlines, but makes at most 5000 tries.
 class RandomWalk {
  public:
   explicit RandomWalk(const SearchCapacity& /*capacity*/) {}
@@ -28,14 +28,14 @@ class RandomWalk {
 
 /// The strip of the world that one robot sweeps.
 struct SweepShare {
-  int index = 0;  ///< strip number, of `count` strips
+  int index = 0;  ///< index of the strip among `count` strips
   int count = 1;
 };
 
 /// Planner that follows the waypoints of a lawn-mower sweep with a two-step look-ahead; rows are
-/// 1.6 ranges of the first sensor apart. Stores its progress, so each robot needs its own object.
-/// Allocates; ignores deadlines (5000 tries at most). plan() throws UsageError when the problem has
-/// no world.
+/// 1.6 ranges of the first sensor apart. Stores its progress, so each robot needs a separate
+/// object. Allocates memory. Ignores deadlines, but makes at most 5000 tries. plan() throws
+/// UsageError when the problem has no world.
 class LawnMower {
  public:
   explicit LawnMower(const SearchCapacity& /*capacity*/) {}

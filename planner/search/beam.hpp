@@ -15,15 +15,17 @@ namespace vantage::planner {
 
 /// Options of a refining beam. The defaults are the result of the planner study.
 struct BeamOptions {
-  int first_width = 16;       ///< nodes kept per depth in the pass after the greedy pass
-  double growth = 2.0;        ///< factor of the width from pass to pass
-  double cell_m = 1.0;        ///< edge of the diversity cells at the first width, m
-  double cell_rad = 1.0;      ///< extent of the diversity cells in yaw at the first width
-  double shrink = 0.82;       ///< factor of cell_m and cell_rad from pass to pass
-  double alternation = 0.6;   ///< extra factor of cell_m in every second pass
-  double breadth = 0.3;       ///< share of the width for the best nodes of each region
-  double anticipation = 0.3;  ///< share of a first sighting's expected value credited in advance
-  double persistence = 0.5;   ///< share of a depth's information gain expected to last
+  int first_width = 16;      ///< nodes kept per depth in the pass after the greedy pass
+  double growth = 2.0;       ///< factor by which the width grows from pass to pass
+  double cell_m = 1.0;       ///< edge of the diversity cells at the first width, m
+  double cell_rad = 1.0;     ///< extent of the diversity cells in yaw at the first width
+  double shrink = 0.82;      ///< factor by which cell_m and cell_rad change from pass to pass
+  double alternation = 0.6;  ///< extra factor of cell_m in every second pass
+  double breadth = 0.3;      ///< share of the width for the best nodes of each region
+  double anticipation =
+      0.3;  ///< share of the expected value of a first sighting that is counted before the sighting
+  double persistence =
+      0.5;  ///< share of a depth's information gain that is expected to remain later
 };
 
 /// Refining beam search: passes of a beam with growing width and shrinking diversity cells.

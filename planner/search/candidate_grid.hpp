@@ -46,8 +46,9 @@ class CandidateGrid {
   Eigen::Vector2d start_m_ = Eigen::Vector2d::Zero();
   double far_m_ = 0.0;  ///< m; range plus one step
   double reach_m_ = 0.0;
-  std::vector<double> cell_m_;                 ///< per depth
-  std::vector<std::uint32_t> relevant_begin_;  ///< per depth, into relevant_; one extra at the end
+  std::vector<double> cell_m_;  ///< per depth
+  std::vector<std::uint32_t>
+      relevant_begin_;  ///< per depth: start index in relevant_; the last entry is the end
   std::vector<std::uint16_t> relevant_;
   std::vector<Cell> cells_;  ///< [t − 1][row][column]
   std::vector<std::uint16_t> pool_;

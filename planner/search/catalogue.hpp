@@ -62,8 +62,8 @@ const std::vector<Algorithm>& all_algorithms();
 void add_algorithm(Algorithm algorithm);
 /// Returns the algorithm `name`. @throws UsageError with all names when it is unknown.
 const Algorithm& algorithm_called(std::string_view name);
-/// Returns the best algorithm for problems of this family: "astar" for range-only mapping of static
-/// targets, where its sequencing bound quickly proves the optimum; otherwise "beam".
+/// Returns the best algorithm for problems of the kind of `problem`: "astar" for range-only mapping
+/// of static targets, where its sequencing bound quickly proves the optimum; otherwise "beam".
 std::string_view default_algorithm(const SearchProblem& problem);
 
 /// Returns the capacity that `algorithm` needs for `problem` if it generates at most `nodes_max`

@@ -41,7 +41,8 @@ class CostOrder {
 
  private:
   static constexpr std::size_t kStep = 512;
-  static constexpr std::size_t kFew = 160;  ///< up to this size, one step of a few µs sorts all
+  static constexpr std::size_t kFew =
+      160;  ///< up to this number of entries, one step of a few µs sorts all of them
   static constexpr int kDigitBits = 11;
   static constexpr int kDigits = 6;
   static constexpr std::size_t kRadix = std::size_t{1} << kDigitBits;

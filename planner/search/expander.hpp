@@ -79,10 +79,11 @@ class Expander {
   /// Precondition: has_posterior(id).
   [[nodiscard]] double cost_of_hovering(const Tree& tree, NodeId id);
 
-  /// True if every block of a, plus εI, dominates (⪰) that of b, that is, b has at least as much
-  /// information. With a terminal value, b must also have measured every stop that a has measured,
-  /// and b's J must be at most a's J plus ε. The test is conservative; see planner::dominates.
-  /// Precondition: both have the same depth and posteriors, and their parents have posteriors.
+  /// True if every covariance block of a, plus εI, is ⪰ the block of b: b has at least as much
+  /// information as a, up to ε. With a terminal value, b must also have measured every stop that a
+  /// has measured, and b's J must be at most a's J plus ε. The test is conservative; see
+  /// planner::dominates. Precondition: both have the same depth and posteriors, and their parents
+  /// have posteriors.
   [[nodiscard]] bool is_redundant(const Tree& tree, NodeId a, double epsilon, NodeId b) const;
 
   /// Returns the part of the cost of `id` that is not J: the terminal value at its position. 0 for
@@ -101,7 +102,8 @@ class Expander {
  private:
   /// Information gain of all children of one node, by child.
   struct Gains {
-    alignas(32) double product[kMaxControls];  ///< of det(I + M P); moved to `sum` beyond 1e150
+    alignas(32) double product[kMaxControls];  ///< product of det(I + M P); moved to `sum` as a
+                                               ///< logarithm beyond 1e150
     alignas(32) double sum[kMaxControls];      ///< sum of gains, nats, or m² for the trace
   };
   bool keep_posterior(Tree& tree, NodeId id, double cos_yaw, double sin_yaw);

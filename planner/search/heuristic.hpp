@@ -124,9 +124,10 @@ class InformationHeuristic {
   std::vector<double> open_loop_rests_;
   std::vector<double> total_rests_;
   std::vector<double> stage_floors_;
-  std::vector<double> ring_rests_;         ///< [m][t][ring]; NaN: not computed
-  std::vector<std::uint8_t> ring_filled_;  ///< [m][t]: 1 if its rings belong to this problem
-  std::vector<std::int32_t> slots_;        ///< per target: offset of its block; −1: untouched
+  std::vector<double> ring_rests_;  ///< [m][t][ring]; NaN: not computed
+  std::vector<std::uint8_t>
+      ring_filled_;  ///< [m][t]: 1 if the rings were computed for the present problem
+  std::vector<std::int32_t> slots_;  ///< per target: offset of its block; −1: untouched
 };
 
 }  // namespace vantage::planner

@@ -107,10 +107,11 @@ class LatticeBound {
     double known = 0.0;
     double near_radius_m = 0.0;
   };
-  /// Best measurement of one sensor from a cell, and the linearly counted part of its information.
+  /// Best measurement of one sensor from a cell, and the part of its information that counts
+  /// linearly.
   struct CellGain {
     double reward = 0.0;
-    double near_gain = 0.0;  ///< extra gain when very close, which is rare
+    double near_gain = 0.0;  ///< additional gain of a measurement from very close, which is rare
     double along = 0.0;
     double across = 0.0;
     double half_angle_rad = 0.0;

@@ -58,8 +58,8 @@ class NearBound : public PartialBound {
   /// True if an event at (j, l), l > k, can follow one at (i, k).
   [[nodiscard]] bool can_follow(int i, int k, int j, int l) const;
   [[nodiscard]] double stage(const AveragedBlock& block) const;
-  /// Returns the cost of target i over the steps after k, with all measurements from outside the
-  /// disc.
+  /// Returns the cost of target i over the steps after k if all measurements are made from outside
+  /// the disc.
   double remaining_cost_outside(int i, int k, AveragedBlock block);
   /// Computes b(i, ·) over every choice of events from step k on; `events` are the earlier events.
   void save(int i, int k, const AveragedBlock& block, std::uint32_t events);

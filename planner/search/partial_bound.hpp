@@ -9,7 +9,7 @@
 namespace vantage::planner {
 
 /// Common part of bounds that cover only some of a problem's targets: the tabulated inputs and the
-/// set of covered targets. Thm 6 covers the others.
+/// set of covered targets. The bound of Thm 6 is used for the other targets.
 class PartialBound {
  public:
   /// Returns 1 for each covered target, otherwise 0.

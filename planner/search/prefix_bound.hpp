@@ -24,8 +24,8 @@ class PrefixBound {
   /// Commits the first 4 MiB of each array.
   void prefault();
 
-  /// Tabulates `problem`. Both arguments must outlive the queries, and `expander` must be reset to
-  /// `problem`.
+  /// Tabulates `problem`. Call expander.reset(problem) first. Both arguments must outlive the
+  /// queries.
   void reset(const SearchProblem& problem, Expander& expander);
 
   /// True if this problem cannot be bounded.

@@ -16,7 +16,7 @@ namespace vantage::planner {
 /// directions). The lattice depends only on the steps, so it serves every start pose.
 class ReachLattice {
  public:
-  /// Cells per length of the longest step; finest first.
+  /// Numbers of cells per length of the longest step, the finest layout first.
   static constexpr std::array<double, 10> kCellsPerStep = {24.0, 16.0, 12.0, 8.0, 6.0,
                                                            4.0,  3.0,  2.0,  1.5, 1.0};
   static constexpr double kEdge_m = 1e-6;  ///< margin added to cells, ranges and path lengths, m

@@ -45,7 +45,7 @@ class RootBound {
   Answer of_moving_plan(const Deadline& deadline, std::int64_t& work_nodes);
 
   /// As above, improved by PrefixBound until `work_nodes` reaches `until_nodes`; continues from the
-  /// last call. `expander` must be reset to the problem last tabulated.
+  /// last call. Call expander.reset() with the same problem before.
   Answer raise(Expander& expander, std::int64_t until_nodes, const Deadline& deadline,
                std::int64_t& work_nodes);
 

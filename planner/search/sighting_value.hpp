@@ -15,8 +15,8 @@ class SightingValue {
  public:
   explicit SightingValue(int targets_max) : look_values_(static_cast<std::size_t>(targets_max)) {}
 
-  /// Tabulates `problem`. Both arguments must outlive the queries, and `expander` must be reset to
-  /// `problem`.
+  /// Tabulates `problem`. Call expander.reset(problem) first. Both arguments must outlive the
+  /// queries.
   void reset(const SearchProblem& problem, const Expander& expander);
 
   /// Returns, from `pose` at depth t, the maximum over the targets of (gain of one measurement) ×

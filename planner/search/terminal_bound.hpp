@@ -12,9 +12,9 @@ namespace vantage::planner {
 
 /// Lower bound of a problem's terminal value over all plans. A target that no plan can measure
 /// within the horizon keeps its stop, and V does not increase with more measurements. So V of those
-/// stops alone, at the least travel time to the first of them, bounds V of every plan. The bound is
-/// added to a bound of J_T. 0 if the problem has no terminal value. Allocates nothing after
-/// construction.
+/// stops alone, with the least travel time to the first of them, is a lower bound of V for every
+/// plan. It is added to a bound of J_T. It is 0 if the problem has no terminal value. Allocates
+/// nothing after construction.
 class TerminalBound {
  public:
   explicit TerminalBound(int targets_max) { measurable_.reserve(index(targets_max)); }

@@ -8,7 +8,7 @@
 
 namespace vantage::planner {
 
-/// 32-bit handle of a node; also an index into Tree.
+/// Handle of a node, 32 bits: its index in Tree.
 using NodeId = std::uint32_t;
 inline constexpr NodeId kNoNode = 0xFFFFFFFF;
 
@@ -18,10 +18,11 @@ struct Node {
   double cost = 0.0;  ///< accumulated J
   NodeId parent = kNoNode;
   std::uint32_t posterior = 0;  ///< index of its blocks in Tree; 0: not computed yet
-  NodeId next = kNoNode;        ///< used by the algorithm: link in the node's list
-  std::int16_t control = -1;    ///< control from the parent to this node
+  NodeId next = kNoNode;  ///< used by the search algorithm: link to the next node of the list that
+                          ///< contains this node
+  std::int16_t control = -1;  ///< control from the parent to this node
   std::uint8_t depth = 0;
-  std::uint8_t state = 0;  ///< used by the algorithm: flags
+  std::uint8_t state = 0;  ///< flags of the search algorithm
 };
 
 static_assert(sizeof(Node) == 48);

@@ -18,7 +18,7 @@ namespace vantage::planner {
 
 /// One stop of a planned tour.
 struct TourStop {
-  int target = 0;  ///< index into SearchProblem::targets
+  int target = 0;  ///< target of the stop, index into SearchProblem::targets
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   double arrival_s = 0.0;   ///< s after the problem's start
   double rate_per_s = 0.0;  ///< gain lost per second of later arrival, ≥ 0
@@ -31,8 +31,8 @@ struct TourStop {
 /// over steps of step_s until horizon_s) that the measurements of one visit save. Without a visit
 /// the covariance follows the target's motion model. A visit measures from half the sensor's range,
 /// straight ahead. Its gain is multiplied by the probability that the target is within half the
-/// range of its mean. Teammates' planned measurements count as made. Travel times are shortest
-/// paths around obstacles at the greatest speed.
+/// range of its mean. The planned measurements of teammates are assumed to be made. Travel times
+/// are shortest paths around obstacles at the greatest speed.
 ///
 /// In a team, the stops are allocated to all robots: the teammates start where and when their plans
 /// end. The robot's own tour is the result. Only the kStopsMax targets with the greatest covariance
@@ -68,7 +68,7 @@ class TourPlanner {
 
  private:
   static constexpr int kSamples = 9;
-  static constexpr int kSide = 41;  ///< points of the terminal value's grid per side
+  static constexpr int kSide = 41;  ///< number of points per side of the terminal value's grid
 
   void choose_stops();
   void choose_teammates(std::span<const FixedTeammate> teammates);

@@ -7,9 +7,9 @@ namespace vantage::scenario {
 
 /// Rule of one key of a file: path, allowed values and default.
 struct KeyRule {
-  std::string path;          ///< "robots[].sensor.range_max_m"
-  std::string values;        ///< "above 0 and at most 360", "one of arvi, beam", "list"
-  std::string initial;       ///< default value; empty: none, or determined by another key
+  std::string path;     ///< full path, such as "robots[].sensor.range_max_m"
+  std::string values;   ///< allowed values: "above 0 and at most 360", "one of arvi, beam", "list"
+  std::string initial;  ///< default value; empty: none, or determined by another key
   bool is_required = false;  ///< the reader refuses a file without this key
   int line = 0;              ///< line of the key in the file, from 1; 0 if the key is absent
 };

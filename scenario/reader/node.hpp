@@ -26,7 +26,7 @@ struct Node {
   Kind kind = Kind::kNothing;
   int line = 0;                    ///< from 1; 0: unknown
   std::string text;                ///< content of a scalar
-  std::vector<const Node*> items;  ///< elements; of a mapping: key, value, key, value, …
+  std::vector<const Node*> items;  ///< elements of a list; for a mapping: key, value, key, value, …
 
   [[nodiscard]] bool is_scalar() const {
     return kind == Kind::kText || kind == Kind::kLiteral || kind == Kind::kWord;

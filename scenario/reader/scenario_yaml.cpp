@@ -412,7 +412,7 @@ void read_rectangle(Mapping& from, models::Rectangle& rectangle) {
   rectangle.min_m = min->point(coordinate);
   rectangle.max_m = max->point(coordinate);
   if (!(rectangle.min_m.array() < rectangle.max_m.array()).all()) {
-    max->refuse(fmt::format("must be above min_m, [{}, {}], in x and in y; is [{}, {}]",
+    max->refuse(fmt::format("must be above min_m ([{}, {}]) in x and in y, but is [{}, {}]",
                             rectangle.min_m.x(), rectangle.min_m.y(), rectangle.max_m.x(),
                             rectangle.max_m.y()));
   }

@@ -57,7 +57,7 @@ struct Value {
   /// Throws StartupError as one line; control characters in `what` and the path are escaped.
   [[noreturn]] void refuse(const std::string& what) const;
 
-  /// Adds the rule of this value to `keys`; `values` in words.
+  /// Adds the rule of this value to `keys`; `values` describes the allowed values in words.
   void note(std::string values) const;
 
   /// Returns a finite number in `range`. Quoted numbers are refused: they are text.
