@@ -6,10 +6,10 @@
 #include <Eigen/Geometry>
 
 // Eigen types allowed in public headers. A program may be built with other compiler flags than the
-// library that it links. The alignment of Eigen types that fill registers depends on these flags:
-// 16 bytes without AVX, 32 with AVX, 64 with AVX-512. Therefore a type is unaligned here if its
-// size is a multiple of 32 bytes. Public headers contain no heap matrices, because program and
-// library could free such a matrix in different ways (docs/decisions/0010).
+// library that it links. The alignment of some Eigen types depends on these flags: 16 bytes without
+// AVX, 32 with AVX, 64 with AVX-512. Therefore a type is unaligned here if its size is a multiple
+// of 32 bytes. Public headers contain no heap matrices, because program and library could free such
+// a matrix in different ways (docs/decisions/0010).
 
 namespace vantage {
 

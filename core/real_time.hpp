@@ -4,9 +4,10 @@ namespace vantage {
 
 /// Real-time settings requested from the operating system.
 struct RealTime {
-  int fifo_priority = 0;     ///< 1 … 99: SCHED_FIFO for the calling thread; 0: unchanged
-  int cpu = -1;              ///< the only CPU of the calling thread; −1: any
-  bool lock_memory = false;  ///< lock all pages in memory: no swapping, no late page faults
+  int fifo_priority = 0;  ///< 1 … 99: SCHED_FIFO for the calling thread; 0: unchanged
+  int cpu = -1;           ///< the only CPU of the calling thread; −1: any
+  bool lock_memory =
+      false;  ///< true: all pages are locked in memory, so that no page fault occurs later
 };
 
 /// Removes "--fifo PRIORITY", "--cpu N" and "--lock-memory" from the arguments and returns their

@@ -6,9 +6,9 @@
 
 namespace vantage {
 
-/// Address space of a fixed size. It reads as zeros, and the system commits a page at the first
-/// write to the page. So a reservation for the worst case uses physical memory only for pages that
-/// were written.
+/// Reserved address space of a fixed size. It reads as zeros; the system assigns memory to a page
+/// when the page is first written. So a reservation for the worst case uses physical memory only
+/// for pages that were written.
 class ReservedBytes {
  public:
   ReservedBytes() = default;

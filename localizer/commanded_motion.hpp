@@ -41,7 +41,7 @@ class CommandedMotion {
   bool is_started_ = false;
   Time now_{};
   Time newest_ = Time::min();
-  double wanted_mps_ = 0.0;  ///< command in effect
+  double wanted_mps_ = 0.0;  ///< command that is in effect at present
   double wanted_radps_ = 0.0;
   double speed_mps_ = 0.0;  ///< response to the commands, before scale and bias
   double turn_radps_ = 0.0;

@@ -24,11 +24,11 @@ inline constexpr int kMessageSightings = 64;
 
 /// Counts of a localiser's inputs since its start.
 struct InputCounts {
-  std::int64_t late_sightings = 0;      ///< arrived after their time had been completed
+  std::int64_t late_sightings = 0;      ///< sightings that arrived after their step was completed
   std::int64_t missing_increments = 0;  ///< increments of teammates that were replaced by a guess
   std::int64_t refused = 0;             ///< inputs of an unknown robot, or out of order
-  std::int64_t lost_sightings = 0;      ///< dropped because a buffer was full
-  std::int64_t late_fixes = 0;          ///< arrived after their time had been completed
+  std::int64_t lost_sightings = 0;      ///< inputs dropped because a buffer was full
+  std::int64_t late_fixes = 0;          ///< mocap poses that arrived after their step was completed
 };
 
 /// Localiser of one robot: the joint filter of the whole team, computed by each robot from what it
@@ -48,9 +48,9 @@ class RobotLocalizer {
   /// Sets the pose of a robot whose start is known. Precondition: before the first advance_to().
   void place(int robot, const Pose2& world_from_body, const Eigen::Matrix3d& covariance);
 
-  /// Adds a command or an increment of the own robot. Increments must follow each other.
+  /// Adds a command or an increment of this robot. Increments must follow each other.
   void add_odometry(const models::OdometryReport& odometry);
-  /// Adds a frame of the own sensor; times in `sightings` are corrected for the latency.
+  /// Adds a frame of this robot's sensor; times in `sightings` are corrected for the latency.
   void add_sightings(std::span<const models::Sighting> sightings);
   /// Adds the data that a teammate sent.
   void add_teammate(const models::PoseEstimate& estimate);
@@ -90,7 +90,7 @@ class RobotLocalizer {
   struct Track {
     std::array<Cell, kCells> cells;
     std::int64_t complete_until =
-        -1;  ///< all cells before this index and their sightings are known
+        -1;  ///< index of a cell; all cells before it, and their sightings, are known
     std::vector<models::Sighting> sightings;  ///< ascending in time; capacity kSightings
     std::vector<Fix> fixes;                   ///< ascending in time; capacity kFixes
     StartSearch search;

@@ -10,7 +10,7 @@ namespace vantage::localizer {
 /// Expected sighting of a point, and its derivatives.
 struct ExpectedSighting {
   double range_m = 0.0;      ///< as reported
-  double bearing_rad = 0.0;  ///< as reported, from the body's x axis
+  double bearing_rad = 0.0;  ///< bearing as reported, from the body's x axis
   double distance_m = 0.0;   ///< true distance from the sensor
   Eigen::Matrix<double, 2, 3>
       by_pose;  ///< derivatives of (range, bearing) with respect to (x, y, yaw)

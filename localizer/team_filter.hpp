@@ -19,13 +19,13 @@ inline constexpr int kNoBodyId = -1;
 
 /// Counts of one filter since its start.
 struct FilterCounts {
-  std::int64_t used = 0;       ///< sightings with full or reduced weight
-  std::int64_t weakened = 0;   ///< of these, sightings with reduced weight
-  std::int64_t rejected = 0;   ///< sightings beyond the gate
-  std::int64_t unknown = 0;    ///< sightings of an unknown id, or beyond kFrameSightingsMax
-  std::int64_t unplaced = 0;   ///< sightings by or of a robot without a pose
-  std::int64_t slips = 0;      ///< frames that widened the robot's pose before the update
-  std::int64_t matched = 0;    ///< sightings without an id that were assigned to a body
+  std::int64_t used = 0;      ///< sightings with full or reduced weight
+  std::int64_t weakened = 0;  ///< number of the used sightings that had a reduced weight
+  std::int64_t rejected = 0;  ///< sightings beyond the gate
+  std::int64_t unknown = 0;   ///< sightings of an unknown id, or beyond kFrameSightingsMax
+  std::int64_t unplaced = 0;  ///< sightings made by, or of, a robot without a pose
+  std::int64_t slips = 0;     ///< frames before which the variance of the robot's pose was enlarged
+  std::int64_t matched = 0;   ///< sightings without an id that were assigned to a body
   std::int64_t ambiguous = 0;  ///< sightings without an id that fit several bodies; not used
   std::int64_t unmatched = 0;  ///< sightings without an id that fit no body
 };

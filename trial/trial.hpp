@@ -32,7 +32,7 @@ struct TrialOptions {
 struct TrialResult {
   logs::TrialSummary summary;
   logs::Scene scene;
-  bool was_stopped = false;  ///< true: ended before the scenario's duration
+  bool was_stopped = false;  ///< true: the trial ended before the scenario's duration
   /// error that made the log incomplete and ended the trial
   std::optional<Error> log_error = std::nullopt;
 };

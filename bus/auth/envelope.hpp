@@ -106,7 +106,7 @@ struct Sender {
 
 /// Limits the number of signatures that a process verifies, by sender. Only commands with a valid
 /// MAC that are current or echo a current nonce are verified (Expectation::early_refusal). So
-/// recorded commands of an earlier session do not reduce a budget. A sender has its own budgets
+/// recorded commands of an earlier session do not reduce a budget. A sender has separate budgets
 /// after its first valid signature. The other senders share one budget per host and one budget for
 /// all hosts. At each level, emergency stops have a separate budget.
 class SignatureBudgets {
@@ -132,7 +132,7 @@ class SignatureBudgets {
 
   /// Returns true if a message of `sender` may be verified. `now` must not decrease.
   bool take(const Sender& sender, bool is_stop, Time now);
-  /// Gives `sender` its own budgets, after a valid signature with a current nonce.
+  /// Gives `sender` separate budgets, after a valid signature with a current nonce.
   void add_verified(const Sender& sender, Time now);
 
  private:

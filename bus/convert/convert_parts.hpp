@@ -23,7 +23,8 @@ namespace vantage::bus::parts {
 
 inline constexpr std::size_t kTextBytesMax = 256;
 inline constexpr std::size_t kYamlBytesMax = std::size_t{1} << 20U;
-inline constexpr std::size_t kItemsMax = 10'000;  ///< limit of targets, segments, bodies, inputs, …
+inline constexpr std::size_t kItemsMax =
+    10'000;  ///< maximum number of targets, segments, bodies, inputs and other elements of a list
 inline constexpr std::size_t kCellsMax = 1'000'000;
 /// µs since 1970; latest accepted time, in the year 2286. Differences of two accepted times do not
 /// overflow.

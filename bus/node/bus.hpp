@@ -55,8 +55,8 @@ class Bus {
   void use_clock(const Clock& clock) { clock_ = &clock; }
 
   /// Starts to sign published messages, and to verify signatures and times of received messages.
-  /// Also calls use_clock(), but replay_authenticator_for()'s authenticator only signs. `clock`
-  /// must outlive the Bus (docs/guide/security.md). nullptr: no effect.
+  /// Also calls use_clock(). An authenticator made by replay_authenticator_for() only signs.
+  /// `clock` must outlive the Bus (docs/guide/security.md). nullptr: no effect.
   void secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock);
   /// Declares this process to be the vehicle `robot`: commands must be addressed to `robot` and
   /// echo its session. Commands that make it safer are always delivered. No effect without
@@ -117,7 +117,8 @@ class Bus {
   [[nodiscard]] double handling_s() const { return static_cast<double>(handling_ns_) * 1e-9; }
 
  private:
-  static constexpr std::size_t kStreamsMax = 16'384;  ///< sufficient for a thousand robots
+  static constexpr std::size_t kStreamsMax =
+      16'384;  ///< maximum number of streams, sufficient for a thousand robots
 
   /// One message while it is passed to the matching subscriptions.
   struct Delivery {
@@ -167,8 +168,9 @@ class Bus {
   bool receives_signed_ = false;
   std::int64_t run_id_;
   std::string publish_prefix_;
-  std::deque<Subscription> subscriptions_;  ///< a deque, so that handlers may subscribe
-  ChannelIndex index_;                      ///< indexes subscriptions_
+  std::deque<Subscription>
+      subscriptions_;   ///< a deque, so that references stay valid when a handler subscribes
+  ChannelIndex index_;  ///< indexes subscriptions_
   std::shared_ptr<Bus*> self_;  ///< lets the transport's handlers detect that the Bus was destroyed
   std::vector<std::uint8_t> buffer_;  ///< message being encoded
   std::int64_t handling_ns_ = 0;

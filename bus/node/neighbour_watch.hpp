@@ -35,7 +35,8 @@ class NeighbourWatch {
   Action on_enter_;
   Action on_leave_;
   std::vector<std::string> robots_;
-  std::vector<std::uint8_t> is_near_;  ///< 1: near at the last update; by index in robots_
+  std::vector<std::uint8_t>
+      is_near_;  ///< by index in robots_: 1 if the robot was near at the last update
   std::vector<std::uint8_t> was_near_;
   std::optional<Time> updated_at_;  ///< time of the frame of the last update
 };

@@ -17,10 +17,12 @@ struct TransportStats {
   std::int64_t messages_sent = 0;
   std::int64_t messages_received = 0;
   std::int64_t send_errors = 0;
-  std::int64_t malformed_datagrams = 0;   ///< not in LCM's format, or with inconsistent lengths
-  std::int64_t incomplete_messages = 0;   ///< messages discarded because fragments were missing
-  std::int64_t queue_overflows = 0;       ///< oldest messages dropped for newer ones
-  std::int64_t oversized_messages = 0;    ///< refused: announced size above the limit
+  std::int64_t malformed_datagrams =
+      0;  ///< datagrams that are not in LCM's format or have inconsistent lengths
+  std::int64_t incomplete_messages = 0;  ///< messages discarded because fragments were missing
+  std::int64_t queue_overflows = 0;      ///< old messages dropped to make room for newer ones
+  std::int64_t oversized_messages =
+      0;  ///< messages refused because their announced size exceeds the limit
   std::int64_t duplicate_fragments = 0;   ///< fragments received twice and ignored
   std::int64_t kernel_drops = 0;          ///< datagrams dropped because the socket buffer was full
   std::int64_t receive_buffer_bytes = 0;  ///< bytes granted by the kernel; 0 without a socket

@@ -20,8 +20,8 @@ enum class CrazyflieGoal {
 /// State machine for arming, flight, landing and stop of a Crazyflie. It sends set-points and
 /// commands in an order that neither locks the vehicle's motors nor stops them in the air:
 ///   - no set-point before the motors may run, and from then on one at each step of kFly
-///   - before arming "set-points end", because an old set-point locks the motors
-///   - to land: no set-points any more, then the command to land, then "set-points end"
+///   - before arming: the message "set-points end", because an old set-point locks the motors
+///   - to land: set-points stop, then the command to land, then the message "set-points end"
 /// A vehicle that is found flying on set-points lands, because its driver has ended.
 class CrazyflieSequence {
  public:

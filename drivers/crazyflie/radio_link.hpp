@@ -72,7 +72,7 @@ class RadioLink {
   std::deque<std::vector<std::uint8_t>> received_;
   bool is_safe_ = false;
   int safe_link_tries_ = 0;
-  bool is_asking_ = false;  ///< the last transmission asked for safe link
+  bool is_asking_ = false;  ///< the last transmission requested safe link
   std::uint8_t up_ = 0;
   std::uint8_t down_ = 0;
   int lost_in_row_ = 0;

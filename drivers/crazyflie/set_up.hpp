@@ -19,7 +19,8 @@ class CrazyflieSetUp {
  public:
   /// Begins the set-up.
   /// @param writes_parameters  false while the vehicle flies: then only the log is started
-  /// @param start  pose on the ground, from which the estimate starts anew; absent: from the origin
+  /// @param start pose on the ground, from which the estimate restarts; absent: it restarts from
+  ///   the origin
   void begin(const TableFetch& parameters, const TableFetch& logs, bool writes_parameters,
              const std::optional<Pose3>& start);
   /// Processes a packet of the vehicle.

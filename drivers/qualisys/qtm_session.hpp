@@ -20,8 +20,8 @@ namespace vantage::drivers::qualisys {
 /// names of the bodies and then all frames with rotation matrices. An event of the server may mean
 /// that bodies have changed: the names are requested again, and the newest frame waits for them.
 /// Frames are requested again when none arrive. The stamps of QTM begin at zero with each
-/// measurement; FrameClock relates them to the own clock. Version requests, which the server
-/// answers in the order of its frames, serve as pings.
+/// measurement; FrameClock relates them to the clock of this host. Version requests, which the
+/// server answers in the order of its frames, serve as pings.
 class QtmSession : public vicon::Session {
  public:
   QtmSession(bool is_y_up, vicon::FrameSink sink);

@@ -15,7 +15,8 @@ namespace vantage::drivers {
 /// Newest state reported by the autopilot; passed to the guard whenever a field changes.
 struct AutopilotReport {
   bool armed = false;
-  bool obeys = true;  ///< in the mode that accepts set-points, or this mode was not requested yet
+  bool obeys =
+      true;  ///< true: in the mode that accepts set-points, or this mode was not requested yet
   bool estimator_good = false;
   bool motor_failed = false;
   double tilt_rad = 0.0;
@@ -53,7 +54,7 @@ class AutopilotWatch {
   [[nodiscard]] double battery_age_s(Time now) const { return time_since_s(battery_at_, now); }
   [[nodiscard]] bool has_heartbeat() const { return heartbeat_at_.has_value(); }
   [[nodiscard]] double battery_share() const { return battery_share_; }
-  /// Returns the time since the estimator was good at a tick, s.
+  /// Returns the time since the last tick at which the estimator was good, s.
   [[nodiscard]] double estimator_gap_s(Time now) const {
     return to_seconds(now - estimator_good_at_);
   }

@@ -3,8 +3,8 @@
 #include "drivers/safety/conditions.hpp"
 
 // Functions that build rows of condition tables, and the rows that all vehicle types share. The
-// table of a vehicle type contains shared rows and its own rows. It adapts a shared row if its
-// reaction or text differs.
+// table of a vehicle type contains shared rows and its own rows. A table adapts a shared row if the
+// reaction or the text must differ.
 
 namespace vantage::drivers {
 

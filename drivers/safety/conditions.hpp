@@ -22,7 +22,7 @@ enum class Clearing {
 
 /// Condition of flight safety: one row of the table.
 struct Condition {
-  const char* name;   ///< used in reasons and reports
+  const char* name;   ///< name used in reasons and reports
   Severity severity;  ///< action in the air
   Clearing clearing;
   bool blocks_arming = false;  ///< forbids arming, and thus also taking off

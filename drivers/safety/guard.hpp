@@ -37,10 +37,11 @@ struct GuardOutput {
   bool wants_armed = false;
   /// m; goal of the current climb: the first lift, then the flight height
   double climb_to_m = 0.0;
-  bool is_sinking = false;  ///< descending at its landing spot, with no body below
-  bool changed = false;     ///< state, reasons or the status of a command changed
-  Reasons reasons;          ///< in the air: acting conditions; on the ground: conditions that
-                            ///< forbid arming or taking off
+  bool is_sinking =
+      false;  ///< true: the vehicle descends at its landing spot, and no body is below it
+  bool changed = false;  ///< state, reasons or the status of a command changed
+  Reasons reasons;       ///< in the air: acting conditions; on the ground: conditions that
+                         ///< forbid arming or taking off
 };
 
 /// Flight safety of one flying vehicle. It receives all messages, checks them, and computes at each

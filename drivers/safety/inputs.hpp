@@ -39,14 +39,15 @@ struct SafetyInputs : Surroundings {
   double processor_wait_s = 0.0;
 
   // Inputs about the pose.
-  double pose_age_s = 0.0;          ///< s since the arrival of the last plausible pose
-  double pose_latency_s = 0.0;      ///< s; arrival minus capture time, if the clocks are comparable
-  int poses_rejected = 0;           ///< number of consecutive implausible poses
-  int poses_accepted = 1000;        ///< number of consecutive plausible poses
-  double height_m = 0.0;            ///< m above the ground, by the best available source
-  double tracking_error_m = 0.0;    ///< m; 3D distance from the set-point; 0 without a set-point
-  double speed_mps = 0.0;           ///< m/s; horizontal speed by mocap
-  bool is_hover_deviating = false;  ///< commanded to hover, but moves or is off its position
+  double pose_age_s = 0.0;        ///< s since the arrival of the last plausible pose
+  double pose_latency_s = 0.0;    ///< s; arrival minus capture time, if the clocks are comparable
+  int poses_rejected = 0;         ///< number of consecutive implausible poses
+  int poses_accepted = 1000;      ///< number of consecutive plausible poses
+  double height_m = 0.0;          ///< m above the ground, by the best available source
+  double tracking_error_m = 0.0;  ///< m; 3D distance from the set-point; 0 without a set-point
+  double speed_mps = 0.0;         ///< m/s; horizontal speed by mocap
+  bool is_hover_deviating =
+      false;  ///< true: commanded to hover, but the vehicle moves or is off its position
   bool is_pose_distrusted = false;  ///< a condition that distrusts poses has acted in this flight
   double sink_error_m = 0.0;        ///< m above the commanded height during a descent in the air
   double body_tilt_rad = 0.0;       ///< rad; angle of the body z axis to the vertical, by mocap
@@ -56,18 +57,19 @@ struct SafetyInputs : Surroundings {
                                     ///< flight
 
   // Inputs about the plan.
-  bool has_plan = true;                 ///< the course follows a checked plan
-  bool plan_ended = false;              ///< the plan has reached its final hover
-  double plan_age_s = 0.0;              ///< s since the last accepted plan
-  double planner_age_s = 0.0;           ///< s since the last message of the leaseholder
-  int plans_late = 0;                   ///< number of consecutive late plans
-  int plans_refused = 0;                ///< number of consecutive refused plans
-  bool second_planner = false;          ///< a run without the lease published within the lease time
-  bool map_differs = false;             ///< planner and driver use different scenarios
+  bool has_plan = true;        ///< the course follows a checked plan
+  bool plan_ended = false;     ///< the plan has reached its final hover
+  double plan_age_s = 0.0;     ///< s since the last accepted plan
+  double planner_age_s = 0.0;  ///< s since the last message of the planner that holds the lease
+  int plans_late = 0;          ///< number of consecutive late plans
+  int plans_refused = 0;       ///< number of consecutive refused plans
+  bool second_planner =
+      false;                 ///< true: a planner without the lease published within the lease time
+  bool map_differs = false;  ///< planner and driver use different scenarios
   double other_version_age_s = kNever;  ///< s since the last message of an unknown type
 
   // Inputs about the take-off.
-  bool is_lift_blocked = false;  ///< another vehicle is lifting, or must lift before this one
+  bool is_lift_blocked = false;  ///< true: another vehicle is lifting, or must lift before this one
   double no_rise_s = 0.0;        ///< s; time since the take-off command; 0 once the body has risen
   double proof_pending_s = 0.0;  ///< s; time in the hover of the first lift
   double other_risen_m = 0.0;    ///< m; rise of another robot's body while this vehicle has not

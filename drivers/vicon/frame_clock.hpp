@@ -80,7 +80,7 @@ class FrameClock {
   double round_trip_s_ = 0.0;           ///< s; round trip of the newest echo
   std::optional<FrameMark> echo_mark_;  ///< first frame after a fast echo
   double refuted_tick_s_ = 0.0;         ///< s; tick period that contradicts the stated period
-  int refutations_ = 0;                 ///< consecutive intervals with that tick period
+  int refutations_ = 0;                 ///< number of consecutive intervals with that tick period
 
   std::optional<Duration> slow_since_;  ///< sending time of the first of the consecutive slow pings
   double least_slow_s_ = 0.0;

@@ -32,9 +32,9 @@ class MapPublisher {
  private:
   /// Maximum number of runs kept per teammate's estimator; those with the newest maps are kept.
   static constexpr std::ptrdiff_t kRunsKept = 16;
-  using Run = std::pair<std::string, std::int64_t>;  ///< robot, run id of its estimator
+  using Run = std::pair<std::string, std::int64_t>;  ///< robot and run id of its estimator
 
-  /// Copies the newest maps that were sent in range to in_range_.
+  /// Copies to in_range_ the newest maps that were sent by teammates in range.
   void update_in_range(const models::RobotBelief& belief);
 
   bus::Bus& bus_;
@@ -42,7 +42,8 @@ class MapPublisher {
   TeamMap map_;
   std::deque<NamedMessage<models::RangeScan>> scans_;             ///< scans not used in a step yet
   std::map<std::string, NamedMessage<models::RobotMap>> newest_;  ///< newest map by teammate
-  std::map<Run, NamedMessage<models::RobotMap>> in_range_;        ///< newest map in range, by run
+  std::map<Run, NamedMessage<models::RobotMap>>
+      in_range_;  ///< newest map of a teammate in range, by run of its estimator
   std::optional<NamedMessage<models::RobotMap>> own_;
   std::int64_t scans_overflowed_ = 0;
   std::int64_t misaddressed_ = 0;

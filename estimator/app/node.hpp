@@ -72,13 +72,14 @@ class EstimatorNode : public bus::Node {
   DistributedFilter filter_;
   BeliefOverride belief_override_;
   std::string robot_;
-  std::size_t mocap_index_;  ///< index in mocap frames at which the search for the robot begins
+  std::size_t
+      mocap_index_;  ///< index in a mocap frame at which the search for the robot's body begins
   Duration step_;
   Duration lag_;
   Duration lag_max_;
   Time next_instant_{};
   Time last_own_measurement_{};           ///< instant of the robot's newest own observation
-  Time last_own_measurement_received_{};  ///< time of its reception
+  Time last_own_measurement_received_{};  ///< time at which this observation was received
   std::int64_t steps_ = 0;
   std::deque<NamedMessage<models::RobotMeasurement>> measurements_;  ///< observations not yet used
   std::deque<NamedMessage<OwnPose>> poses_;  ///< robot's mocap poses, newest last

@@ -30,7 +30,8 @@ struct OwnPose {
 /// their results are equal.
 struct StepMaterial {
   std::vector<NamedMessage<models::RobotMeasurement>> measurements;
-  std::optional<NamedMessage<OwnPose>> pose;  ///< pose that is used without an own observation
+  std::optional<NamedMessage<OwnPose>>
+      pose;  ///< pose that is used if the robot made no observation
   std::vector<NamedMessage<models::RobotBelief>> beliefs;
 };
 
@@ -52,8 +53,8 @@ bool has_viewpoint(const std::vector<NamedMessage<models::RobotMeasurement>>& me
 models::RobotBelief make_step(DistributedFilter& filter, Time t, std::int64_t step,
                               const StepMaterial& material);
 
-/// Returns MIXTURE_R of the step that gave `made`; only run id and sequence number are not set.
-/// Returns nullopt if it contains no target.
+/// Returns MIXTURE_R of the step with the belief `made`; only run id and sequence number are not
+/// set. Returns nullopt if it contains no target.
 std::optional<models::BeliefMixture> mixture_of(const DistributedFilter& filter,
                                                 const models::RobotBelief& made);
 

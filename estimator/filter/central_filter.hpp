@@ -20,7 +20,7 @@ struct CentralFilterSpec {
   /// this. The value must be far below the sensor's detection probability; otherwise the filter
   /// becomes overconfident about where targets are not.
   double detection_probability = 0.0;
-  bool targets_stay_inside = true;  ///< beliefs are reflected at the world's bounds
+  bool targets_stay_inside = true;  ///< true: beliefs are reflected at the world's bounds
 };
 
 /// Central filter of a team that shares all observations without delay. All targets are known from

@@ -20,11 +20,11 @@ namespace vantage::estimator {
 
 /// Input of one step. Pointers must be valid during the call only.
 struct StepInput {
-  Time time{};  ///< t; later than the previous step's
-  std::optional<models::Viewpoint>
-      viewpoint;  ///< own viewpoint at t; absent: that of the previous step
-  /// Own and teammates' observations, of any instants ≤ t. Observations of a robot that is not in
-  /// FilterSpec::team are used as this robot's own.
+  Time time{};                                 ///< t; later than the time of the previous step
+  std::optional<models::Viewpoint> viewpoint;  ///< viewpoint of this robot at t; absent: the
+                                               ///< viewpoint of the previous step is used
+  /// Observations of this robot and of teammates, made at any instants ≤ t. Observations of a robot
+  /// that is not in FilterSpec::team are used as this robot's own.
   std::span<const models::RobotMeasurement* const> measurements;
   std::span<const models::RobotBelief* const> beliefs;  ///< newest belief of each teammate
 };

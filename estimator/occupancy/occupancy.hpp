@@ -12,7 +12,7 @@
 
 namespace vantage::estimator {
 
-/// Numbers of the beams of a scan, by result.
+/// Numbers of beams by result.
 struct ScanCounts {
   std::int64_t hits = 0;    ///< hit a surface
   std::int64_t misses = 0;  ///< reached the maximum range, or left the grid
@@ -60,7 +60,7 @@ class OccupancyFusion {
 
   models::BeamSensor sensor_;
   models::InverseBeamModel inverse_;
-  std::vector<Mark> marks_;   // mark of each cell by the last scan
+  std::vector<Mark> marks_;   // mark that the last scan gave to each cell
   std::vector<int> touched_;  // cells with a mark other than kNone
 };
 

@@ -8,7 +8,7 @@ namespace vantage::estimator {
 /// A coordinate after reflection at the walls.
 struct Folded {
   double position_m = 0.0;
-  double sign = 1.0;  ///< −1: the direction of the axis is reversed
+  double sign = 1.0;  ///< −1 if the direction of the axis is reversed, otherwise 1
 };
 /// Reflects a coordinate at both walls, as often as needed.
 Folded fold(double position_m, double min_m, double max_m);
@@ -18,7 +18,7 @@ Folded fold(double position_m, double min_m, double max_m);
 models::World inset(const models::World& world, double radius_m);
 
 /// Conditions a belief on the target staying within the world's bounds and outside of obstacles. A
-/// belief that touches neither is returned unchanged, bit for bit.
+/// belief that reaches neither the bounds nor an obstacle is returned unchanged, bit for bit.
 ///
 /// Beliefs with a velocity (4 components) are reflected at the bounds, see reflect(); they are then
 /// conditioned on the obstacles alone. Beliefs without a velocity are conditioned on both.

@@ -6,7 +6,7 @@
 namespace vantage::estimator {
 
 /// Gauss-Legendre on [−1, 1]. Source: Abramowitz, Stegun (1964), table 25.4.
-inline constexpr std::size_t kLegendrePoints = 12;  ///< two per node: −x and x
+inline constexpr std::size_t kLegendrePoints = 12;  ///< two points per node: −x and x
 inline constexpr std::array<double, kLegendrePoints / 2> kLegendreNode = {
     0.125233408511469, 0.367831498998180, 0.587317954286617,
     0.769902674194305, 0.904117256370475, 0.981560634246719};

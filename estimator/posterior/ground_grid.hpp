@@ -17,7 +17,8 @@ namespace vantage::estimator {
 
 /// Moments of the product p of prior, measurement likelihood and view probability.
 struct IntegratedMoments {
-  models::PositionVector mean_m;  ///< relative to the sensor; of a GroundGrid: in the world frame
+  models::PositionVector
+      mean_m;  ///< relative to the sensor; the mean of a GroundGrid is in the world frame
   models::PositionMatrix covariance_m2;
   double mahalanobis2 = 0.0;
   double share_in_view = 1.0;

@@ -7,7 +7,7 @@
 
 namespace vantage::estimator {
 
-/// Belief after a measurement, and how well the measurement matches the prior belief.
+/// Belief after a measurement, and measures of how well the measurement matches the prior belief.
 struct Unscented {
   models::Gaussian belief;
   double likelihood = 0.0;           ///< density, without its constant factor

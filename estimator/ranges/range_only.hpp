@@ -18,11 +18,12 @@ struct RangeOnlySpec {
   double range_sigma_m = 0.5;     ///< m; 1σ of a range that is not an outlier
   double outlier_share = 0.05;    ///< share of ranges that are outliers
   double outlier_span_m = 100.0;  ///< m; outliers are uniform over this span
-  int hypotheses = 48;            ///< initial and maximum number of Gaussians
+  int hypotheses = 48;            ///< initial number of Gaussians, which is also the maximum
   double weight_min = 1e-4;       ///< hypotheses of smaller weight are dropped
   /// Distance below which two hypotheses are merged, in σ of the hypotheses or of a range.
   double merge_distance_sigma = 0.5;
-  int restart_window = 30;  ///< number of ranges; restart if most in a window match no hypothesis
+  int restart_window = 30;  ///< number of ranges in a window; the filter restarts if most ranges of
+                            ///< a window match no hypothesis
 };
 
 /// One hypothesis of a Gaussian sum for a beacon's position.
@@ -68,8 +69,9 @@ class RangeOnlyFilter {
 
   RangeOnlySpec spec_;
   std::vector<BeaconHypothesis> hypotheses_;
-  int window_ = 0;        ///< number of ranges in the current window
-  double inliers_ = 0.0;  ///< sum over the window's ranges of the largest β of all hypotheses
+  int window_ = 0;  ///< number of ranges in the current window
+  double inliers_ =
+      0.0;  ///< sum, over the ranges of the window, of the largest β of all hypotheses
   std::int64_t refused_ = 0;
   std::int64_t restarts_ = 0;
 };

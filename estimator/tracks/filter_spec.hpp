@@ -29,7 +29,8 @@ struct FilterSpec {
   /// The filter uses the observations of these robots in addition to this robot's own. The order is
   /// the same for all robots. This robot may be included.
   std::vector<ObservationSource> team;
-  models::Viewpoint start;  ///< assumed own viewpoint until the first pose arrives
+  models::Viewpoint
+      start;  ///< viewpoint that is assumed for this robot until its first pose arrives
   scenario::EstimatorSpec estimator;
   models::World world;
   int target_count = 0;  ///< ids are 0 … target_count − 1
@@ -41,7 +42,7 @@ struct FilterSpec {
   /// m; radius of the neighbourhood. Tracks of targets farther away are deleted and left to other
   /// robots; the grid covers only the neighbourhood. 0: unlimited.
   double neighbourhood_m = 0.0;
-  double belief_age_max_s = 1.5;  ///< s; older beliefs of teammates are ignored
+  double belief_age_max_s = 1.5;  ///< s; teammates' beliefs that are older are ignored
   int history_steps = 8;  ///< number of past steps into which a late observation can be inserted
 };
 
@@ -51,9 +52,10 @@ FilterSpec filter_spec(const scenario::Scenario& scenario, const std::string& ro
 
 /// Counts of the results of reconcile(), see track_labels.hpp.
 struct Reconciled {
-  std::int64_t relabelled = 0;  ///< own tracks that were given an older label
-  std::int64_t adopted = 0;     ///< teammates' tracks that match no own track and were added
-  std::int64_t taken_over = 0;  ///< own tracks that took a teammate's more informative belief
+  std::int64_t relabelled = 0;  ///< tracks of this robot that were given an older label
+  std::int64_t adopted = 0;  ///< teammates' tracks that match no track of this robot and were added
+  std::int64_t taken_over =
+      0;  ///< tracks of this robot that were replaced by a teammate's more informative belief
 };
 
 /// Numbers of dropped or unusable inputs since construction.
@@ -65,7 +67,7 @@ struct FilterCounters {
   std::int64_t out_of_range_beliefs = 0;  ///< beliefs of teammates beyond communication_range_m
   std::int64_t out_of_range_looks = 0;  ///< observations of teammates beyond communication_range_m
   std::int64_t repeated_looks =
-      0;  ///< observations of the same robot and instant as one already used
+      0;  ///< observations of a robot and an instant of which an observation was already used
   std::int64_t malformed_beliefs =
       0;                             ///< beliefs in which a target's block has the wrong dimension
   std::int64_t grid_mismatches = 0;  ///< beliefs with another grid geometry
@@ -80,7 +82,7 @@ struct FilterCounters {
       0;  ///< detections without ids beyond the capacity per observation
   std::int64_t gated = 0;
   std::int64_t unknown_ids = 0;        ///< ids that are neither a target nor a track label
-  std::int64_t undiscoverable = 0;     ///< first detections that give no position
+  std::int64_t undiscoverable = 0;     ///< first detections from which no position can be computed
   std::int64_t singular = 0;           ///< matrices that could not be inverted
   std::int64_t missed_detections = 0;  ///< belief updates by missed detections
   Reconciled reconciled;               ///< reconciliation of tracks without ids

@@ -13,8 +13,9 @@ struct Observation {
   Time time{};
   int source = -1;  ///< index into FilterSpec::team; −1: this robot, which is not in the team
   models::Viewpoint from;
-  std::vector<models::Detection> detections;  ///< only those that TrackStore::file() accepted
-  bool counted = false;                       ///< counters include its detections
+  std::vector<models::Detection>
+      detections;        ///< only the detections that TrackStore::file() accepted
+  bool counted = false;  ///< true: the counters include the detections of this observation
 };
 
 }  // namespace vantage::estimator

@@ -21,7 +21,7 @@ struct Step {
   int slot = 0;  ///< place of the step in the history, in [0, FilterSpec::history_steps)
   Time from{};
   Time to{};
-  bool is_first = false;  ///< the filter has no tracks at `from`
+  bool is_first = false;  ///< true: the filter has no tracks at `from`
 };
 
 /// Point of a step at which received beliefs are fused.
@@ -45,8 +45,8 @@ class TrackStore {
 
   /// Returns the number of detections for which an observation reserves storage.
   [[nodiscard]] virtual int detections_reserved() const = 0;
-  /// True if a second observation by one robot at one instant counts as a repetition even if this
-  /// robot made it.
+  /// True if a second observation by a robot at one instant is assumed to be a repetition, even if
+  /// the robot is this one.
   [[nodiscard]] virtual bool has_one_observation_per_instant() const = 0;
   /// Appends a detection to `observation` if the store can use it; otherwise counts it.
   virtual void file(const models::Detection& detection, bool has_right_dimension,

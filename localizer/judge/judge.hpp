@@ -44,9 +44,9 @@ struct ErrorFigures {
 struct JudgeFigures {
   ErrorFigures position_m;  ///< errors of all robots
   std::vector<ErrorFigures> robot_position_m;
-  ErrorFigures yaw_rad;                ///< heading errors of the robots with trusted true heading
-  double nees_position = 0.0;          ///< mean; ideal 2
-  double nees_pose = 0.0;              ///< mean over the robots with trusted heading; ideal 3
+  ErrorFigures yaw_rad;        ///< heading errors of the robots with trusted true heading
+  double nees_position = 0.0;  ///< mean NEES of the positions; ideal: 2
+  double nees_pose = 0.0;      ///< mean NEES of the poses of robots with trusted heading; ideal: 3
   double inside_position = 0.0;        ///< share of positions inside their 95 % ellipse
   double inside_pose = 0.0;            ///< share of poses inside their 95 % ellipsoid
   std::vector<double> placed_after_s;  ///< s; time until each robot had a pose; −1: never

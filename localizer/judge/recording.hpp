@@ -29,7 +29,8 @@ class TruePath {
 
 /// Sightings of one frame of a sensor.
 struct SightingFrame {
-  Time stamp{};  ///< as reported; the times in `sightings` are equal to it, not yet corrected
+  Time stamp{};  ///< time as reported; `sightings` contain the same time, not yet corrected for the
+                 ///< latency
   std::vector<models::Sighting> sightings;
 };
 

@@ -23,7 +23,7 @@ inline constexpr Duration kListenTime = std::chrono::milliseconds(1'200);
 struct ActiveChannels {
   std::set<std::string> accepted;
   std::set<std::string>
-      unverified;  ///< channels with messages refused because they have no valid signature
+      unverified;  ///< channels of which messages were refused because they have no valid signature
 };
 
 /// Returns the names of all channels on which messages are received within `duration`, or until

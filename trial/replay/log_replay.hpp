@@ -28,7 +28,7 @@ struct ReplayReport {
   std::int64_t events = 0;                   ///< log events passed to the node
   /// events not passed to the node: they lack the signature that the flight required
   std::int64_t refused = 0;
-  /// the flight's keys are missing, so forged messages are passed to the node
+  /// true: the flight's keys are missing, so forged messages are passed to the node too
   bool lacks_keys = false;
   /// Returns the number of logged outputs that were not reproduced because an input is not in the
   /// log.

@@ -25,7 +25,7 @@ namespace vantage::drivers {
 
 /// Bus node of one vehicle of any type. It subscribes to VICON, PLAN_*, COMMAND and SCENARIO,
 /// publishes VEHICLE_R at 10 Hz and on change, and reads its port at each tick. A derived class
-/// passes received data to its driver and sends the driver's output. Driver(scenario, robot,
+/// passes received data to its driver and sends the output of the driver. Driver(scenario, robot,
 /// limits, own) has on_plan, on_map, on_other_version, on_processor_wait, take_changed, status,
 /// counters, end and end_facts.
 ///

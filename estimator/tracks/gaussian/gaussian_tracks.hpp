@@ -80,8 +80,8 @@ class GaussianTracks : public TrackStore {
   };
   using PendingTable = TargetTable<PendingTarget>;
 
-  /// Beliefs of a step: own and received. Received beliefs of instants ≤ `from` are predicted to
-  /// `from`, others to `to`.
+  /// Beliefs of this robot and of teammates in one step. Received beliefs of instants ≤ `from` are
+  /// predicted to `from`, others to `to`.
   struct Record {
     TrackTable before;
     PendingTable pending;

@@ -49,8 +49,8 @@ class PositionHypotheses {
   void confine(const models::World& world);
 
   /// Returns the mean and covariance of all hypotheses if the position's largest σ is at most
-  /// `sigma_max_m` and they form one mode: the variance of all is at most kOneMode times the mean
-  /// variance of one.
+  /// `sigma_max_m` and the hypotheses form one mode: the variance of the whole mixture is at most
+  /// kOneMode times the mean variance of its hypotheses.
   [[nodiscard]] std::optional<models::Gaussian> located(double sigma_max_m) const;
   static constexpr double kOneMode = 5.0;
 

@@ -71,8 +71,9 @@ class Association {
   std::vector<int> group_tracks_;  // the group's competing tracks
   std::vector<int> group_detections_;
   bool has_tracks_as_rows_ = true;
-  std::vector<double> forward_;   // exact: (rows + 1) · 2^columns sums; else messages
-  std::vector<double> backward_;  // exact: 2 · 2^columns sums; else messages
+  std::vector<double>
+      forward_;  // exact method: (rows + 1) · 2^columns sums; belief propagation: messages
+  std::vector<double> backward_;  // exact method: 2 · 2^columns sums; belief propagation: messages
   std::vector<double> cost_;
   std::vector<int> best_;
   AssignmentSolver solver_;

@@ -16,7 +16,7 @@ namespace vantage::estimator {
 /// Store of targets without ids: tracks of a MultiTargetFilter, named by labels from kTrackLabelMin
 /// on (track_labels.hpp). Robots that have used the same observations have the same tracks, bit for
 /// bit. A teammate's belief of the previous or of this step's instant, or between them, is
-/// reconciled with the own tracks; an older belief is not used.
+/// reconciled with the robot's tracks; an older belief is not used.
 class LabelledTracks : public TrackStore {
  public:
   /// @throws UsageError for a team of more than kLabelledRobots, a neighbourhood, or a model that

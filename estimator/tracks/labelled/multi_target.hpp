@@ -33,10 +33,12 @@ struct MultiTargetSpec {
   models::World world;
   models::DetectionModel detection;  ///< default of update()
   double step_s = 0.5;
-  int targets = 5;          ///< number of targets in the world, found or not
-  int tracks_max = 10;      ///< greater than `targets`, because some tracks are false
-  int detections_max = 32;  ///< maximum per observation; further detections are not used
-  int components_max = 6;   ///< maximum per track; 1 for kJpda and kNearest
+  int targets = 5;  ///< number of targets in the world, found or not
+  int tracks_max =
+      10;  ///< maximum number of tracks, greater than `targets` because some tracks are false
+  int detections_max =
+      32;  ///< maximum number of detections per observation; further detections are not used
+  int components_max = 6;  ///< maximum number of Gaussians per track; 1 for kJpda and kNearest
   Tracker tracker = Tracker::kLabelled;
   /// Gate, in σ: a detection farther than this from a track's prediction is not associated with it.
   double gate_sigma = 4.0;
@@ -48,8 +50,8 @@ struct LabelledTrack {
   Mixture mixture;         ///< state if the target exists; weights sum to 1, the heaviest first
   Time last_seen{};        ///< newest observation that detected the target with probability > 0.5
   int label = 0;           ///< label of the detection that started the track, see first_label()
-  int hits = 0;            ///< observations that detected the target
-  /// Observations since the last hit in which a detection was expected and missing.
+  int hits = 0;            ///< number of observations that detected the target
+  /// Number of observations since the last hit in which a detection was expected but missing.
   int misses = 0;
 };
 
@@ -140,7 +142,7 @@ class MultiTargetFilter {
   // Measurement of each detection, and moments of the position given this measurement alone.
   std::vector<models::Measurement> seen_;
   std::vector<PositionMoments> found_;
-  // Belief and weight by track and component, in the case that the track is not detected.
+  // Belief and weight, by track and component, if the track is not detected.
   std::vector<Component> missed_;
   std::vector<double> missed_probability_;  ///< probability of no detection, by track
   std::vector<double> fit_per_m2_;  ///< density of detection j given a component, by at(i, k), j

@@ -93,7 +93,7 @@ class Samples {
   /// Source: Musso, Oudjane, Le Gland, Improving regularised particle filters (2001).
   void regularise();
 
-  int size_ = 0;  ///< 0 or kCount; with 0 the other members are undefined
+  int size_ = 0;  ///< number of samples, 0 or kCount; if 0, the other members are undefined
   std::array<double, kCount> weights_{};
   std::array<State, kCount> states_;
 };
