@@ -66,7 +66,8 @@ struct PlanPoint {
 
 struct LogAnalysis {
   TrialSummary summary;
-  std::optional<SetMeans> sets;  ///< errors as a set; nullopt without truth
+  std::optional<SetMeans>
+      sets;  ///< errors of the targets as an unlabelled set; nullopt without truth
   /// Latencies from the first named event to the last: "capture → arrival" and "capture → log"
   /// (VICON); "look → belief" (from the newest measurement in a belief until the belief was
   /// logged); "belief → plan" and "look → plan" (until the plan was finished).

@@ -20,7 +20,7 @@ struct EditRules {
   ChannelFilter channels;
   ChannelRenames names;
   bool drops_doubtful = false;
-  /// Called for each event; true stops the edit.
+  /// Called for each event. If it returns true, the edit stops.
   std::function<bool()> stop = [] { return false; };
 
   [[nodiscard]] bool is_before_end(Time time) const { return time < to || to == Time::max(); }

@@ -33,7 +33,8 @@ class Cdr {
 
  private:
   static constexpr std::size_t kHeader = 4;
-  std::string bytes_ = std::string("\0\1\0\0", kHeader);  ///< CDR_LE, no options
+  std::string bytes_ =
+      std::string("\0\1\0\0", kHeader);  ///< encapsulation header: CDR_LE, no options
 };
 
 }  // namespace vantage::logs

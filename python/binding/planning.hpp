@@ -75,8 +75,8 @@ class Problem {
   std::string source_;
 };
 
-/// Value of Python's vantage.Planner: a search with its memory, which solves one problem at a time.
-/// Its functions are called without the interpreter's lock.
+/// C++ object behind Python's vantage.Planner: a search with its memory, which solves one problem
+/// at a time. Its functions are called without the interpreter's lock.
 class Planner {
  public:
   explicit Planner(const tools::PlanRequest& request) : solver_(request) {}

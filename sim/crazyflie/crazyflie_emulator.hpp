@@ -22,7 +22,7 @@ struct CrazyflieEmulatorSpec {
   Pose2 start;
   std::uint64_t seed = 1;
   MultirotorParameters body = crazyflie_body();
-  bool arms_itself = true;  ///< as vehicles with brushed motors do
+  bool arms_itself = true;  ///< true: arms itself, as vehicles with brushed motors do
   std::uint8_t id = 0xE7;   ///< last byte of its address, for packed poses
 };
 

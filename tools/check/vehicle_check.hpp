@@ -34,7 +34,7 @@ class VehicleCheck {
 
   /// True if all parameters are read, or cannot be read (armed, or no answer).
   [[nodiscard]] bool is_done(Time now) const;
-  /// Returns why the parameters are not read; nullopt if they are.
+  /// Returns the reason why the parameters are not read; nullopt if they are read.
   [[nodiscard]] std::optional<std::string> fault(Time now) const;
   /// Returns the parameters that violate their rules, in the order of the rules.
   [[nodiscard]] std::vector<drivers::ParameterCheck::Entry> differences() const;
@@ -57,7 +57,8 @@ class VehicleCheck {
 /// Returns the robots of a scenario that have an autopilot with a URL and are not `direct`.
 std::vector<const scenario::RobotSpec*> robots_with_autopilot(const scenario::Scenario& scenario);
 
-/// Returns the result as lines: a table of the differences, a fault, or that all is correct.
+/// Returns the result as lines: a table of the differences, a fault, or the statement that all
+/// parameters are correct.
 std::vector<std::string> describe(const VehicleCheck& vehicle, Time now);
 
 }  // namespace vantage::tools

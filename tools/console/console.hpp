@@ -18,7 +18,8 @@ namespace vantage::tools {
 
 /// Options of an operator station.
 struct StationOptions {
-  bool is_allowed_second = false;  ///< wait while another station is in charge (Station)
+  bool is_allowed_second =
+      false;  ///< true: wait as a standby while another station is in charge (Station)
   /// Authenticator of the bus, which must outlive the sender; nullptr: messages are not signed.
   const bus::auth::Authenticator* authenticator = nullptr;
 };
@@ -85,16 +86,16 @@ class OrderSender {
   };
   /// Returns the newest status of each vehicle.
   [[nodiscard]] const std::map<std::string, ReceivedStatus>& vehicles() const { return vehicles_; }
-  /// Returns why vehicles will not obey an order in their newest state, such as "no effect on Q1:
-  /// not in operation; arm and take off first"; empty if all will, or if none was received
-  /// recently.
+  /// Returns the reason why vehicles will not obey an order in their newest state, such as "no
+  /// effect on Q1: not in operation; arm and take off first"; empty if all will, or if none was
+  /// received recently.
   [[nodiscard]] std::string without_effect(Time now, models::OperatorAction action,
                                            const std::string& robot) const;
   /// True if a process that records reported within kLogReportS that the log cannot be written.
   [[nodiscard]] bool is_log_lost(Time now) const;
-  /// Returns a heading and one line per vehicle, in which the selected ones are marked. A vehicle
-  /// without a status for 1 s is marked SILENT. Then come warnings about statuses refused as stale,
-  /// unsigned commands and a log that is not written.
+  /// Returns a heading and one line per vehicle. Selected vehicles are marked. A vehicle without a
+  /// status for 1 s is marked SILENT. Then come warnings about statuses refused as stale, unsigned
+  /// commands and a log that is not written.
   [[nodiscard]] std::vector<std::string> vehicle_table(Time now, const std::string& selected) const;
 
  private:

@@ -53,8 +53,8 @@ Result<OperatorRequest> request_from_line(const std::string& line);
 /// Returns the word by which request_from_line() recognises an action.
 std::string word_for(models::OperatorAction action);
 
-/// Returns why a vehicle in `state` ignores an order; empty if it obeys, or if its own status names
-/// the reason.
+/// Returns the reason why a vehicle in `state` ignores an order; empty if it obeys, or if its own
+/// status names the reason.
 std::string_view obstacle(models::OperatorAction action, models::FlightState state);
 
 }  // namespace vantage::tools

@@ -38,7 +38,7 @@ struct Observation {
   std::map<std::string, ObservedBody> bodies;
   std::map<std::string, std::int64_t> errors;  ///< error counters that are not zero
   std::string status;                          ///< status text of the driver
-  bool has_data = false;                       ///< the server sent any data
+  bool has_data = false;                       ///< true: the server sent data of any kind
 };
 
 struct ViconPort {

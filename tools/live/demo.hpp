@@ -26,9 +26,9 @@ struct DemoOptions {
 struct DemoResult {
   logs::TrialSummary summary;
   std::string log_path;
-  std::string svg_path;               ///< empty if it could not be written
-  std::string png_path;               ///< empty if it could not be rendered
-  std::string png_error;              ///< reason of a missing PNG, e.g. a program is missing
+  std::string svg_path;   ///< empty if it could not be written
+  std::string png_path;   ///< empty if it could not be rendered
+  std::string png_error;  ///< reason why no PNG was written, for example that a program is missing
   std::vector<std::string> failures;  ///< exceptions of nodes, and files that were not written
 };
 

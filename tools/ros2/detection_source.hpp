@@ -20,7 +20,7 @@ struct DetectionCounts {
   std::int64_t stale = 0;           ///< messages with a stamp older than kAgeMax
   std::int64_t early = 0;           ///< messages with a stamp in the future: the clocks differ
   std::int64_t without_pose = 0;    ///< messages for whose time the robot's pose is unknown
-  std::int64_t overflowed = 0;      ///< oldest messages dropped for newer ones
+  std::int64_t overflowed = 0;      ///< old messages dropped to make room for newer ones
   std::int64_t unknown_target = 0;  ///< objects that name no target of the scenario
   std::int64_t out_of_view = 0;     ///< objects that the robot's sensor cannot have seen
 };

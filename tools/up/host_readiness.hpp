@@ -37,8 +37,8 @@ inline constexpr double kFreeProcessorsMin = 0.5;
 std::optional<double> free_processors(const ProcessorTimes& before, const ProcessorTimes& after,
                                       unsigned processors);
 
-/// Returns why drivers would be late on this host, and the remedy; nullopt if they would be in time
-/// or if this could not be measured.
+/// Returns the reason why drivers would be late on this host, and the remedy; nullopt if they would
+/// be in time or if this could not be measured.
 std::optional<std::string> host_fault(const HostReadiness& host);
 
 /// Measures the mean number of free processors of this machine since its construction.

@@ -45,8 +45,8 @@ class History : public logs::foxglove::Sink {
   logs::foxglove::Sink& audience_;
   const Forwarding forwarding_;
   const std::size_t bytes_max_;
-  bool is_due_ = false;                  ///< store the record of the last wants()
-  bool audience_wants_ = false;          ///< pass on the record of the last wants()
+  bool is_due_ = false;                  ///< true: the record of the last wants() is stored
+  bool audience_wants_ = false;          ///< true: the record of the last wants() is passed on
   std::map<std::string, Time> written_;  ///< time of the last stored record, by topic
   mutable std::mutex mutex_;             ///< guards all members below
   std::deque<std::string> records_;

@@ -18,7 +18,7 @@ struct ParameterRule {
   double value = 0.0;  ///< the value to load; it satisfies the rule
   Kind kind = Kind::kExactly;
   std::vector<double> bounds;  ///< depends on `kind`: none, one, two, or all allowed values
-  bool is_advised = false;     ///< a difference is only reported; it does not prevent flight
+  bool is_advised = false;     ///< true: a difference is only reported; it does not prevent flight
   std::string effect;          ///< effect of a wrong value on the vehicle: "it flies on …"
 
   /// True if `actual` satisfies the rule. Autopilots store values in single precision, so a

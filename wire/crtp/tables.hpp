@@ -63,7 +63,8 @@ struct LogVariable {
   std::uint16_t id = 0;
   ValueType type = ValueType::kF32;  ///< type of the transmitted value
 };
-/// @return nullopt if the values need more than kLogBytesMax, or the request kPayloadMax
+/// @return nullopt if the values need more than kLogBytesMax or the request needs more than
+///   kPayloadMax
 std::optional<Packet> log_create(std::uint8_t block, std::span<const LogVariable> variables);
 Packet log_start(std::uint8_t block, std::uint16_t period_ms);
 Packet log_stop(std::uint8_t block);
@@ -71,7 +72,8 @@ Packet log_delete(std::uint8_t block);
 
 /// Commands and errors on port kLog, channel 1.
 inline constexpr std::uint8_t kLogDelete = 2;
-inline constexpr std::uint8_t kLogStartTens = 3;  ///< u8 period in 10 ms; older clients
+inline constexpr std::uint8_t kLogStartTens =
+    3;  ///< period in units of 10 ms, one byte; used by older clients
 inline constexpr std::uint8_t kLogStop = 4;
 inline constexpr std::uint8_t kLogReset = 5;
 inline constexpr std::uint8_t kLogCreate = 6;

@@ -69,7 +69,8 @@ struct Connect {
   std::string name = "NatNetLib";  ///< name of the client, at most 255 bytes
   Version application;
   Version natnet;     ///< newest version that the client reads
-  Version bitstream;  ///< wanted version of frames; zeros: the server's newest. Only since 4.0
+  Version bitstream;  ///< requested version of frames; zeros: the newest that the server supports;
+                      ///< only since 4.0
   bool is_subscriber = false;  ///< requests only subscribed data. Only since 4.0
 };
 

@@ -14,7 +14,7 @@ struct BodyName {
 };
 
 /// Returns the bodies in an XML document with the 6D parameters: each element `Body` in `The_6D`,
-/// with its own children `Name` and `Enabled`. Returns nullopt if the text is not well-formed XML
+/// with the children `Name` and `Enabled`. Returns nullopt if the text is not well-formed XML
 /// (elements, attributes, text, entities, comments, declaration), is nested too deeply, or if a
 /// body has no name.
 std::optional<std::vector<BodyName>> decode_body_names(std::string_view xml);

@@ -19,9 +19,9 @@
 namespace vantage::wire::sitl {
 
 inline constexpr int kCrazyflieFirmwarePort =
-    19'950;  ///< port of the simulator for the firmware; add the instance
+    19'950;  ///< port of the simulator for firmware instance 0; each further instance adds 1
 inline constexpr int kCrazyflieClientPort =
-    19'850;  ///< port of the simulator for a client; add the instance
+    19'850;  ///< port of the simulator for a client of instance 0; each further instance adds 1
 inline constexpr std::uint8_t kCrazyflieHello =
     0xF3;  ///< only byte of the hello packet and of its answer
 inline constexpr std::size_t kCrazyfliePacketMax = 31;
@@ -48,7 +48,8 @@ struct MotorDuties {
 };
 /// Parses a motor command; returns nullopt for any other packet.
 std::optional<MotorDuties> parse_motor_duties(std::span<const std::uint8_t> packet);
-/// True for the message that the gyroscope's bias is known; from then on the firmware can fly.
+/// True for the message which states that the gyroscope's bias is known; from then on the firmware
+/// can fly.
 bool is_gyro_calibrated(std::span<const std::uint8_t> packet);
 
 }  // namespace vantage::wire::sitl
