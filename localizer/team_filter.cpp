@@ -24,8 +24,8 @@ constexpr int kYaw = 2;
 constexpr int kTurnError = 3;
 constexpr int kSpeedError = 4;
 
-constexpr double kWeakenSigma = 2.5;  // σ; a sighting beyond gets a larger variance
-constexpr double kRejectSigma = 5.0;  // σ; a sighting beyond is rejected
+constexpr double kWeakenSigma = 2.5;  // σ; a sighting with a larger error gets a larger variance
+constexpr double kRejectSigma = 5.0;  // σ; a sighting with a larger error is rejected
 // 1σ that is added to the pose after a slip of the wheels.
 constexpr double kSlipYawSigmaRad = 0.2;
 constexpr double kSlipPositionSigmaM = 0.05;

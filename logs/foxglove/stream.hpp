@@ -69,8 +69,9 @@ class Stream {
   void on(const models::RobotMeasurement& detections, Time received_at);
   void on(const models::RobotBelief& belief, Time received_at);
   void on(const models::BeliefMixture& /*mixture*/, Time /*received_at*/) {
-  }                                                                    // beliefs are shown instead
-  void on(const models::RangeScan& /*scan*/, Time /*received_at*/) {}  // the map shows its content
+  }  // beliefs are shown instead
+  void on(const models::RangeScan& /*scan*/, Time /*received_at*/) {
+  }  // not drawn: the map shows the content of the scans
   void on(const models::OdometryReport& /*odometry*/, Time /*received_at*/) {}
   void on(const models::SightingReport& /*sightings*/, Time /*received_at*/) {}
   void on(const models::PoseEstimate& /*estimate*/, Time /*received_at*/) {}

@@ -17,7 +17,7 @@ struct Event {
 void list_events(const BeamProfile& beam, const BeamSensor& sensor, std::vector<Event>& events) {
   events.clear();
   double reach = 1.0;          // probability that no earlier cell is occupied
-  double squared_reach = 1.0;  // as `reach`, with squared odds
+  double squared_reach = 1.0;  // the same probability as `reach`, but with squared odds
   for (std::size_t j = 0; j < beam.occupancy.size(); ++j) {
     const double o = beam.occupancy[j];
     const double q = o * o / (o * o + (1.0 - o) * (1.0 - o));

@@ -6,7 +6,8 @@ namespace vantage::models {
 namespace {
 
 double sinc(double a) {
-  return std::abs(a) < 1e-4 ? 1.0 - a * a / 6.0 : std::sin(a) / a;  // next term: a⁴/120 < 1e-18
+  return std::abs(a) < 1e-4 ? 1.0 - a * a / 6.0
+                            : std::sin(a) / a;  // the next term, a⁴/120, is below 1e-18
 }
 
 std::vector<UnicycleControl> primitives_of(std::initializer_list<double> speeds_mps) {

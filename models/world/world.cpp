@@ -28,7 +28,7 @@ bool crosses_interior(const Rectangle& box, const Eigen::Vector2d& a_m,
   }
   const Eigen::Vector2d d = b_m - a_m;
   if (d.x() == 0.0 || d.y() == 0.0) {
-    return true;  // a point, or parallel to x or y: both axes are sufficient
+    return true;  // the segment is a point or parallel to x or y, so both axes are sufficient
   }
   const double s00 = cross(d, box.min_m - a_m);
   const double s11 = cross(d, box.max_m - a_m);

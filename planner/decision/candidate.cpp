@@ -111,7 +111,7 @@ class CandidateMaker {
   const EnergyModel& energy_;
   TargetCourses courses_;
   const BeliefTable& beliefs_;
-  std::vector<TargetCourses::Course> kept_;  // scratch of follow(), by step
+  std::vector<TargetCourses::Course> kept_;  // working memory of follow(), by step
   double range_max_m_ = 0.0;
   bool measures_velocity_ = false;
 };

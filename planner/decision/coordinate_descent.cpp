@@ -58,7 +58,8 @@ TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& 
       if (best != kNoCandidate) {
         team.add(best);
       }
-      if (had != kNoCandidate && !(team.value() > value_before)) {  // the previous one is as good
+      if (had != kNoCandidate &&
+          !(team.value() > value_before)) {  // the previous candidate is as good
         if (best != kNoCandidate) {
           team.drop(robot);
         }

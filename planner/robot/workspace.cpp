@@ -31,7 +31,7 @@ AlgorithmOptions options_of(const scenario::Scenario& scenario, int robot_index)
   options.epsilon = planner.epsilon_initial;
   options.delta_m = planner.delta_initial_m;
   options.yaw_weight_m_per_rad = planner.yaw_weight_m_per_rad;
-  options.weight = 2.5;  // weight of wastar, as in the source's library
+  options.weight = 2.5;  // weight of wastar, as in the library of the dissertation
   options.sweep = {robot_index, static_cast<int>(scenario.robots.size())};
   return options;
 }

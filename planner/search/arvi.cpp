@@ -136,7 +136,8 @@ ReducedValueIteration::Progress ReducedValueIteration::expand_level(int t, bool 
   const bool is_last = t == problem_->horizon_steps;
   fresh_.clear();
   for (NodeId parent = parents.unexpanded; parent != kNoNode; parent = parents.unexpanded) {
-    ++result_.work_nodes;  // counted before each check, so that each check sees another count
+    ++result_.work_nodes;  // counted before each deadline check, so that every check sees a
+                           // different count
     if (expired()) {
       return Progress::kDeadline;
     }
@@ -240,7 +241,8 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
   const double cost = tree_[id].cost;
   const Pose2 pose = tree_[id].world_from_body;
   Progress progress = Progress::kDone;
-  constexpr int kAskEvery = 64;  // nodes compared without blocks between deadline checks: a few µs
+  // Number of compared nodes between two deadline checks; 64 comparisons take a few µs.
+  constexpr int kAskEvery = 64;
   int passed_by = 0;
   const auto go_on_after = [&](NodeId other) {
     if (++passed_by % kAskEvery == 0) {

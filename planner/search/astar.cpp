@@ -237,7 +237,8 @@ BestFirstSearch::Progress BestFirstSearch::evaluate_sequence(NodeId id) {
 
 // long: one expansion; its parts share half of the state.
 BestFirstSearch::Progress BestFirstSearch::step() {
-  ++result_.work_nodes;  // counted before each check, so that each check sees another count
+  ++result_.work_nodes;  // counted before each deadline check, so that every check sees a different
+                         // count
   if (expired()) {
     return Progress::kDeadline;
   }

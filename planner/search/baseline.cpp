@@ -14,9 +14,9 @@
 namespace vantage::planner {
 namespace {
 
-// Depth-first descent with the children of each step in the order of `rank`. Backtracks from dead
-// ends; ends in a leaf that can stop. The number of tries is bounded; if none succeeds, the round
-// uses its fallback.
+// Searches depth first, with the children of each step in the order of `rank`. Backtracks from dead
+// ends and ends in a leaf that can stop. The number of tries is bounded; if none succeeds, the
+// round uses its fallback.
 class Descent {
  public:
   using Rank = std::function<void(const Pose2& at, int depth, std::vector<int>& controls)>;

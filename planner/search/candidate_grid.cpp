@@ -68,7 +68,7 @@ bool CandidateGrid::list(const Eigen::Vector2d& centre_m, int t, Cell& cell) {
 }
 
 std::span<const std::uint16_t> CandidateGrid::near(const Eigen::Vector2d& p_m, int t) {
-  constexpr std::size_t kFewEnough = 4;  // up to this number no grid is used
+  constexpr std::size_t kFewEnough = 4;  // up to this number of targets, no grid is used
   if (relevant(t).size() <= kFewEnough) {
     return relevant(t);
   }

@@ -54,7 +54,7 @@ void SequencingBound::reset(const SearchProblem& problem, const BeliefTable& bel
   schedules_ = true;
   GeodesicTable::VisibleCorners visible;
   heuristic.geodesics().find_visible_corners(problem.start.position_m(), visible);
-  // The nearest targets that can be seen at all and have bounded information.
+  // Covers the nearest targets that can be seen at all and have bounded information.
   nearest_.clear();
   for (int m = 0; m < beliefs.target_count(); ++m) {
     if (!heuristic.has_static_position(m) || beliefs.layout(m) != BlockLayout::kPlanar) {
@@ -233,7 +233,7 @@ void SequencingBound::fill_rests(int i) {
       passed += next <= left ? costs_[cell(i, n, next)] : 0.0;
     }
   }
-  // Then the cost from `next` on, diagonal by diagonal.
+  // Adds the cost from `next` on, diagonal by diagonal.
   for (int next = left; next >= 1; --next) {
     for (int n = 0; n < next; ++n) {
       const double onwards =

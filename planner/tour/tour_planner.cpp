@@ -10,7 +10,7 @@
 namespace vantage::planner {
 namespace {
 
-// Smallest first; ties in the order of the indices.
+// Sorts indices by their value, smallest first; equal values by index.
 constexpr auto kBefore = [](const auto& a, const auto& b) {
   return a.key < b.key || (a.key == b.key && a.index < b.index);
 };

@@ -78,7 +78,8 @@ class SimNode : public bus::Node {
   WorldSimulation world_;
   std::unique_ptr<SimulatedLocalisation> localisation_;  ///< with localizer.simulation, else null
   Duration lag_;           ///< delay of the world relative to the clock
-  Duration truth_period_;  ///< equals the mocap period if a real mocap's driver uses TRUTH
+  Duration truth_period_;  ///< period of TRUTH; equal to the mocap period if the driver of a real
+                           ///< mocap uses TRUTH
   Time next_capture_;
   Time next_truth_;
   Time next_status_;

@@ -16,9 +16,9 @@ constexpr Version kMarkerNamesSince{{4, 0, 0, 0}};
 constexpr Version kRotationSince{{4, 2, 0, 0}};
 constexpr std::size_t kQuaternionBytes = 16;
 constexpr std::size_t kLabelBytes = 4;
-/// Width, length, origin, calibration (12 × 12), corners (4 × 3), plate type and data type.
+/// Size of width, length, origin, calibration (12 × 12), corners (4 × 3), plate type and data type.
 constexpr std::size_t kPlateBytes = 4 * (2 + 3 + 12 * 12 + 4 * 3 + 2);
-/// Smallest rigid body: empty name, id, parent, offset, number of markers.
+/// Size of the smallest rigid body: empty name, id, parent, offset, number of markers.
 constexpr std::size_t kRigidBodyBytesMin = 1 + 4 + 4 + kVectorBytes + 4;
 constexpr std::size_t kEmulatedMarkers = 4;  ///< markers per body that append_definitions() writes
 

@@ -117,7 +117,7 @@ std::optional<Contact> contact(const State& one, const State& other, double dist
   const Eigen::Vector2d change_mps = one.tail<2>() - other.tail<2>();
   const double closing = -apart_m.dot(change_mps);
   const double square = change_mps.squaredNorm();
-  // First solution t of |apart + change t| = distance.
+  // Computes the first solution t of |apart + change t| = distance.
   const double discriminant = closing * closing - square * beyond(one, other, distance_m);
   if (closing <= 0.0 || discriminant <= 0.0) {
     return std::nullopt;
