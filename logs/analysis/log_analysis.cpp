@@ -42,7 +42,8 @@ class Analyst {
   void on(const models::PoseEstimate& estimate) { metrics_.on_pose(estimate); }
   void on(const models::PlanProposal& /*proposal*/) {}
   void on(const models::TeamProposal& /*proposal*/) {}
-  void on(const models::BeliefMixture& /*mixture*/) {}  // RobotBelief is evaluated instead
+  void on(const models::BeliefMixture& /*mixture*/) {
+  }  // not evaluated: the RobotBelief of the same step is evaluated
   void on(const models::RangeScan& /*scan*/) {}
   void on(const models::RobotMap& map) { metrics_.on_map(map); }
   void on(const models::OperatorCommand& /*command*/) {}

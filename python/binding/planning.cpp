@@ -20,7 +20,7 @@ namespace {
 using planner::SearchResult;
 using tools::PlanOutcome;
 
-// Value of Python's vantage.Plan. A plan remains valid after its problem is deleted.
+// C++ object behind Python's vantage.Plan. A plan remains valid after its problem is deleted.
 struct Plan {
   PlanOutcome outcome;
   int horizon_steps = 0;

@@ -62,7 +62,8 @@ class Bus:
         self._bus.subscribe(channel, timed if type is None else decoded)
 
     def publish(self, channel, message):
-        """Sends bytes or a message with encode(). Returns False if the network refused it (counted).
+        """Sends bytes or a message with encode(). Returns False, and counts the failure, if the
+        network refused the message.
 
         If a message has the fields run_id and sequence, they are set to this process's run and the channel's next
         number. A utime of 0 is replaced by the current time.

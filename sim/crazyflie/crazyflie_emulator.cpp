@@ -189,7 +189,7 @@ void CrazyflieEmulator::process_platform(const Packet& packet) {
   if (packet.port == Port::kLink) {
     if (packet.channel == 1) {
       reply(crtp::source_reply());
-    } else if (packet.channel != 2) {  // an echo, or the search for vehicles
+    } else if (packet.channel != 2) {  // a request for an echo, or the search for vehicles
       reply(packet);
     }
     return;
@@ -242,7 +242,7 @@ void CrazyflieEmulator::process_flight(const Packet& packet, Time now) {
     if (packet.port == Port::kHighLevel) {
       reply(crtp::encode_reply(packet, crtp::kHighLevelUnknown).value_or(packet));
     } else if (packet.port == Port::kLocalisation) {
-      process_supervisor(packet, now);  // the older emergency stop
+      process_supervisor(packet, now);  // the emergency-stop request of older firmware
     } else {
       ++ignored_;
     }

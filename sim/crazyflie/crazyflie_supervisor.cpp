@@ -11,7 +11,7 @@ namespace info = wire::crtp::info;
 
 constexpr double kPreFlightS = 30.0;
 constexpr double kIdleS = 2.0;    // s; a vehicle without thrust for this time has landed
-constexpr double kLandedS = 3.0;  // s; from landed to disarmed
+constexpr double kLandedS = 3.0;  // s; time from the landing to disarming
 constexpr double kOverS = 0.14;
 constexpr double kTiltedS = 1.0;
 constexpr double kUprightS = 0.3;

@@ -7,7 +7,7 @@
 namespace vantage::sim {
 namespace {
 
-/// Measured growth after the last pose.
+/// Growth of the estimate's error after the last pose, as measured.
 struct Growth {
   double gap_s;
   double sigma_m;

@@ -40,7 +40,7 @@ bool Station::tick(Time now) {
       }
       break;
     case Role::kRefused:
-      break;  // permanent: the station was not started as an allowed second one
+      break;  // the refusal is permanent: the station was not started as a second station
   }
   return role_ != before;
 }

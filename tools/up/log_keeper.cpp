@@ -67,7 +67,8 @@ logs::TrimmedLog LogKeeper::trim() {
     trimmed = {};
   }
   outcome_.bytes_dropped += trimmed.dropped_bytes;
-  if (trimmed.size_bytes == 0) {  // damage: the constructor has waited for a first event
+  if (trimmed.size_bytes ==
+      0) {  // a missing event is damage, because the constructor has waited for a first event
     is_damaged_ = true;
     last_before_.reset();
   }

@@ -173,8 +173,7 @@ function clear_all() {
 
 on_refresh(() => write_hidden_charts(), 5);
 
-/** Shows a session of the list: a log jumps to the start of the session; a live view shows the
-stored records of that session are shown. */
+/** Shows a session of the list: a log jumps to the start of the session; a live view shows the stored records of that session. */
 function show_session(index) {
   sessions.choose(index);
   state.shown_session = sessions.is_last() ? undefined : index;
