@@ -1,4 +1,5 @@
-// Cost of signing and verifying messages. Build in release: auth_bench [--benchmark_filter=…]
+// Measures the cost of signing and verifying messages. To be built in release. Usage: auth_bench
+// [--benchmark_filter=…]
 
 #include <chrono>
 #include <cstdint>

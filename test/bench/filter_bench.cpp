@@ -1,5 +1,5 @@
-// filter_bench: CPU time of one step of a robot's filter, and of the mixture message, for each case
-// of the filter family.
+// filter_bench: measures the CPU time of one step of a robot's filter, and of the mixture message,
+// for each case of the filter family.
 
 #include <algorithm>
 #include <cstdio>

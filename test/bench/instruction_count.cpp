@@ -66,7 +66,7 @@ Work search_work(int targets, int horizon_steps, const planner::ReducedOptions& 
   };
 }
 
-/// As search_work(), with the search `name` of the catalogue.
+/// Plans like search_work(), with the search `name` of the catalogue.
 Work catalogue_work(const char* name, int targets, std::int64_t nodes_max) {
   auto problems = std::make_shared<std::vector<planner::SearchProblem>>();
   for (std::uint64_t seed = 0; seed < kProblems; ++seed) {
@@ -84,7 +84,7 @@ Work catalogue_work(const char* name, int targets, std::int64_t nodes_max) {
   };
 }
 
-/// One unit is a step of the filter. The messages of each step are made in the counted function
+/// Runs the filter; one unit is a step. The messages of each step are made in the counted function
 /// too; their cost is the same for each build.
 Work filter_work(const FilterCase& filter_case) {
   const auto run = std::make_shared<FilterRun>(filter_case);
