@@ -76,7 +76,7 @@ class FirstLift : public testing::TestWithParam<std::size_t> {};
 // Regression: vehicles flew with y-up mocap, and two with swapped addresses climbed to 12 m.
 TEST_P(FirstLift, StaysBelowTheTestHeightIfTheSetupIsWrong) {
   const WorldSetup setup = setups()[GetParam()];
-  // Take-off of a single vehicle or of all simultaneously.
+  // A single vehicle takes off, or all take off simultaneously.
   for (const char* whom : {"", "Q1", "Q2"}) {
     SCOPED_TRACE(std::string("commanded: ") + (*whom == '\0' ? "all" : whom));
     FlightBench bench(7);

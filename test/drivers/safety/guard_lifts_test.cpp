@@ -1,5 +1,5 @@
-// Supervision of the first lift: rise, verification of the identity, deviation from the path, and
-// comparison with the autopilot.
+// Tests the supervision of the first lift: rise, verification of the identity, deviation from the
+// path, and comparison with the autopilot.
 
 #include <cmath>
 

@@ -11,8 +11,8 @@
 #include "test/drivers/safety/held.hpp"
 #include "test/support/random.hpp"
 
-// Position, velocity and duration of a held plan. Braking, distance checks and set-points use only
-// these values.
+// Tests position, velocity and duration of a held plan. Braking, distance checks and set-points use
+// only these values.
 
 namespace vantage::drivers {
 namespace {

@@ -432,7 +432,7 @@ TEST_F(ShapeEdges, FliesBetweenTheGroundAndTheCeiling) {
 TEST_F(ShapeEdges, IgnoresTheFlownPartOfThePath) {
   limits = open_limits();
   const HeldPlan plan = held(kStart, {}, {{{1.0, 0.0}, 3.0, 0.0}, models::brake(1.0, 2.0).front()});
-  const OtherCourse others[] = {{nullptr, {1.0, 0.3, 1.0}}};  // passed at 0.3 m after 1 s
+  const OtherCourse others[] = {{nullptr, {1.0, 0.3, 1.0}}};  // passes at 0.3 m after 1 s
   limits.plan_separation_m = 0.5;                             // the conflict ends at x = 1.4 m
   const double since_s = test::last_accepted(3.0, 0.0, 1e-7, [&](double t_s) {
     return check_path(plan, kStart + from_seconds(t_s), limits, others) == PlanVerdict::kAccepted;

@@ -189,7 +189,7 @@ TEST(LandingSpot, IsMovedInsideTheFence) {
 /// ahead and 1 m behind.
 class Corridor {
  public:
-  /// @param is_turned  true: the corridor runs along y
+  /// `is_turned`: the corridor runs along y instead of x.
   explicit Corridor(bool is_turned = false) : is_turned_(is_turned) {
     limits_ = limits_in(between(-7.0, 7.0, 0.38));
     others_.resize(1);

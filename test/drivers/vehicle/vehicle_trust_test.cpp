@@ -22,7 +22,7 @@ using test::kOtherRun;
 using test::kSecondSource;
 using test::VehicleTrust;
 
-// Channel COMMAND
+// ---- Channel COMMAND ----
 
 TEST_F(VehicleTrust, AcceptsAStopAfterForgedNumbers) {
   take_off();
@@ -102,7 +102,7 @@ TEST_F(VehicleTrust, KeepsTheOperatorThroughAClockChange) {
   EXPECT_EQ(bench.state(), FlightState::kKilled);
 }
 
-// Channel VICON
+// ---- Channel VICON ----
 
 TEST_F(VehicleTrust, RefusesASecondMocap) {
   take_off();
@@ -230,7 +230,7 @@ TEST_F(VehicleTrust, IgnoresMocapOfAnOldLogOnTheGround) {
   EXPECT_TRUE(bench.statuses.back().reasons.empty());
 }
 
-// Channel PLAN
+// ---- Channel PLAN_Q1 ----
 
 TEST_F(VehicleTrust, AcceptsAPlannerDespiteStalePlans) {
   take_off();
