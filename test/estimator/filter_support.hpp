@@ -150,8 +150,8 @@ inline Eigen::VectorXd normal_vector(Eigen::Index size, std::mt19937_64& rng) {
   return Eigen::VectorXd::NullaryExpr(size, [&] { return normal(rng); });
 }
 
-/// The p-quantile of χ² with `dof` degrees of freedom, for the standard normal quantile `z` of p.
-/// Source: Wilson, Hilferty (1931); better than 0.1 % for dof ≥ 30.
+/// Returns the p-quantile of χ² with `dof` degrees of freedom, for the standard normal quantile `z`
+/// of p. Source: Wilson, Hilferty (1931); better than 0.1 % for dof ≥ 30.
 inline double chi2_quantile(double dof, double z) {
   const double a = 2.0 / (9.0 * dof);
   return dof * std::pow(1.0 - a + z * std::sqrt(a), 3);

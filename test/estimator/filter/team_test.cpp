@@ -152,7 +152,8 @@ TEST(Team, IsNeverMoreCertainThanTheCentralFilter) {
         from.push_back(at(place(rng), place(rng), 0.1 * k));
         looks.push_back(look_at(sensors[i], instant(k), from[i], truth, rng));
         std::erase_if(looks[i].detections, [&](const auto&) { return !sees(rng); });
-        // The observation's information, in addition to robot i's step without an observation.
+        // The information gain of an observation is the difference from a step of robot i without
+        // an observation.
         DistributedFilter blind = team.filter(i);
         take_step(blind, instant(k), from[i], {}, team.received_by(i));
         for (const models::Detection& d : looks[i].detections) {

@@ -130,7 +130,8 @@ struct Tracked {
   double velocity_sigma_mps = 0.0;  ///< mean of the stated 1σ of a velocity component
 };
 
-// A robot circles a target that moves by its model, and measures it at each step.
+// Simulates a robot that circles a target and measures it at each step. The target moves by its
+// model.
 Tracked track_with(SensorKind kind, std::uint64_t seeds) {
   constexpr int kSteps = 40;
   constexpr double kStep_s = 0.5;
