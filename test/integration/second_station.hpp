@@ -20,7 +20,7 @@ class SecondStation {
   /// Takes the autopilot out of the mode that accepts set-points into one in which it hovers.
   /// ArduPilot: Brake. PX4: Position mode with centred sticks, since Hold needs a global position.
   bool take_over();
-  /// Must be called at least 10 times per second until give_back().
+  /// Holds the vehicle in that mode; must be called at least 10 times per second until give_back().
   bool keep();
   bool give_back();
   /// Empties the simulated battery: immediately (ArduPilot) or within half a minute (PX4).
