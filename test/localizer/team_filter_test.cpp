@@ -25,7 +25,7 @@ models::Sighting sighting_of(const scenario::LocalizerSpec& spec, int robot, con
 }
 
 TEST(TeamFilter, EqualsInformationFormForSightingOfTeammate) {
-  // Oracle: P = (P0⁻¹ + Hᵀ R⁻¹ H)⁻¹ over the poses of both robots.
+  // The expected covariance is P = (P0⁻¹ + Hᵀ R⁻¹ H)⁻¹ over the poses of both robots.
   test::SimulatedTeam team(2, 1);
   TeamFilter filter(team.spec);
   const Pose2 first{0.0, 0.0, 0.2};
