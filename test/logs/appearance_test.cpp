@@ -14,7 +14,7 @@ namespace {
 
 using Colour = std::array<double, 3>;
 
-// Linear light of "#rrggbb". Source: IEC 61966-2-1.
+// Returns the linear light of "#rrggbb". Source: IEC 61966-2-1.
 Colour linear(const std::string& hex) {
   Colour out{};
   for (std::size_t i = 0; i < 3; ++i) {

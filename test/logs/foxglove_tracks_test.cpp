@@ -74,7 +74,7 @@ TEST_F(Tracks, HaveAPointEveryTwoSecondsOnAStraightPath) {
   }
 }
 
-// Paths: circles of 1 m radius in either direction, and a slow arc.
+// The paths are circles of 1 m radius in either direction, and a slow arc.
 TEST_F(Tracks, DeviateByAtMostTwoCentimetres) {
   for (const double turn_radps : {0.8, -0.8, 0.05}) {
     Notebook notebook;
@@ -98,7 +98,7 @@ TEST_F(Tracks, DeviateByAtMostTwoCentimetres) {
 }
 
 TEST_F(Tracks, KeepCornersAndReversals) {
-  // Path: 2 m along x in 2 s, back to x = 1 m, then to the left.
+  // The path leads 2 m along x in 2 s, back to x = 1 m, then to the left.
   const Way there_and_back = [](double at_s) {
     return Eigen::Vector3d(at_s <= 2.0 ? at_s : std::max(1.0, 4.0 - at_s),
                            std::max(0.0, at_s - 3.0), 0.0);

@@ -30,7 +30,8 @@ scenario::Scenario scenario() {
   return out;
 }
 
-// Target 0 moves along x at 2 m/s from the origin; target 1 is stationary at (5, 5).
+// Returns a frame in which target 0 has moved along x from the origin at 2 m/s, and target 1 is
+// stationary at (5, 5).
 models::TruthFrame truth(double time_s) {
   models::TruthFrame out;
   out.stamp.time = at_s(time_s);

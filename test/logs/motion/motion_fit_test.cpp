@@ -13,7 +13,7 @@ namespace {
 
 Time instant(double seconds) { return from_utime(1'700'000'000'000'000) + from_seconds(seconds); }
 
-// A target that moves by `model`, observed every 20 ms.
+// Simulates a target that moves by `model` and is observed every 20 ms.
 TargetCourse course_of(const models::TargetModel& model, const models::StateVector& start,
                        double duration_s, std::mt19937_64& rng) {
   constexpr double kFrame_s = 0.02;
