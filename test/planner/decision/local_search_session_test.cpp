@@ -36,7 +36,8 @@ models::TeamChoice choice_of(const TeamOracle& oracle, CandidateId id,
 // A session for each robot of a team. The robots have one common problem or separate problems.
 class Team {
  public:
-  // `problems`: one per robot, with the same numbers of candidates, or one for all.
+  // `problems` contains one problem for all robots, or one per robot with equal numbers of
+  // candidates.
   explicit Team(std::vector<TeamProblem> problems) : problems_(std::move(problems)) {
     for (const TeamProblem& problem : problems_) {
       oracles_.emplace_back(problem);

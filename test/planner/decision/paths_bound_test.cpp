@@ -67,7 +67,8 @@ TeamProblem every_path(const std::vector<SearchProblem>& team, InformationMeasur
   return out;
 }
 
-// The recursion starts from a covariance so small that eight digits are lost.
+// Returns the tolerance: the recursion starts from a covariance so small that eight digits are
+// lost.
 double tolerance(double value) { return 1e-5 * std::max(1.0, value); }
 
 constexpr InformationMeasure kMeasures[] = {InformationMeasure::kMutual,

@@ -50,7 +50,7 @@ inline planner::TeamProblem made_team(int targets, const std::vector<std::vector
   for (const std::vector<Made>& of_robot : robots) {
     problem.candidates.emplace_back();
     for (const Made& made : of_robot) {
-      // ½ log det (I + M) = log(1 + m) for M = m I.
+      // ½ log det (I + M) is log(1 + m) if M = m I.
       const double m = std::expm1(made.nats);
       planner::Candidate candidate;
       candidate.energy_cost = made.cost;

@@ -29,10 +29,10 @@ constexpr std::uint64_t kInstances = 200;
 
 // ---- Searches with known calls and messages ----
 
-// One robot with a better and a worse trajectory. The central search evaluates the deletion and
-// both swaps; then it evaluates the deletion of the worse trajectory and its swap with itself. In
-// the distributed search, the robot first sends its candidate count and best value, and later that
-// it proposes nothing. It evaluates deletion and swap, then the deletion only.
+// One robot has a better and a worse trajectory. The central search evaluates the deletion and both
+// swaps; then it evaluates the deletion of the worse trajectory and its swap with itself. In the
+// distributed search, the robot first sends its candidate count and best value, and later that it
+// proposes nothing. It evaluates deletion and swap, then the deletion only.
 TEST(LocalSearch, CountsOracleCallsForOneRobot) {
   const TeamProblem problem = made_team(1, {{{0, 1.0}, {0, 2.0}}});
   const TeamOracle oracle(problem);

@@ -448,7 +448,7 @@ TEST(ResilientMapping, KeepsItsGuaranteeAgainstTheWorstAttack) {
       }
     }
     const std::vector<MapRoute> plan = plan_mapping_resiliently(search, starts, 1);
-    // Theorem 1 with α = 1 and coordinate descent: ½ · 1/(1 + α).
+    // Theorem 1 with α = 1 and coordinate descent guarantees the share ½ · 1/(1 + α).
     ASSERT_GE(after_attack_nats(pointers(plan)), 0.25 * best_nats);
   }
 }

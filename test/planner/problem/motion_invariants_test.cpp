@@ -264,7 +264,7 @@ TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
     double x_m = 20.0;
     double expected_m = 0.0;
   };
-  // Distance driven at 1 m/s while braking at 2 m/s².
+  // Returns the distance driven in `s` seconds at 1 m/s while braking at 2 m/s².
   const auto slowed_m = [](double s) { return s - s * s; };
   const std::vector<Case> cases = {
       {"at rest", {}, 0.0, 1, 20.0, 20.0},

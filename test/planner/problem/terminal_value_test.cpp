@@ -13,7 +13,7 @@ namespace {
 
 using test::uniform;
 
-// Travel times to two stops at (0, 0) and (6, 0), at 2 m/s, on a grid of 1 m.
+// Returns the travel times to two stops at (0, 0) and (6, 0), at 2 m/s, on a grid of 1 m.
 TerminalValue::Fields two_fields() {
   TerminalValue::Fields fields;
   fields.min_m = {-2.0, -2.0};

@@ -248,7 +248,7 @@ TEST(KeepsApart, RequiresSeparationFromEachTeammate) {
   problem.start_time = kStart;
   problem.separation_m = 1.0;
   models::Trajectory motion = hover_at({0.0, 0.0, 0.0}, 0.0, kStart);
-  motion.segments = {{{1.0, 0.0}, 2.0, 0.0}, {{1.0, 0.0}, 0.5, 2.0}};  // to x = 2.25
+  motion.segments = {{{1.0, 0.0}, 2.0, 0.0}, {{1.0, 0.0}, 0.5, 2.0}};  // ends at x = 2.25
   for (const std::size_t which : {0U, 2U}) {
     problem.teammates.assign(3, hover_at({9.0, 9.0, 0.0}, 0.0, kStart));
     for (const double rounding_m : {0.0, 0.02}) {

@@ -159,8 +159,8 @@ TEST(Catalogue, PassesOptionsToEachSearch) {
   EXPECT_GT(differ, 5) << "the weight had almost no effect";
 }
 
-/// A robot that can only turn, with targets ahead, to its left and behind, and a sensor with a
-/// field of view of 90°. Its poses differ only in heading.
+/// Returns a problem of a robot that can only turn. Targets are ahead, to its left and behind; the
+/// field of view is 90°. The robot's poses differ only in heading.
 SearchProblem turning_problem() {
   SearchProblem problem;
   problem.horizon_steps = 3;

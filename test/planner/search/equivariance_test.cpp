@@ -21,8 +21,8 @@ namespace {
 using test::pick;
 using test::uniform;
 
-// No prior is isotropic, so no two measurements have the same gain, and no choice depends on the
-// last bit. The problem is small enough for each search to finish.
+// Returns a problem without isotropic priors, so that no two measurements have the same gain and no
+// choice depends on the last bit. The problem is small enough for each search to finish.
 SearchProblem problem_in_free_space(std::uint64_t seed) {
   std::mt19937_64 rng(0xA24BAED4963EE407U * (seed + 1));
   SearchProblem problem;

@@ -439,7 +439,7 @@ TEST_F(InformationHeuristicTest, BoundsOneMeasurementAsInClosedForm) {
   expect(look({Kind::kRange, Kind::kPosition, Kind::kBearing}, 0, 2.0, 2.5, 0), position,
          range + bearing(2.0), 2);
   expect(look({Kind::kRange, Kind::kBearing}, 1, 2.0, 2.5, 0), range + bearing(2.0), 0.0, 0);
-  // Just outside and just within the range.
+  // The target is just outside or just within the range.
   expect(look({Kind::kRange}, 0, 4.0 + 1e-6, 4.5, 2), 0.0, 0.0, 0);
   expect(look({Kind::kRange}, 0, 4.0 - 1e-6, 4.5, 2), 0.0, range, 1);
   // In the first case all distances of the interval are below the minimum range.

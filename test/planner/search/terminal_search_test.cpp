@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint64_t kProblems = 240;
 
-// Every third target is out of reach.
+// Returns a problem with a terminal value. Every third target is out of reach.
 test::OwnedProblem problem_with_tour(std::uint64_t seed) {
   test::OwnedProblem owned = test::random_problem(seed);
   std::mt19937_64 rng(seed);
