@@ -238,7 +238,8 @@ TEST(DataStreamPeer, SendsStaticBlocksOnceAndOnChange) {
   EXPECT_EQ(names_after(frame), Names{});
 }
 
-// No frame without a request; one per request, with at most 1000 pending; or a stream.
+// The peer sends no frame without a request, one frame per request (at most 1000 pending), or a
+// stream.
 TEST(DataStreamPeer, SendsRequestedNumberOfFrames) {
   const auto sent_after = [](const std::vector<Bytes>& requests) {
     DataStreamPeer peer{ServerSettings{}};
