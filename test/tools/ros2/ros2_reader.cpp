@@ -34,7 +34,7 @@ dds_entity_t open_topic(dds_entity_t participant, const dds_topic_descriptor_t& 
   return dds_create_topic(participant, &type, name, nullptr, nullptr);
 }
 
-/// Reader with ROS 2's default quality of service.
+/// Opens a reader with ROS 2's default quality of service.
 dds_entity_t open_reader(dds_entity_t participant, const dds_topic_descriptor_t& type,
                          const char* name) {
   dds_qos_t* qos = dds_create_qos();
