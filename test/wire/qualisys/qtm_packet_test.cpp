@@ -41,7 +41,7 @@ TEST(QtmPacket, WaitsForTheWholePacket) {
   EXPECT_EQ(next_packet(from_hex("00000015 00000001")).state, Framing::kBroken) << "big-endian";
 }
 
-/// Body of a data packet: time 1 000 001 µs, frame 7, one component.
+/// Returns the body of a data packet: time 1 000 001 µs, frame 7, one component.
 Buffer data_hex(const std::string& component) {
   return from_hex("41420f0000000000 07000000 01000000" + component);
 }
