@@ -91,11 +91,12 @@ void SecondOfADriver(benchmark::State& state) {
   }
   own.use_clock(clock);
   own.act_as_vehicle("Q1");
-  std::int64_t heard = 0;
-  own.subscribe<models::MocapFrame>(bus::kVicon, [&](const auto&) { ++heard; });
-  own.subscribe<models::RobotPlan>(bus::plan_channel("*"), [&](const auto&) { ++heard; });
-  own.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"), [&](const auto&) { ++heard; });
-  own.subscribe<models::OperatorCommand>(bus::kCommand, [&](const auto&) { ++heard; });
+  std::int64_t received_count = 0;
+  own.subscribe<models::MocapFrame>(bus::kVicon, [&](const auto&) { ++received_count; });
+  own.subscribe<models::RobotPlan>(bus::plan_channel("*"), [&](const auto&) { ++received_count; });
+  own.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"),
+                                       [&](const auto&) { ++received_count; });
+  own.subscribe<models::OperatorCommand>(bus::kCommand, [&](const auto&) { ++received_count; });
   lab.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"), [](const auto&) {});
   models::MocapFrame frame;
   for (int i = 0; i < 8; ++i) {
@@ -145,7 +146,7 @@ void SecondOfADriver(benchmark::State& state) {
     state.SetIterationTime(static_cast<double>(driver_ns) * 1e-9);
   }
   state.counters["heard_per_s"] =
-      static_cast<double>(heard) / static_cast<double>(state.iterations());
+      static_cast<double>(received_count) / static_cast<double>(state.iterations());
 }
 
 BENCHMARK_CAPTURE(Sign, mac, Role::kMocap)->Arg(250)->Arg(1'000)->Arg(4'500);

@@ -77,17 +77,17 @@ TEST(MonotonicNs, NeverDecreases) {
 
 TEST(Deadline, ExpiresWhenCancelled) {
   static bool is_cancelled = false;
-  const auto asked = [] { return is_cancelled; };
+  const auto is_stopped = [] { return is_cancelled; };
   for (const Deadline& budget :
        {Deadline::nodes(100), Deadline::at(kInAThousandYears_ns), Deadline::never()}) {
-    const Deadline deadline = budget.with_cancellation(asked);
+    const Deadline deadline = budget.with_cancellation(is_stopped);
     is_cancelled = false;
     EXPECT_FALSE(deadline.expired(99));
     is_cancelled = true;
     EXPECT_TRUE(deadline.expired(0));
   }
   is_cancelled = false;
-  EXPECT_TRUE(Deadline::nodes(100).with_cancellation(asked).expired(100));
+  EXPECT_TRUE(Deadline::nodes(100).with_cancellation(is_stopped).expired(100));
 }
 
 }  // namespace

@@ -133,8 +133,8 @@ Bytes changed(Bytes bytes, const Bytes& other, std::mt19937_64& rng) {
 
 /// Returns the number in the environment variable, or `usual` if it is not set.
 long long number_or(const char* variable, long long usual) {
-  const char* const asked = std::getenv(variable);
-  return asked == nullptr ? usual : std::atoll(asked);
+  const char* const text = std::getenv(variable);
+  return text == nullptr ? usual : std::atoll(text);
 }
 
 /// The progress of the runs, printed after every tenth of them if VANTAGE_FUZZ_RUNS is set.
@@ -149,7 +149,7 @@ class Progress {
       settled_kib_ = resident_kib();
     }
     if (done_ % std::max(1LL, runs_ / kParts) == 0 && std::getenv("VANTAGE_FUZZ_RUNS") != nullptr) {
-      tell();
+      print();
     }
   }
 
@@ -159,7 +159,7 @@ class Progress {
  private:
   static constexpr long long kParts = 10;
 
-  void tell() const {
+  void print() const {
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin_;
     std::printf("%s: %lld inputs in %.1f s, %.0f a second", harness_.name, done_, took.count(),
                 static_cast<double>(done_) / took.count());

@@ -9,8 +9,8 @@
 namespace vantage::test {
 namespace {
 
-models::VehicleStatus asked(const std::string& robot, Time now, double speed_mps,
-                            models::FlightState state = models::FlightState::kFollow) {
+models::VehicleStatus status_at_speed(const std::string& robot, Time now, double speed_mps,
+                                      models::FlightState state = models::FlightState::kFollow) {
   models::VehicleStatus out;
   out.robot = robot;
   out.stamp.time = now;
@@ -25,8 +25,8 @@ std::vector<DrillLanes::Event> flown(DrillLanes& lanes, double seconds, double q
   std::vector<DrillLanes::Event> out;
   for (double t_s = 0.0; t_s < seconds; t_s += 0.1) {
     const Time now = from_utime(1'000'000) + from_seconds(t_s);
-    lanes.on_status(asked("Q1", now, q1_mps));
-    lanes.on_status(asked("Q2", now, q2_mps, q2_state));
+    lanes.on_status(status_at_speed("Q1", now, q1_mps));
+    lanes.on_status(status_at_speed("Q2", now, q2_mps, q2_state));
     if (const auto event = lanes.due(now)) {
       lanes.happened(*event);
       out.push_back(*event);
@@ -62,7 +62,7 @@ TEST(DrillLanes, SkipSlowOrNotFollowingRobots) {
 
 TEST(DrillLanes, SuppressEventsDuringRest) {
   DrillLanes lanes({"hold"}, 100, 1);
-  lanes.on_status(asked("Q1", from_utime(1'000'000), 1.0));
+  lanes.on_status(status_at_speed("Q1", from_utime(1'000'000), 1.0));
   static_cast<void>(lanes.due(from_utime(1'000'000)));
   lanes.rest("Q1", from_utime(21'000'000));
   const auto events = flown(lanes, 30.0, 1.0, 0.0, models::FlightState::kFollow);

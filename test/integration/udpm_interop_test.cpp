@@ -155,21 +155,21 @@ TEST(UdpmTransport, StopsDeliveryAfterUnsubscribe) {
   ours->subscribe("X*", note('b'));
   ours->subscribe("Y", note('c'));
   ours->subscribe("X", note('d'));
-  const auto say = [&](const char* channel) {
+  const auto receivers_of = [&](const char* channel) {
     order.clear();
     ours->publish(channel, Bytes{1});
     ours->publish("Y", Bytes{1});
     test::handle_until(*ours, [&] { return !order.empty() && order.back() == 'c'; });
     return order;
   };
-  EXPECT_EQ(say("X"), "abdc");
+  EXPECT_EQ(receivers_of("X"), "abdc");
   ours->unsubscribe("X");
-  EXPECT_EQ(say("X"), "bc");
+  EXPECT_EQ(receivers_of("X"), "bc");
   ours->subscribe("X", note('e'));  // takes the position of the removed handler
-  EXPECT_EQ(say("X"), "ebc");
+  EXPECT_EQ(receivers_of("X"), "ebc");
   ours->unsubscribe("X*");
-  EXPECT_EQ(say("X"), "ec");
-  EXPECT_EQ(say("XY"), "c");
+  EXPECT_EQ(receivers_of("X"), "ec");
+  EXPECT_EQ(receivers_of("XY"), "c");
 }
 
 // The source identifies address and port: equal for one socket at any message size, and the same

@@ -193,15 +193,15 @@ TEST_F(Edit, EndsAtTheFirstWriteError) {
 
 TEST_F(Edit, EndsOnRequest) {
   const IndexedLog log = log_of("a", {{10, "A", 1}, {30, "A", 2}, {50, "A", 3}});
-  int asked = 0;
+  int checks = 0;
   EditRules rules;
-  rules.stop = [&] { return ++asked > 2; };
+  rules.stop = [&] { return ++checks > 2; };
   const EditCounts counts = edit_log(log, rules, [](const LogEvent&) { return true; });
   EXPECT_TRUE(counts.is_stopped);
   EXPECT_EQ(counts.written, 2);
-  asked = 1;
+  checks = 1;
   const EditCounts merged = merge_logs(
-      {&log, &log}, [](const LogEvent&) { return true; }, [&] { return ++asked > 2; });
+      {&log, &log}, [](const LogEvent&) { return true; }, [&] { return ++checks > 2; });
   EXPECT_TRUE(merged.is_stopped);
   EXPECT_EQ(merged.written, 1);
 }

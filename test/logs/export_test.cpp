@@ -96,10 +96,10 @@ TEST_F(ExportTest, EndsOnRequest) {
   }
   const IndexedLog whole = log();
   for (const Export& each : exports()) {
-    int asked = 0;
+    int checks = 0;
     ChannelFilter all;
     const ExportCounts counts =
-        each.run(whole, folder_.file(each.name), all, {}, [&] { return ++asked > 7; });
+        each.run(whole, folder_.file(each.name), all, {}, [&] { return ++checks > 7; });
     EXPECT_TRUE(counts.is_stopped) << each.name;
     EXPECT_EQ(counts.messages, 7U) << each.name;
     EXPECT_EQ(counts.failure, "");

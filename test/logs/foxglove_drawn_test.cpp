@@ -79,11 +79,11 @@ TEST(ProposalScene, ShowsRobotAndGain) {
   proposal.round = 12;
   proposal.value_nats = 3.456;
   proposal.stamp.time = kTime;
-  const Time heard = kTime - from_seconds(0.75);
+  const Time received_at = kTime - from_seconds(0.75);
   for (const char* mover : {"Q1", "Q2"}) {
     proposal.choices.push_back({mover, straight_plan(1.0, 1.0).trajectory, 1.0, 0.1});
   }
-  const Json entity = proposal_scene(proposal, lab(), heard).at("entities").at(0);
+  const Json entity = proposal_scene(proposal, lab(), received_at).at("entities").at(0);
   EXPECT_EQ(told(entity, "moves"), "Q1, Q2");
   EXPECT_EQ(told(entity, "value_nat"), "3.46");
   EXPECT_EQ(told(entity, "round"), "12");

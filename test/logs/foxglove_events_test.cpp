@@ -91,7 +91,7 @@ TEST(Stream, ReportsCommandsAndEmergencyStops) {
   Stream stream(notebook);
   models::OperatorCommand command;
   command.stamp.time = from_utime(5);
-  const auto told = [&](models::OperatorAction action, const std::string& robot) {
+  const auto published_event = [&](models::OperatorAction action, const std::string& robot) {
     const std::size_t before = notebook.of("/events").size();
     command.action = action;
     command.robot = robot;
@@ -106,13 +106,13 @@ TEST(Stream, ReportsCommandsAndEmergencyStops) {
     return events.back().at("message").get<std::string>();
   };
   using models::OperatorAction;
-  EXPECT_EQ(told(OperatorAction::kHeartbeat, ""), "nothing");
-  EXPECT_EQ(told(OperatorAction::kArm, "Q1"), "operator: arm Q1");
-  EXPECT_EQ(told(OperatorAction::kTakeOff, ""), "operator: take off all");
-  EXPECT_EQ(told(OperatorAction::kFollow, "Q2"), "operator: follow Q2");
-  EXPECT_EQ(told(OperatorAction::kHold, ""), "operator: hold all");
-  EXPECT_EQ(told(OperatorAction::kLand, ""), "operator: land all");
-  EXPECT_EQ(told(OperatorAction::kEmergencyStop, "Q1"), "operator: emergency stop Q1");
+  EXPECT_EQ(published_event(OperatorAction::kHeartbeat, ""), "nothing");
+  EXPECT_EQ(published_event(OperatorAction::kArm, "Q1"), "operator: arm Q1");
+  EXPECT_EQ(published_event(OperatorAction::kTakeOff, ""), "operator: take off all");
+  EXPECT_EQ(published_event(OperatorAction::kFollow, "Q2"), "operator: follow Q2");
+  EXPECT_EQ(published_event(OperatorAction::kHold, ""), "operator: hold all");
+  EXPECT_EQ(published_event(OperatorAction::kLand, ""), "operator: land all");
+  EXPECT_EQ(published_event(OperatorAction::kEmergencyStop, "Q1"), "operator: emergency stop Q1");
 }
 
 TEST(Stream, ReportsEachChangeOnce) {

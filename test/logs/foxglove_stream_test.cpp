@@ -114,12 +114,12 @@ models::TeamProposal proposal_of(const std::string& robot, Time end_of_round) {
 }
 
 TEST(ProposalScene, FollowsTrajectoriesUntilTheEndOfTheRound) {
-  const Time heard = from_utime(5'000'000);
+  const Time received_at = from_utime(5'000'000);
   const models::TeamProposal proposal = proposal_of("Q2", from_utime(5'400'000));
   const scenario::Scenario scenario = lab();
-  const Json made = proposal_scene(proposal, scenario, heard)["entities"][0];
+  const Json made = proposal_scene(proposal, scenario, received_at)["entities"][0];
   EXPECT_EQ(made["id"], "proposal/Q2");
-  EXPECT_EQ(made["timestamp"], to_json(heard));
+  EXPECT_EQ(made["timestamp"], to_json(received_at));
   EXPECT_EQ(made["lifetime"], to_json(from_seconds(0.4)));
   ASSERT_EQ(made["lines"].size(), 2U);
   const Json& lines = made["lines"][0];
@@ -250,8 +250,8 @@ TEST(Stream, PublishesTheAgeOfTheMeasurementBehindEachAction) {
     status.stamp.time = from_utime(0) + from_seconds(time_s);
     status.plan_round = round;
     stream.on(status, Time{});
-    const Json told = notebook.of("/vehicle/Q2").back();
-    return told.value("capture_to_setpoint_s", -1.0);
+    const Json values = notebook.of("/vehicle/Q2").back();
+    return values.value("capture_to_setpoint_s", -1.0);
   };
   EXPECT_EQ(latency_s(2.4, 6), -1.0) << "the start of the plan is unknown";
   EXPECT_NEAR(latency_s(2.5, 7), 1.5, 1e-9);
@@ -289,9 +289,9 @@ TEST(Stream, PublishesAScenarioOnceAndRestartsWithAnother) {
             to_json(lab_notice().stamp.time));
   EXPECT_EQ(notebook.records.front().time, from_utime(7)) << "reception time";
   // After the new scenario the step count restarts and the metrics are reset.
-  const std::size_t told = notebook.of("/team").size();
+  const std::size_t count_before = notebook.of("/team").size();
   stream.on(belief_of("Q1", 95, {}), from_utime(11));
-  ASSERT_EQ(notebook.of("/team").size(), told + 1);
+  ASSERT_EQ(notebook.of("/team").size(), count_before + 1);
   EXPECT_EQ(notebook.of("/team").back().at("separation_violations"), 0);
   stream.on(models::TruthFrame{}, from_utime(12));
   for (const Json& scene : notebook.of("/estimates")) {
@@ -303,18 +303,18 @@ TEST(Stream, PublishesTeamMetricsAtEachStep) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(lab_notice(), Time{});
-  const auto told = [&](const std::string& robot, std::int64_t step) {
+  const auto published_after = [&](const std::string& robot, std::int64_t step) {
     const std::size_t before = notebook.of("/team").size();
     stream.on(belief_of(robot, step, {}), Time{});
     return notebook.of("/team").size() - before;
   };
-  EXPECT_EQ(told("Q1", 20), 1U);
-  EXPECT_EQ(told("Q2", 20), 0U);
-  EXPECT_EQ(told("Q1", 21), 1U);
-  EXPECT_EQ(told("Q2", 20), 0U) << "late message";
-  EXPECT_EQ(told("Q2", 11), 0U) << "later message";
-  EXPECT_EQ(told("Q2", 10), 1U) << "restarted";
-  EXPECT_EQ(told("Q1", 11), 1U);
+  EXPECT_EQ(published_after("Q1", 20), 1U);
+  EXPECT_EQ(published_after("Q2", 20), 0U);
+  EXPECT_EQ(published_after("Q1", 21), 1U);
+  EXPECT_EQ(published_after("Q2", 20), 0U) << "late message";
+  EXPECT_EQ(published_after("Q2", 11), 0U) << "later message";
+  EXPECT_EQ(published_after("Q2", 10), 1U) << "restarted";
+  EXPECT_EQ(published_after("Q1", 11), 1U);
   EXPECT_EQ(notebook.of("/team").back().at("timestamp"), to_json(from_utime(6'500'000)));
 }
 

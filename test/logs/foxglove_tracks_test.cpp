@@ -164,19 +164,19 @@ TEST_F(Tracks, ExpireAfterTwentySecondsOrANewRun) {
 }
 
 TEST_F(Tracks, ArePublishedEveryHalfSecond) {
-  const auto told = [&](double at_s) {
+  const auto published_at = [&](double at_s) {
     const std::size_t before = notebook_.of("/tracks").size();
     stream_.on(frame_of(kStart + from_seconds(at_s), "Q1", {at_s, 0.0, 0.0}), kStart);
     return notebook_.of("/tracks").size() - before;
   };
-  EXPECT_EQ(told(10.0), 1U);
-  EXPECT_EQ(told(10.1), 0U);
-  EXPECT_EQ(told(10.499999), 0U);
-  EXPECT_EQ(told(10.5), 1U);
-  EXPECT_EQ(told(10.5), 0U);
-  EXPECT_EQ(told(10.499999), 1U) << "the clock was set back";
-  EXPECT_EQ(told(10.9), 0U);
-  EXPECT_EQ(told(3.0), 1U) << "another run";
+  EXPECT_EQ(published_at(10.0), 1U);
+  EXPECT_EQ(published_at(10.1), 0U);
+  EXPECT_EQ(published_at(10.499999), 0U);
+  EXPECT_EQ(published_at(10.5), 1U);
+  EXPECT_EQ(published_at(10.5), 0U);
+  EXPECT_EQ(published_at(10.499999), 1U) << "the clock was set back";
+  EXPECT_EQ(published_at(10.9), 0U);
+  EXPECT_EQ(published_at(3.0), 1U) << "another run";
 }
 
 TEST_F(Tracks, ShowVisibleBodiesInTeamColours) {

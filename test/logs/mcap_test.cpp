@@ -178,9 +178,9 @@ TEST(ExportMcap, EndsCompletelyOnRequest) {
   }
   const IndexedLog log(folder.file("a.lcmlog"));
   ChannelFilter all;
-  int asked = 0;
+  int checks = 0;
   const ExportCounts counts =
-      export_mcap(log, folder.file("a.mcap"), all, false, {}, [&] { return ++asked > 3; });
+      export_mcap(log, folder.file("a.mcap"), all, false, {}, [&] { return ++checks > 3; });
   EXPECT_TRUE(counts.is_stopped);
   EXPECT_EQ(counts.messages, 3U);
   const test::Bytes bytes = test::read_file(folder.file("a.mcap"));

@@ -44,7 +44,7 @@ class PlayerTest : public ::testing::Test {
 
   PlayReport play(PlayOptions options, std::deque<Wish> wishes = {}) {
     Player player(*log_, std::move(options), timer(), [this](const LogEvent& event) {
-      heard_.emplace_back((now_ns_ - kBegin) / kMs, event.channel, event.data[0]);
+      played_.emplace_back((now_ns_ - kBegin) / kMs, event.channel, event.data[0]);
       return true;
     });
     return player.run(
@@ -63,7 +63,7 @@ class PlayerTest : public ::testing::Test {
   /// Returns (data, ms) of all published events.
   std::vector<std::pair<int, std::int64_t>> received() const {
     std::vector<std::pair<int, std::int64_t>> out;
-    for (const auto& [at_ms, channel, value] : heard_) {
+    for (const auto& [at_ms, channel, value] : played_) {
       out.emplace_back(value, at_ms);
     }
     return out;
@@ -73,12 +73,12 @@ class PlayerTest : public ::testing::Test {
   test::TemporaryFolder folder_;
   std::optional<IndexedLog> log_;
   std::int64_t now_ns_ = kBegin;
-  std::vector<std::tuple<std::int64_t, std::string, int>> heard_;
+  std::vector<std::tuple<std::int64_t, std::string, int>> played_;
 };
 
 TEST_F(PlayerTest, PublishesEachEventAtItsTime) {
   const PlayReport report = play({});
-  ASSERT_EQ(heard_.size(), 20U);
+  ASSERT_EQ(played_.size(), 20U);
   for (int i = 0; i < 20; ++i) {
     EXPECT_EQ(received()[static_cast<std::size_t>(i)], (std::pair<int, std::int64_t>(i, 100 * i)));
   }
@@ -132,8 +132,8 @@ TEST_F(PlayerTest, FiltersAndRenames) {
   options.rules.names = ChannelRenames({"ODD=STRANGE"});
   options.rules.to = from_utime(1'200'000);
   play(std::move(options));
-  ASSERT_EQ(heard_.size(), 1U);
-  EXPECT_EQ(std::get<1>(heard_[0]), "STRANGE");
+  ASSERT_EQ(played_.size(), 1U);
+  EXPECT_EQ(std::get<1>(played_[0]), "STRANGE");
 }
 
 TEST_F(PlayerTest, StaysPausedUntilResumed) {
@@ -178,7 +178,7 @@ TEST_F(PlayerTest, SkipsWaitsOfBrokenTimeStamps) {
   EXPECT_EQ(report.gaps, 3);
   EXPECT_LT(report.late_worst_us, 1e3);
 
-  heard_.clear();
+  played_.clear();
   now_ns_ = kBegin;
   PlayOptions options;
   options.rules.to = from_utime(1'500'000);
@@ -273,12 +273,12 @@ TEST_F(PlayerTest, ClampsSeeksToTheLog) {
   options.rules.to = from_utime(1'800'000);
   play(options, {{110, "seek -100"}, {150, "quit"}});
   EXPECT_EQ(received(), (Pairs{{5, 0}, {6, 100}, {5, 120}})) << "not before the beginning";
-  heard_.clear();
+  played_.clear();
   now_ns_ = kBegin;
   const PlayReport report = play(options, {{110, "step 1000"}});
   EXPECT_EQ(received(), (Pairs{{5, 0}, {6, 100}}));
   EXPECT_EQ(report.passes, 1) << "the end is reached";
-  heard_.clear();
+  played_.clear();
   now_ns_ = kBegin;
   options.rules.to = from_utime(1'400'000);  // before the log begins
   EXPECT_EQ(play(options, {{0, "seek 0.1"}}).published, 0);
@@ -320,7 +320,7 @@ TEST_F(PlayerTest, CountsUnpublishableEvents) {
   const PlayReport report = play(options);
   EXPECT_EQ(report.published, 10);
   EXPECT_EQ(report.failed, 10);
-  EXPECT_EQ(heard_.size(), 10U);
+  EXPECT_EQ(played_.size(), 10U);
 }
 
 TEST_F(PlayerTest, ReportsItsPositionEvery20Milliseconds) {
@@ -347,11 +347,11 @@ TEST_F(PlayerTest, ReportsItsPositionEvery20Milliseconds) {
 }
 
 TEST_F(PlayerTest, StopsOnRequest) {
-  int asked = 0;
+  int checks = 0;
   PlayOptions options;
   options.loops = true;
   Player player(*log_, options, timer(), [](const LogEvent&) { return true; });
-  const PlayReport report = player.run([] { return std::nullopt; }, [&] { return ++asked > 100; });
+  const PlayReport report = player.run([] { return std::nullopt; }, [&] { return ++checks > 100; });
   EXPECT_EQ(report.passes, 1);
   EXPECT_EQ(report.published, 20 + 1) << "1900 ms, then from the beginning until 2000 ms";
 }
@@ -364,7 +364,7 @@ TEST_F(PlayerTest, SkipsGapsLongerThanOneMinute) {
     const std::string path = folder_.file("gap" + std::to_string(gap_us));
     test::write_file(path, bytes);
     log_.emplace(path);
-    heard_.clear();
+    played_.clear();
     now_ns_ = kBegin;
     EXPECT_EQ(play({}).gaps, gap_us > 60'000'000 ? 1 : 0);
     EXPECT_EQ(received().back().second, gap_us > 60'000'000 ? 500 : 60'000);
@@ -384,7 +384,7 @@ TEST_F(PlayerTest, PlaysEveryEventDespiteOneBadStamp) {
     }
     test::write_file(folder_.file("b"), bytes);
     log_.emplace(folder_.file("b"));
-    heard_.clear();
+    played_.clear();
     now_ns_ = kBegin;
     EXPECT_EQ(play({}).published, 100) << broken;
     EXPECT_EQ(play({}, {{0, "seek 0.05"}, {5'000, "quit"}}).failed, 0) << broken;

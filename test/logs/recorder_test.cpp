@@ -51,9 +51,9 @@ TEST(RecorderNode, ReportsAndCountsWriteErrorsAtOnce) {
   SpoolOptions options;
   options.path = "flight.lcmlog";
   LogSpool spool(options, disk.opener());
-  std::vector<std::string> told;
+  std::vector<std::string> notices;
   RecorderNode node(*receiver, clock, spool, {},
-                    [&](const std::string& words) { told.push_back(words); });
+                    [&](const std::string& words) { notices.push_back(words); });
   const auto count_of = [](const std::vector<models::NamedCount>& counts, const std::string& name) {
     const auto found = std::find_if(counts.begin(), counts.end(),
                                     [&](const auto& count) { return count.name == name; });
@@ -63,11 +63,12 @@ TEST(RecorderNode, ReportsAndCountsWriteErrorsAtOnce) {
   mouth->publish("VICON", std::vector<std::uint8_t>(100));
   receiver->handle(std::chrono::microseconds(0));
   const std::int64_t give_up_ns = monotonic_ns() + 20'000'000'000;
-  while (told.empty() && monotonic_ns() < give_up_ns) {
+  while (notices.empty() && monotonic_ns() < give_up_ns) {
     node.tick(kNow);
   }
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0], "LOG NOT WRITTEN: flight.lcmlog: cannot be written: No space left on device");
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_EQ(notices[0],
+            "LOG NOT WRITTEN: flight.lcmlog: cannot be written: No space left on device");
   EXPECT_EQ(count_of(node.traffic(), "log.is_written"), 0);
   EXPECT_EQ(count_of(node.counters(), "log.write_errors"), 1);
   spool.close();

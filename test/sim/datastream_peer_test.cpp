@@ -13,13 +13,14 @@ namespace {
 
 namespace wire = vantage::wire::vicon;
 
-/// Returns the types of the blocks in a frame for a client that has requested the types `asked`.
-std::set<std::uint32_t> heard_of(const std::vector<std::uint32_t>& asked) {
+/// Returns the types of the blocks in a frame for a client that has requested the types
+/// `requested`.
+std::set<std::uint32_t> received_types(const std::vector<std::uint32_t>& requested) {
   DataStreamPeer peer{ServerSettings{}};
   peer.outgoing.clear();  // drops the server's greeting
   std::vector<std::uint8_t> bytes;
   wire::PacketWriter packet(bytes);
-  append(packet, wire::ObjectEnums{asked});
+  append(packet, wire::ObjectEnums{requested});
   append(packet, wire::RequestFrame{true});
   packet.finish();
   EXPECT_TRUE(peer.receive(bytes));
@@ -49,9 +50,9 @@ TEST(DataStreamPeer, SendsOnlyRequestedBlocks) {
         std::uint32_t{wire::kApplicationInfo}, std::uint32_t{wire::kGlobalSegments},
         std::uint32_t{wire::kLatencyInfo}, std::uint32_t{wire::kLightweightSegments},
         std::uint32_t{wire::kContents}}) {
-    EXPECT_EQ(heard_of({type}), (Types{number, type})) << type;
+    EXPECT_EQ(received_types({type}), (Types{number, type})) << type;
   }
-  EXPECT_EQ(heard_of({}), Types{number});
+  EXPECT_EQ(received_types({}), Types{number});
 }
 
 }  // namespace

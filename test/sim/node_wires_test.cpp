@@ -82,14 +82,14 @@ TEST(SimNode, DerivesWireIdsFromIndexAndStart) {
   VehicleSocket autopilots_driver("udpout://127.0.0.1:" + port_of_this_test(1));
   Lab lab(scenario);
   lab.run(20);
-  std::vector<wire::rover::Telemetry> told;
+  std::vector<wire::rover::Telemetry> telemetry;
   rovers_driver.read_each([&](auto bytes, Time) {
-    told.emplace_back();
-    EXPECT_EQ(wire::rover::decode(bytes, told.back()), wire::rover::Verdict::kAccepted);
+    telemetry.emplace_back();
+    EXPECT_EQ(wire::rover::decode(bytes, telemetry.back()), wire::rover::Verdict::kAccepted);
   });
-  ASSERT_FALSE(told.empty());
-  EXPECT_EQ(told[0].boot, 1'700'000'123U);
-  EXPECT_EQ(told[0].robot, 77U);
+  ASSERT_FALSE(telemetry.empty());
+  EXPECT_EQ(telemetry[0].boot, 1'700'000'123U);
+  EXPECT_EQ(telemetry[0].robot, 77U);
   std::vector<int> systems;
   wire::mavlink::Parser parser;
   autopilots_driver.read_each([&](auto bytes, Time) {
@@ -190,13 +190,13 @@ TEST(SimNode, ReportsRealStreamRateAndLatency) {
   lab.run(2);
   const Client client(port);
   lab.run(2);
-  std::vector<std::uint8_t> asked;
-  vicon::PacketWriter packet(asked);
+  std::vector<std::uint8_t> request;
+  vicon::PacketWriter packet(request);
   append(packet,
          vicon::ObjectEnums{{vicon::kStreamInfo, vicon::kFrameRateInfo, vicon::kLatencyInfo}});
   append(packet, vicon::RequestFrame{true});
   packet.finish();
-  client.transmit(asked);
+  client.transmit(request);
   lab.run(1);
   client.read_reply();  // reads the server's greeting
   const Time capture = run_up_to_a_frame(lab);

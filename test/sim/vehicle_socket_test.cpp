@@ -40,7 +40,7 @@ class Port {
               static_cast<ssize_t>(bytes.size()));
   }
   /// Returns the next received datagram; empty if there is none.
-  [[nodiscard]] Bytes hear() {
+  [[nodiscard]] Bytes receive_next() {
     Bytes out(4096);
     socklen_t size = sizeof from;
     const ssize_t got = recvfrom(fd_, out.data(), out.size(), MSG_DONTWAIT,
@@ -73,13 +73,13 @@ TEST(VehicleSocket, AnswersTheLastSender) {
     second.send_to(port, {4});
     EXPECT_EQ(read_all(vehicle), (std::vector<Bytes>{{1, 2, 3}, {4}}));
     vehicle.write(Bytes{7, 8});
-    EXPECT_EQ(second.hear(), (Bytes{7, 8}));
+    EXPECT_EQ(second.receive_next(), (Bytes{7, 8}));
     EXPECT_EQ(ntohs(second.from.sin_port), port);
-    EXPECT_TRUE(first.hear().empty());
+    EXPECT_TRUE(first.receive_next().empty());
     first.send_to(port, {5});
     EXPECT_EQ(read_all(vehicle), std::vector<Bytes>{{5}});
     vehicle.write(Bytes{9});
-    EXPECT_EQ(first.hear(), Bytes{9});
+    EXPECT_EQ(first.receive_next(), Bytes{9});
     EXPECT_TRUE(read_all(vehicle).empty());
   }
 }
@@ -89,7 +89,7 @@ TEST(VehicleSocket, SendsFirstInUdpoutMode) {
     Port driver;
     VehicleSocket vehicle("udp://" + std::string(host) + ":" + std::to_string(driver.number));
     vehicle.write(Bytes{1, 2});
-    EXPECT_EQ(driver.hear(), (Bytes{1, 2})) << host;
+    EXPECT_EQ(driver.receive_next(), (Bytes{1, 2})) << host;
     driver.send_to(ntohs(driver.from.sin_port), {3});
     EXPECT_EQ(read_all(vehicle), std::vector<Bytes>{{3}});
   }
@@ -103,12 +103,12 @@ TEST(VehicleSocket, SkipsEmptyDatagramsAndReadsAFloodInParts) {
     driver.send_to(port, {});
     driver.send_to(port, {k});
   }
-  std::vector<Bytes> heard = read_all(vehicle);
-  ASSERT_EQ(heard.size(), 64u);
-  EXPECT_EQ(heard.back(), Bytes{63});
-  heard = read_all(vehicle);
-  ASSERT_EQ(heard.size(), 36u);
-  EXPECT_EQ(heard.front(), Bytes{64});
+  std::vector<Bytes> received = read_all(vehicle);
+  ASSERT_EQ(received.size(), 64u);
+  EXPECT_EQ(received.back(), Bytes{63});
+  received = read_all(vehicle);
+  ASSERT_EQ(received.size(), 36u);
+  EXPECT_EQ(received.front(), Bytes{64});
 }
 
 // The kernel's time stamp lies between the clock readings before sending and after reading.
@@ -123,13 +123,13 @@ TEST(VehicleSocket, ReportsArrivalTime) {
   Port driver;
   const std::int64_t before_us = clock_us();
   driver.send_to(port, {1});
-  int heard = 0;
+  int received = 0;
   vehicle.read_each([&](auto, Time arrival) {
-    ++heard;
+    ++received;
     EXPECT_GE(to_utime(arrival), before_us);
     EXPECT_LE(to_utime(arrival), clock_us());
   });
-  EXPECT_EQ(heard, 1);
+  EXPECT_EQ(received, 1);
 }
 
 TEST(VehicleSocket, CountsSendErrorsButNotAClosedPort) {

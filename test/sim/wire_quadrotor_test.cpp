@@ -84,19 +84,19 @@ TEST(WireQuadrotor, RestsAtItsStartAndSendsToTheDriversPort) {
   const scenario::RobotSpec robot = robot_at(port.url());
   WireQuadrotor vehicle(robot, {}, 7, 1, kStart);
   Time now = kStart;
-  std::vector<wire::mavlink::Frame> heard;
+  std::vector<wire::mavlink::Frame> all_frames;
   for (int k = 0; k < 410; ++k, now += Duration{5'000}) {
     vehicle.step(now, 0.005);
     vehicle.exchange(now + Duration{5'000});
     for (const wire::mavlink::Frame& frame : port.frames()) {
-      heard.push_back(frame);
+      all_frames.push_back(frame);
     }
   }
   EXPECT_EQ(vehicle.world_from_body().translation_m,
             Eigen::Vector3d(robot.start.x_m, robot.start.y_m, 0.0));
   EXPECT_NEAR(flatten(vehicle.world_from_body()).yaw_rad, robot.start.yaw_rad, 1e-12);
   int heartbeats = 0;
-  for (const wire::mavlink::Frame& frame : heard) {
+  for (const wire::mavlink::Frame& frame : all_frames) {
     EXPECT_EQ(frame.origin.system_id, 7);
     heartbeats += wire::mavlink::unpack<wire::mavlink::Heartbeat>(frame) ? 1 : 0;
   }

@@ -52,7 +52,7 @@ struct Driver {
     wire::mavlink::append_bytes(wire::mavlink::pack(message, {255, 191, sequence++}), bytes);
     socket.write(bytes);
   }
-  std::vector<wire::mavlink::Frame> hear() {
+  std::vector<wire::mavlink::Frame> receive_frames() {
     std::vector<wire::mavlink::Frame> out;
     socket.read_each([&](auto bytes, Time) {
       parser.feed(bytes, [&](const wire::mavlink::Frame& frame) { out.push_back(frame); });
@@ -77,7 +77,7 @@ TEST(WireQuadrotor, HasTheScenariosSystemIdOrItsIndex) {
     driver.send(wire::mavlink::Heartbeat{});
     vehicle.step(kStart, 0.005);
     vehicle.exchange(kStart + Duration{5'000});
-    const auto frames = driver.hear();
+    const auto frames = driver.receive_frames();
     ASSERT_FALSE(frames.empty());
     EXPECT_EQ(frames[0].origin.system_id, named == 0 ? 7 : 42);
     const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frames[0]);
@@ -127,23 +127,23 @@ TEST(WireQuadrotor, StartsAtAWholeStepAndNeverGoesBack) {
   Driver driver(port);
   driver.send(wire::mavlink::Heartbeat{});
   int heartbeats = 0;
-  const auto hear = [&] {
-    for (const wire::mavlink::Frame& frame : driver.hear()) {
+  const auto receive_frames = [&] {
+    for (const wire::mavlink::Frame& frame : driver.receive_frames()) {
       heartbeats += wire::mavlink::unpack<wire::mavlink::Heartbeat>(frame) ? 1 : 0;
     }
   };
   vehicle.step(kStart, 0.0019);
   vehicle.exchange(kStart + Duration{1'900});
-  hear();
+  receive_frames();
   EXPECT_EQ(heartbeats, 0) << "no whole step has passed";
   vehicle.step(kStart + Duration{1'900}, 0.0001);
   vehicle.exchange(kStart + Duration{2'000});
-  hear();
+  receive_frames();
   EXPECT_EQ(heartbeats, 1);
   vehicle.step(kStart + Duration{997'000}, 0.005);
   vehicle.step(kStart, 0.005);
   vehicle.exchange(kStart + Duration{1'002'000});
-  hear();
+  receive_frames();
   EXPECT_EQ(heartbeats, 2) << "one second after the start";
 }
 

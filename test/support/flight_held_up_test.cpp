@@ -24,8 +24,8 @@ struct Waits {
   std::int64_t sum_us = 7'000'000;
   std::int64_t cpu_us = 9'000'000;
 
-  void say(FlightRecord& record, double t_s, std::int64_t waits_us,
-           const std::string& process = "PLANNER_Q1", std::int64_t runs_us = 100'000) {
+  void report(FlightRecord& record, double t_s, std::int64_t waits_us,
+              const std::string& process = "PLANNER_Q1", std::int64_t runs_us = 100'000) {
     sum_us += waits_us;
     cpu_us += runs_us;
     models::ProcessHealth health;
@@ -47,7 +47,7 @@ MadeUpFlight flight_held_up_us(std::int64_t waits_us) {
   };
   flight.add_messages = [waits_us, waits = Waits()](double t_s, FlightRecord& record) mutable {
     if (const double second = std::round(t_s); std::abs(t_s - second) < 0.001) {
-      waits.say(record, t_s, second == 8.0 ? waits_us : 1'000);
+      waits.report(record, t_s, second == 8.0 ? waits_us : 1'000);
     }
   };
   return flight;
@@ -188,11 +188,11 @@ TEST(DelayedFlight, ReportsTheLongestWaitWithinOneRun) {
     if (std::abs(t_s - second) > 0.001) {
       return;
     }
-    planner.say(record, t_s, second <= kFollowS ? 800'000 : second == 6.0 ? 50'000 : 0);
+    planner.report(record, t_s, second <= kFollowS ? 800'000 : second == 6.0 ? 50'000 : 0);
     if (second == 10.0) {
       sim = {6, 60'000'000, 0};
     }
-    sim.say(record, t_s, second == 5.0 ? 60'000 : second == 12.0 ? 70'000 : 0, "SIM");
+    sim.report(record, t_s, second == 5.0 ? 60'000 : second == 12.0 ? 70'000 : 0, "SIM");
   };
   FlightBounds impatient;
   impatient.held_up_max_s = 0.045;
@@ -205,12 +205,12 @@ TEST(DelayedFlight, ReportsTheLongestWaitWithinOneRun) {
   EXPECT_FALSE(held_up(MadeUpFlight().record(), impatient)) << "the log lacks the waiting times";
 
   MadeUpFlight older;
-  older.add_messages = [](double t_s, FlightRecord& told) {
+  older.add_messages = [](double t_s, FlightRecord& flight_record) {
     models::ProcessHealth health;
     health.stamp = {MadeUpFlight::at(t_s), 5, 0};
     health.process = "SIM";
     health.counters = {{"process.cpu_us", static_cast<std::int64_t>(5e5 * t_s)}};
-    MadeUpFlight::give(told, "HEALTH_SIM", MadeUpFlight::at(t_s), health);
+    MadeUpFlight::give(flight_record, "HEALTH_SIM", MadeUpFlight::at(t_s), health);
   };
   const FlightRecord of_older = older.record();
   EXPECT_FALSE(held_up(of_older, impatient)) << "the log contains processor use only";
@@ -225,9 +225,9 @@ TEST(DelayedFlight, CountsProcessorTimeOfTheRequestedSpan) {
                                                            FlightRecord& record) mutable {
     const double second = std::round(t_s);
     if (std::abs(t_s - second) < 0.001) {
-      planner.say(record, t_s, 0, "PLANNER_Q1", second == 7.0 ? 800'000 : 200'000);
+      planner.report(record, t_s, 0, "PLANNER_Q1", second == 7.0 ? 800'000 : 200'000);
     } else if (std::abs(t_s - second) > 0.499) {
-      sim.say(record, t_s, 0, "SIM", std::abs(t_s - 6.5) < 0.001 ? 600'000 : 100'000);
+      sim.report(record, t_s, 0, "SIM", std::abs(t_s - 6.5) < 0.001 ? 600'000 : 100'000);
     }
   };
   const FlightRecord record = flight.record();
@@ -254,8 +254,8 @@ TEST(DelayedFlight, IsNotExcusedIfItsProcessesCausedTheWait) {
       if (std::abs(t_s - second) > 0.001) {
         return;
       }
-      sim.say(out, t_s, 0, "SIM", second == 8.0 ? sim_runs_us : 200'000);
-      later.say(out, t_s, second == 12.0 ? waits_later_us : 0, "SENSOR_Q1");  // uses 0.1 s
+      sim.report(out, t_s, 0, "SIM", second == 8.0 ? sim_runs_us : 200'000);
+      later.report(out, t_s, second == 12.0 ? waits_later_us : 0, "SENSOR_Q1");  // uses 0.1 s
     };
     return flight.record();
   };
@@ -282,8 +282,8 @@ TEST(DelayedFlight, NamesAProcessThatUsesTooMuchProcessorTime) {
         sim = {6, 0, 0};
       }
       const bool is_after = second > kFollowS;
-      planner.say(record, t_s, 300'000, "PLANNER_Q1", is_after ? 400'000 : 1'000'000);
-      sim.say(record, t_s, 0, "SIM", second == 11.0 ? 2 * sim_runs_us : sim_runs_us);
+      planner.report(record, t_s, 300'000, "PLANNER_Q1", is_after ? 400'000 : 1'000'000);
+      sim.report(record, t_s, 0, "SIM", second == 11.0 ? 2 * sim_runs_us : sim_runs_us);
     };
     const FlightRecord record = flight.record();
     EXPECT_NEAR(processors_used(record), 0.4 + 1e-6 * static_cast<double>(sim_runs_us), 1e-9);

@@ -14,15 +14,15 @@ class Judge {
 
   void at_most(const char* invariant, double is, double most, const char* unit) {
     if (!(is <= most)) {
-      say(invariant, fmt::format("{:.3f} {} (at most {:g})", is, unit, most));
+      add(invariant, fmt::format("{:.3f} {} (at most {:g})", is, unit, most));
     }
   }
   void at_least(const char* invariant, double is, double least, const char* unit) {
     if (!(is >= least)) {
-      say(invariant, fmt::format("{:.3f} {} (at least {:g})", is, unit, least));
+      add(invariant, fmt::format("{:.3f} {} (at least {:g})", is, unit, least));
     }
   }
-  void say(const char* invariant, const std::string& what) {
+  void add(const char* invariant, const std::string& what) {
     out_.push_back(fmt::format("{} {}: {}", robot_, invariant, what));
   }
 
@@ -48,13 +48,13 @@ void judge_safety(const CourseMetrics& kept, double contact_m, const FlightBound
   judge.at_least("separation", kept.separation_least_m, contact_m, "m from another");
   judge.at_most("fence", kept.outside_max_m, bounds.outside_max_m, "m outside");
   if (const auto fence = kept.reasons.find("fence"); fence != kept.reasons.end()) {
-    judge.say("fence", fmt::format("landed for it, {:.1f} s", fence->second));
+    judge.add("fence", fmt::format("landed for it, {:.1f} s", fence->second));
   }
   if (kept.strangers > 0) {
-    judge.say("believed", fmt::format("{} words in its name of another", kept.strangers));
+    judge.add("believed", fmt::format("{} words in its name of another", kept.strangers));
   }
   if (kept.runs > bounds.runs_max) {
-    judge.say("believed", fmt::format("{} drivers one after the other (at most {})", kept.runs,
+    judge.add("believed", fmt::format("{} drivers one after the other (at most {})", kept.runs,
                                       bounds.runs_max));
   }
 }
@@ -149,11 +149,11 @@ std::vector<std::string> violations(const FlightRecord& record, const FlightBoun
     Judge of_robot(name, out);
     const scenario::RobotSpec* const robot = record.scenario()->find_robot(name);
     if (robot == nullptr) {
-      of_robot.say("believed", "the scenario does not know it");
+      of_robot.add("believed", "the scenario does not know it");
       continue;
     }
     if (!(kept.airborne_s > 0.0)) {
-      of_robot.say("following", "it never followed a plan");
+      of_robot.add("following", "it never followed a plan");
       continue;
     }
     judge_safety(kept, contact_m(*record.scenario(), *robot), bounds, of_robot);

@@ -60,28 +60,28 @@ TEST(FlightInvariants, DetectEachViolation) {
     return t_s >= begin_s && t_s < begin_s + lasts_s;
   };
   const auto q1 = [&during](double begin_s, double lasts_s, auto change) {
-    return [=](double t_s, auto& told) {
+    return [=](double t_s, auto& message) {
       const std::string* name = nullptr;
-      if constexpr (requires { told.robot; }) {
-        name = &told.robot;
+      if constexpr (requires { message.robot; }) {
+        name = &message.robot;
       } else {
-        name = &told.name;
+        name = &message.name;
       }
-      return *name != "Q1" || !during(t_s, begin_s, lasts_s) || change(told);
+      return *name != "Q1" || !during(t_s, begin_s, lasts_s) || change(message);
     };
   };
   const auto as_it_is = [](double, auto&) { return true; };
   const Case cases[] = {
       {q1(5.0, 2.0,
-          [](models::VehicleStatus& said) {
-            said.state = FlightState::kHold;
+          [](models::VehicleStatus& changed) {
+            changed.state = FlightState::kHold;
             return true;
           }),
        as_it_is,
        {"Q1 following"}},
       {q1(5.0, 12.0,
-          [](models::VehicleStatus& said) {
-            said.setpoint_height_m += 0.2;
+          [](models::VehicleStatus& changed) {
+            changed.setpoint_height_m += 0.2;
             return true;
           }),
        as_it_is,
@@ -94,16 +94,16 @@ TEST(FlightInvariants, DetectEachViolation) {
           }),
        {"Q1 turn"}},
       {q1(5.0, 0.1,
-          [](models::VehicleStatus& said) {
-            said.setpoint.y_m += 0.3;
+          [](models::VehicleStatus& changed) {
+            changed.setpoint.y_m += 0.3;
             return true;
           }),
        as_it_is,
        {"Q1 continuity"}},
       {q1(17.95, 0.5,
-          [](models::VehicleStatus& said) {
-            said.state = FlightState::kFollow;
-            said.reasons = {"fence"};
+          [](models::VehicleStatus& changed) {
+            changed.state = FlightState::kFollow;
+            changed.reasons = {"fence"};
             return true;
           }),
        as_it_is,

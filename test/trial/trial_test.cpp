@@ -152,8 +152,8 @@ TEST(RunTrial, PlansEveryRoundWithoutLoss) {
 TEST(RunTrial, StoppedEarlyEqualsAShorterTrial) {
   scenario::Scenario scenario = short_lab(2);
   TrialOptions options;
-  int asked = 0;
-  options.stop = [&asked] { return ++asked == 3; };
+  int checks = 0;
+  options.stop = [&checks] { return ++checks == 3; };
   const TrialResult stopped = run_trial(scenario, trial_recipes(scenario), options);
   EXPECT_TRUE(stopped.was_stopped);
   ASSERT_GT(stopped.summary.duration_s, 0.0);
@@ -182,11 +182,11 @@ TEST(RunTrial, ReportsProgressAHundredTimes) {
   for (const double duration_s : {300.0, 10'800.0}) {
     scenario.duration_s = duration_s;
     std::vector<double> shares;
-    int asked = 0;
+    int checks = 0;
     TrialOptions options;
     options.progress = [&](double share) { shares.push_back(share); };
-    options.stop = [&asked] {
-      ++asked;
+    options.stop = [&checks] {
+      ++checks;
       return false;
     };
     const TrialResult result = run_trial(scenario, {}, options);
@@ -194,7 +194,7 @@ TEST(RunTrial, ReportsProgressAHundredTimes) {
     for (std::size_t i = 0; i < 100; ++i) {
       EXPECT_NEAR(shares[i], 0.01 * static_cast<double>(i + 1), 0.5 / duration_s + 1e-9);
     }
-    EXPECT_EQ(asked, static_cast<int>(2.0 * duration_s) - 1)
+    EXPECT_EQ(checks, static_cast<int>(2.0 * duration_s) - 1)
         << "every half second except at the end";
     EXPECT_FALSE(result.was_stopped);
     EXPECT_EQ(result.summary.duration_s, duration_s);
@@ -205,11 +205,11 @@ TEST(RunTrial, EndsAtTheNextHalfSecondAfterAStop) {
   scenario::Scenario scenario = short_lab(5);
   for (const int at : {1, 2, 7}) {
     TrialOptions options;
-    int asked = 0;
-    options.stop = [&] { return ++asked >= at; };
+    int checks = 0;
+    options.stop = [&] { return ++checks >= at; };
     const TrialResult result = run_trial(scenario, {}, options);
     EXPECT_EQ(result.summary.duration_s, 0.5 * at);
-    EXPECT_EQ(asked, at) << "no further query";
+    EXPECT_EQ(checks, at) << "no further query";
     EXPECT_TRUE(result.was_stopped);
   }
 }

@@ -130,9 +130,9 @@ TEST(VirtualTimeLoop, DeliversMessagesPublishedDuringDelivery) {
   bus::Bus& one = loop.add_bus(1);
   bus::Bus& two = loop.add_bus(2);
   int left = 5;
-  int asked = 0;
+  int requests = 0;
   two.subscribe<models::AttackNotice>(ask, [&](const models::AttackNotice& notice) {
-    ++asked;
+    ++requests;
     two.publish(answer, notice);
   });
   one.subscribe<models::AttackNotice>(answer, [&](const models::AttackNotice& notice) {
@@ -143,7 +143,7 @@ TEST(VirtualTimeLoop, DeliversMessagesPublishedDuringDelivery) {
   one.publish(ask, {});
   loop.deliver();
   EXPECT_EQ(left, 0);
-  EXPECT_EQ(asked, 5);
+  EXPECT_EQ(requests, 5);
   EXPECT_EQ(loop.messages_lost(), 0);
 }
 
@@ -173,9 +173,9 @@ vantage_lcm::attack_t attack_numbered(std::int64_t sequence) {
 // A third bus has a queue of ten thousand messages and drops seven.
 TEST(VirtualTimeLoop, CountsLossAndDroppedMessages) {
   VirtualTimeLoop loop(kStart);
-  const auto speaks = loop.connect();
-  const auto say = [&](const std::string& channel, std::int64_t sequence) {
-    speaks->publish(channel, logs::test::encoded(attack_numbered(sequence)));
+  const auto sending_end = loop.connect();
+  const auto publish_numbered = [&](const std::string& channel, std::int64_t sequence) {
+    sending_end->publish(channel, logs::test::encoded(attack_numbered(sequence)));
   };
   const auto ignore = [](const models::AttackNotice& /*notice*/) {};
   bus::Bus& both = loop.add_bus(1);
@@ -183,16 +183,16 @@ TEST(VirtualTimeLoop, CountsLossAndDroppedMessages) {
   both.subscribe<models::AttackNotice>({"B"}, ignore);
   loop.add_bus(2).subscribe<models::AttackNotice>({"B"}, ignore);
   for (const std::int64_t sequence : {0, 5}) {
-    say("A", sequence);
+    publish_numbered("A", sequence);
   }
   for (const std::int64_t sequence : {0, 4}) {
-    say("B", sequence);
+    publish_numbered("B", sequence);
   }
   loop.deliver();
   EXPECT_EQ(loop.messages_lost(), 4 + 3 + 3);
   loop.add_bus(3).subscribe<models::AttackNotice>({"C"}, ignore);
   for (int i = 0; i < 10'007; ++i) {
-    say("C", i);
+    publish_numbered("C", i);
   }
   loop.deliver();
   EXPECT_EQ(loop.messages_lost(), 4 + 3 + 3 + 7) << "losses on the first bus are unknown";

@@ -238,11 +238,11 @@ TEST(Broker, SendsStatusUntilWithdrawn) {
   broker.set_status("other", "as well");
   broker.set_status("reading", "4 % read");
   for (const char* words : {"3 % read", "as well", "4 % read"}) {
-    const json said = pop_text(*client);
-    EXPECT_EQ(said["op"], "status");
-    EXPECT_EQ(said["level"], 0);
-    EXPECT_EQ(said["message"], words);
-    EXPECT_EQ(said["id"], words[0] == 'a' ? "other" : "reading");
+    const json message = pop_text(*client);
+    EXPECT_EQ(message["op"], "status");
+    EXPECT_EQ(message["level"], 0);
+    EXPECT_EQ(message["message"], words);
+    EXPECT_EQ(message["id"], words[0] == 'a' ? "other" : "reading");
   }
   const auto newcomer = broker.connect(false);
   pop_text(*newcomer);

@@ -18,14 +18,14 @@ using nlohmann::json;
 class Counter : public logs::foxglove::Sink {
  public:
   bool wants(const std::string& topic, Schema /*schema*/, bool /*is_state*/) override {
-    ++asked[topic];
+    ++requested[topic];
     return wants_all;
   }
   void write(const std::string& topic, Time /*time*/, const json& /*content*/) override {
     ++written[topic];
   }
   bool wants_all = true;
-  std::map<std::string, int> asked;
+  std::map<std::string, int> requested;
   std::map<std::string, int> written;
 };
 
@@ -73,7 +73,7 @@ TEST(History, KeepsRecordsWithoutSubscribers) {
   write_at(history, clock, "/robots", Schema::kSceneUpdate, {{"i", 1}}, 6);
   EXPECT_EQ(json::parse(history.text()), json::parse(R"([["/events", 5, {"message": "a"}]])"));
   EXPECT_TRUE(audience.written.empty());
-  EXPECT_EQ(audience.asked["/robots"], 1);
+  EXPECT_EQ(audience.requested["/robots"], 1);
 }
 
 TEST(History, IsBoundedAndDropsTheOldest) {

@@ -206,13 +206,13 @@ TEST_F(SampleLog, StepsWithoutJumpAndRepeatsRequestedInstant) {
   const auto ask = [&](Time to) {
     viewer.go_to(to);
     viewer.client->push(control("{}"));
-    std::pair<int, bool> heard;
+    std::pair<int, bool> received;
     for (auto frame = viewer.client->wait_pop(); frame && !frame->is_text;
          frame = viewer.client->wait_pop()) {
-      heard.first += frame->head[0] == 1 ? 1 : 0;
-      heard.second = heard.second || (frame->head[0] == 5 && frame->head[14] != 0);
+      received.first += frame->head[0] == 1 ? 1 : 0;
+      received.second = received.second || (frame->head[0] == 5 && frame->head[14] != 0);
     }
-    return heard;
+    return received;
   };
   ask(viewer.begin);
   const auto [poses, jumps] = ask(viewer.begin + std::chrono::milliseconds(100));
@@ -229,13 +229,13 @@ TEST_F(SampleLog, RateUsesCountsAndTimeOfOneMessage) {
   PlayingViewer viewer(log_of_sample());
   const auto go = [&](Time to) {
     viewer.go_to(to);
-    const json told = json::parse(viewer.broker.topics_text());
-    EXPECT_NEAR(told["time_s"].get<double>(), to_seconds(to.time_since_epoch()), 1e-5);
+    const json counts = json::parse(viewer.broker.topics_text());
+    EXPECT_NEAR(counts["time_s"].get<double>(), to_seconds(to.time_since_epoch()), 1e-5);
     double poses = 0.0;
-    for (const json& topic : told["topics"]) {
+    for (const json& topic : counts["topics"]) {
       poses += topic["topic"] == "/transforms" ? topic["count"].get<double>() : 0.0;
     }
-    return std::tuple(told["jumps"].get<int>(), told["time_s"].get<double>(), poses);
+    return std::tuple(counts["jumps"].get<int>(), counts["time_s"].get<double>(), poses);
   };
   const int jumps_before = std::get<0>(go(viewer.begin));
   for (const int leg : {0, 1, 2}) {
@@ -278,9 +278,9 @@ TEST_F(SampleLog, ReturnsOneNumberOfATopicOverTime) {
   EXPECT_GT(battery.front()[1].get<double>(), battery.back()[1].get<double>());
   // The plans as received on the bus and as sent to viewers have the same values.
   const json raw = json::parse(log_series(log, {}, "/lcm/PLAN_Q1", "/nodes"));
-  const json told = json::parse(log_series(log, {}, "/plan/Q1/status", "/nodes"));
+  const json counts = json::parse(log_series(log, {}, "/plan/Q1/status", "/nodes"));
   EXPECT_NEAR(static_cast<double>(raw.size()), 60.0, 3.0);
-  EXPECT_EQ(raw, told);
+  EXPECT_EQ(raw, counts);
   const json late = json::parse(log_series(log, {}, "/plan/Q1/status", "/late"));
   EXPECT_EQ(late.front()[1], 0.0) << "false is charted as 0";
   EXPECT_TRUE(json::parse(log_series(log, {}, "/vehicle/Q1", "/nowhere")).empty());
@@ -345,8 +345,8 @@ TEST(SeekPreroll, CountsRecordsAndSendsLastOfEachTopic) {
   preroll.end();
   hear_three();
   EXPECT_EQ(made, (std::vector{20, 3, 1, 2, 20, 3})) << "each series again";
-  const json told = json::parse(broker.topics_text());
-  for (const json& topic : told["topics"]) {
+  const json counts = json::parse(broker.topics_text());
+  for (const json& topic : counts["topics"]) {
     EXPECT_EQ(topic["count"], topic["topic"] == "/often" ? 6 : 2) << "requested for each topic";
   }
 }
@@ -418,15 +418,15 @@ TEST_F(UnreadLog, IsShownCompletelyAfterItsFirstPass) {
   client->push(control("{}"));
   std::vector<int> percents;
   bool is_withdrawn = false;
-  for (json said = pop_text(*client); !said.empty(); said = pop_text(*client)) {
-    if (said["op"] == "status") {
+  for (json message = pop_text(*client); !message.empty(); message = pop_text(*client)) {
+    if (message["op"] == "status") {
       EXPECT_FALSE(is_withdrawn);
-      EXPECT_EQ(said["id"], "reading");
-      const std::string words = said["message"];
+      EXPECT_EQ(message["id"], "reading");
+      const std::string words = message["message"];
       percents.push_back(std::stoi(words));
       EXPECT_EQ(words, std::to_string(percents.back()) + " % read");
     } else {
-      EXPECT_EQ(said, (json{{"op", "removeStatus"}, {"statusIds", {"reading"}}}));
+      EXPECT_EQ(message, (json{{"op", "removeStatus"}, {"statusIds", {"reading"}}}));
       is_withdrawn = true;
     }
   }
@@ -483,9 +483,9 @@ TEST_F(UnreadLog, StartsANewSessionWhenItGrows) {
   client->push(control("{}"));
   std::vector<json> infos;
   for (auto frame = client->wait_pop(); frame->head != "{}"; frame = client->wait_pop()) {
-    const json said = frame->is_text ? json::parse(frame->head) : json::object();
-    if (said.value("op", "") == "serverInfo") {
-      infos.push_back(said);
+    const json message = frame->is_text ? json::parse(frame->head) : json::object();
+    if (message.value("op", "") == "serverInfo") {
+      infos.push_back(message);
     }
   }
   ASSERT_EQ(infos.size(), 1U);

@@ -57,9 +57,9 @@ TEST(ServerInfoText, OffersPlaybackOnlyForLogs) {
 // An LCM channel name from any sender on the network may contain any bytes except NUL.
 TEST(AdvertiseText, IsUtf8ForAnyChannelName) {
   const std::vector<ChannelInfo> channels = {{3, "/K\xd6RPER", {}}};
-  std::string said;
-  ASSERT_NO_THROW(said = advertise_text(channels));
-  EXPECT_EQ(nlohmann::json::parse(said)["channels"][0]["topic"], "/K\xef\xbf\xbdRPER");
+  std::string advertised;
+  ASSERT_NO_THROW(advertised = advertise_text(channels));
+  EXPECT_EQ(nlohmann::json::parse(advertised)["channels"][0]["topic"], "/K\xef\xbf\xbdRPER");
 }
 
 TEST(MessageHead, IsOpcodeSubscriptionAndNanosecondsLittleEndian) {

@@ -124,21 +124,21 @@ TEST(ReplayGuard, EqualsAReferenceThatStoresAllNumbers) {
   std::mt19937_64 rng(9);
   for (int trial = 0; trial < 30; ++trial) {
     ReplayGuard guard;
-    std::set<std::uint64_t> heard;
+    std::set<std::uint64_t> accepted_counters;
     std::uint64_t forgotten = 0;
     std::uint64_t newest = 200;
     for (int i = 0; i < 2'000; ++i) {
       const std::uint64_t counter =
           newest + rng() % 5 - std::min<std::uint64_t>(rng() % 130, newest);
-      const bool is_new = counter > forgotten && !heard.contains(counter);
+      const bool is_new = counter > forgotten && !accepted_counters.contains(counter);
       ASSERT_EQ(guard.refuses(1, 1, counter), !is_new);
       ASSERT_EQ(guard.refuses(1, 1, counter), !is_new) << "a query changes nothing";
       ASSERT_EQ(guard.admit(1, 1, counter), is_new);
       if (is_new) {
-        heard.insert(counter);
-        if (heard.size() > 64) {
-          forgotten = *heard.begin();
-          heard.erase(heard.begin());
+        accepted_counters.insert(counter);
+        if (accepted_counters.size() > 64) {
+          forgotten = *accepted_counters.begin();
+          accepted_counters.erase(accepted_counters.begin());
         }
       }
       newest = std::max(newest, counter);

@@ -42,7 +42,7 @@ struct Process {
     bus.subscribe<models::CollisionReport>(kCollision,
                                            [this](const models::CollisionReport&) { ++contacts; });
   }
-  void hear() {
+  void handle_all() {
     while (bus.handle(kNoWait) > 0) {
     }
   }
@@ -69,15 +69,15 @@ class SecuredBus : public ::testing::Test {
  protected:
   SecuredBus() {
     tap_->subscribe("*", [this](std::string_view channel, std::span<const std::uint8_t> bytes) {
-      heard_.push_back({std::string(channel), {bytes.begin(), bytes.end()}});
+      recorded_.push_back({std::string(channel), {bytes.begin(), bytes.end()}});
     });
     vehicle_.bus.act_as_vehicle("Q1");
   }
-  void hear() {
+  void handle_all() {
     while (tap_->handle(kNoWait) > 0) {
     }
     for (Process* process : {&lab_, &vehicle_, &station_}) {
-      process->hear();
+      process->handle_all();
     }
   }
   void pass(Duration time) { clock_.set(clock_.now() + time); }
@@ -86,24 +86,24 @@ class SecuredBus : public ::testing::Test {
     frame.stamp.time = frame.arrival = clock_.now();
     return frame;
   }
-  void say(OperatorAction action, const std::string& robot = "") {
+  void send_order(OperatorAction action, const std::string& robot = "") {
     models::OperatorCommand command;
     command.stamp.time = clock_.now();
     command.action = action;
     command.robot = robot;
     station_.bus.publish(kCommand, command);
-    hear();
+    handle_all();
   }
-  void tell_status(Bus& bus) {
+  void publish_status(Bus& bus) {
     models::VehicleStatus status;
     status.stamp.time = clock_.now();
     status.robot = "Q1";
     bus.publish(vehicle_channel("Q1"), status);
-    hear();
+    handle_all();
   }
   void send_again(const std::pair<std::string, std::vector<std::uint8_t>>& message) {
     tap_->publish(message.first, message.second);
-    hear();
+    handle_all();
   }
   void forge(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
     send_again({channel, bytes});
@@ -113,7 +113,7 @@ class SecuredBus : public ::testing::Test {
   VirtualClock clock_{kStart};
   std::shared_ptr<const auth::Keyring> keys_ = test::keys_of_a_trial();
   std::unique_ptr<Transport> tap_ = hub_.connect();
-  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> heard_;
+  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> recorded_;
   Process lab_{hub_, clock_, 1, test::authenticator(keys_)};
   Process vehicle_{hub_, clock_, 2, test::authenticator(keys_)};
   Process station_{hub_, clock_, 3, test::authenticator(keys_)};
@@ -123,8 +123,8 @@ TEST_F(SecuredBus, SignedMessagesAreReadableWithAndWithoutKeys) {
   Process viewer(hub_, clock_, 9, nullptr);
   EXPECT_FALSE(viewer.bus.receives_signed());
   lab_.bus.publish(kVicon, frame());
-  hear();
-  viewer.hear();
+  handle_all();
+  viewer.handle_all();
   ASSERT_EQ(vehicle_.frames.size(), 1U);
   EXPECT_EQ(viewer.frames.size(), 1U);
   EXPECT_TRUE(viewer.bus.receives_signed());
@@ -132,7 +132,7 @@ TEST_F(SecuredBus, SignedMessagesAreReadableWithAndWithoutKeys) {
   // The payload is byte for byte the same as without keys.
   models::MocapFrame sent = frame();
   sent.stamp.run_id = 1;
-  const auto payload = auth::payload_of(heard_.at(0).second);
+  const auto payload = auth::payload_of(recorded_.at(0).second);
   EXPECT_EQ(std::vector<std::uint8_t>(payload.begin(), payload.end()), test::encoded(sent));
 }
 
@@ -140,7 +140,7 @@ TEST_F(SecuredBus, SignedMessagesAreReadableWithAndWithoutKeys) {
 // can contain them.
 TEST_F(SecuredBus, RefusesAForgedFrameWithTheTrueRunAndNumber) {
   lab_.bus.publish(kVicon, frame());
-  hear();
+  handle_all();
   models::MocapFrame forged = frame();
   forged.stamp = {clock_.now(), 1, 1};
   forge("VICON", test::encoded(forged));
@@ -148,7 +148,7 @@ TEST_F(SecuredBus, RefusesAForgedFrameWithTheTrueRunAndNumber) {
   EXPECT_EQ(vehicle_.count("VICON.unsigned"), 1);
   // The second forgery ends with the trailer of the genuine message.
   std::vector<std::uint8_t> with_trailer = test::encoded(forged);
-  const auto& whole = heard_.at(0).second;
+  const auto& whole = recorded_.at(0).second;
   with_trailer.insert(with_trailer.end(),
                       whole.begin() + static_cast<std::ptrdiff_t>(auth::payload_of(whole).size()),
                       whole.end());
@@ -156,7 +156,7 @@ TEST_F(SecuredBus, RefusesAForgedFrameWithTheTrueRunAndNumber) {
   EXPECT_EQ(vehicle_.frames.size(), 1U);
   EXPECT_EQ(vehicle_.count("VICON.bad_mac"), 1);
   lab_.bus.publish(kVicon, frame());
-  hear();
+  handle_all();
   EXPECT_EQ(vehicle_.frames.size(), 2U) << "the genuine frame is still accepted";
   EXPECT_EQ(vehicle_.count("VICON.duplicates"), 0);
 }
@@ -164,7 +164,7 @@ TEST_F(SecuredBus, RefusesAForgedFrameWithTheTrueRunAndNumber) {
 TEST_F(SecuredBus, RefusesMessagesSignedWithKeysOfAnotherTrial) {
   Process other(hub_, clock_, 4, test::authenticator(test::keys_of_a_trial(7)));
   other.bus.publish(kVicon, frame());
-  hear();
+  handle_all();
   EXPECT_TRUE(vehicle_.frames.empty());
   EXPECT_EQ(vehicle_.count("VICON.unknown_key"), 1);
 }
@@ -176,12 +176,12 @@ TEST_F(SecuredBus, RefusesASimulationAndAReplayWithTheSameKeys) {
                  test::authenticator(keys_, {SecurityMode::kRequire, TrialMode::kLive, true}));
   simulation.bus.publish(kVicon, frame());
   replay.bus.publish(kVicon, frame());
-  hear();
+  handle_all();
   EXPECT_TRUE(vehicle_.frames.empty());
   EXPECT_EQ(vehicle_.count("VICON.wrong_mode"), 2);
   lab_.bus.publish(kVicon, frame());
-  simulation.hear();
-  replay.hear();
+  simulation.handle_all();
+  replay.handle_all();
   EXPECT_EQ(simulation.count("VICON.wrong_mode"), 2)
       << "a simulation refuses frames of the real lab";
   EXPECT_EQ(replay.frames.size(), 3U) << "a replay accepts messages of any time";
@@ -189,13 +189,13 @@ TEST_F(SecuredBus, RefusesASimulationAndAReplayWithTheSameKeys) {
 
 TEST_F(SecuredBus, RefusesReplayedMessagesAtOnceAndLater) {
   lab_.bus.publish(kVicon, frame());
-  hear();
-  send_again(heard_.at(0));
+  handle_all();
+  send_again(recorded_.at(0));
   EXPECT_EQ(vehicle_.count("VICON.replayed"), 1);
   pass(std::chrono::seconds(3));
   Process late(hub_, clock_, 6, test::authenticator(keys_));
-  send_again(heard_.at(0));
-  late.hear();
+  send_again(recorded_.at(0));
+  late.handle_all();
   EXPECT_TRUE(late.frames.empty()) << "this receiver has not received the message before";
   EXPECT_EQ(late.count("VICON.stale"), 1);
 }
@@ -221,7 +221,7 @@ TEST_F(SecuredBus, RefusesAndCountsUnsignedMessagesOnCriticalChannels) {
     EXPECT_EQ(received, 0) << channel.name;
     EXPECT_EQ(vehicle_.count(channel.name + ".unsigned"), 1);
     lab_.bus.publish(channel, message);
-    hear();
+    handle_all();
     EXPECT_EQ(received, 1) << channel.name;
   };
   models::ProcessHealth health;
@@ -238,13 +238,13 @@ TEST_F(SecuredBus, RefusesAndCountsUnsignedMessagesOnCriticalChannels) {
 
 // A console or `vantage check --live` must not accept a replayed status as that of a live vehicle.
 TEST_F(SecuredBus, ChecksTheTimeOfStatusesByDefault) {
-  tell_status(vehicle_.bus);
+  publish_status(vehicle_.bus);
   ASSERT_EQ(station_.statuses.size(), 1U);
-  const auto recorded = heard_.back();
+  const auto recorded = recorded_.back();
   pass(std::chrono::seconds(10));
   Process console(hub_, clock_, 9, test::authenticator(keys_));
   send_again(recorded);
-  console.hear();
+  console.handle_all();
   EXPECT_TRUE(console.statuses.empty());
   EXPECT_EQ(console.count("VEHICLE_Q1.stale"), 1);
 }
@@ -254,7 +254,7 @@ TEST_F(SecuredBus, WarnsButAcceptsInWarnMode) {
   models::MocapFrame stranger = frame();
   stranger.stamp = {clock_.now(), 77, 0};
   forge("VICON", test::encoded(stranger));
-  warned.hear();
+  warned.handle_all();
   EXPECT_EQ(warned.frames.size(), 1U);
   EXPECT_EQ(warned.count("VICON.unsigned"), 1);
 }
@@ -273,26 +273,26 @@ TEST_F(SecuredBus, RotatesKeysWhileRunning) {
   auth::Key next = test::key_of(auth::Role::kMocap, 200);
   next.use = auth::KeyUse::kNext;
   both->add(std::move(next));
-  Process listener(hub_, clock_, 6, test::authenticator(both));
+  Process receiver(hub_, clock_, 6, test::authenticator(both));
   auto turned = std::make_shared<auth::Keyring>();
   turned->add(test::key_of(auth::Role::kMocap, 200));
   Process late(hub_, clock_, 1, test::authenticator(turned));
   lab_.bus.publish(kVicon, frame());
-  listener.hear();
+  receiver.handle_all();
   models::MocapFrame second = frame();
   late.bus.publish(kVicon, second);
   late.bus.publish(kVicon, second);
-  listener.hear();
-  EXPECT_EQ(listener.frames.size(), 2U)
+  receiver.handle_all();
+  EXPECT_EQ(receiver.frames.size(), 2U)
       << "one message with the old key, one with the new (message 0 was received earlier)";
 }
 
 // ---- Messages on COMMAND ----
 
 TEST_F(SecuredBus, CommandReachesTheVehicleWhoseNonceWasReceived) {
-  tell_status(vehicle_.bus);
-  say(OperatorAction::kHeartbeat);
-  say(OperatorAction::kTakeOff, "Q1");
+  publish_status(vehicle_.bus);
+  send_order(OperatorAction::kHeartbeat);
+  send_order(OperatorAction::kTakeOff, "Q1");
   ASSERT_EQ(vehicle_.commands.size(), 2U);
   EXPECT_EQ(vehicle_.commands[1].action, OperatorAction::kTakeOff);
   EXPECT_EQ(vehicle_.count("COMMAND.wrong_destination"), 0);
@@ -303,7 +303,7 @@ TEST_F(SecuredBus, CommandWithoutTheVehiclesNonceMayOnlyStop) {
        {OperatorAction::kHeartbeat, OperatorAction::kArm, OperatorAction::kTakeOff,
         OperatorAction::kFollow, OperatorAction::kHold, OperatorAction::kLand,
         OperatorAction::kEmergencyStop}) {
-    say(action);
+    send_order(action);
   }
   ASSERT_EQ(vehicle_.commands.size(), 3U);
   EXPECT_EQ(vehicle_.commands[0].action, OperatorAction::kHold);
@@ -313,9 +313,9 @@ TEST_F(SecuredBus, CommandWithoutTheVehiclesNonceMayOnlyStop) {
 }
 
 TEST_F(SecuredBus, IgnoresCommandsToAnotherVehicle) {
-  tell_status(vehicle_.bus);
-  say(OperatorAction::kArm, "Q2");
-  say(OperatorAction::kHeartbeat);
+  publish_status(vehicle_.bus);
+  send_order(OperatorAction::kArm, "Q2");
+  send_order(OperatorAction::kHeartbeat);
   EXPECT_EQ(vehicle_.commands.size(), 1U);
   EXPECT_EQ(vehicle_.count("COMMAND.wrong_destination"), 0);
   EXPECT_EQ(vehicle_.count("COMMAND.lost"), 0);
@@ -323,43 +323,43 @@ TEST_F(SecuredBus, IgnoresCommandsToAnotherVehicle) {
 
 // After a restart of the vehicle process, or after arming, commands recorded earlier are refused.
 TEST_F(SecuredBus, RefusesCommandsOfAnEarlierSession) {
-  tell_status(vehicle_.bus);
+  publish_status(vehicle_.bus);
   Process again(hub_, clock_, 7, test::authenticator(keys_));
   again.bus.act_as_vehicle("Q1");
-  say(OperatorAction::kArm, "Q1");
-  again.hear();
+  send_order(OperatorAction::kArm, "Q1");
+  again.handle_all();
   EXPECT_TRUE(again.commands.empty());
   EXPECT_EQ(again.count("COMMAND.wrong_session"), 1);
 
   vehicle_.bus.renew_session();
-  say(OperatorAction::kTakeOff, "Q1");
+  send_order(OperatorAction::kTakeOff, "Q1");
   EXPECT_EQ(vehicle_.commands.size(), 2U) << "sent before the station had received the status";
   pass(std::chrono::milliseconds(1'100));
-  say(OperatorAction::kTakeOff, "Q1");
+  send_order(OperatorAction::kTakeOff, "Q1");
   EXPECT_EQ(vehicle_.commands.size(), 2U);
   EXPECT_EQ(vehicle_.count("COMMAND.wrong_session"), 1);
-  tell_status(vehicle_.bus);
-  say(OperatorAction::kTakeOff, "Q1");
+  publish_status(vehicle_.bus);
+  send_order(OperatorAction::kTakeOff, "Q1");
   EXPECT_EQ(vehicle_.commands.size(), 3U);
 }
 
 TEST_F(SecuredBus, ReplayedStatusesDoNotReplaceTheCurrentNonce) {
-  tell_status(vehicle_.bus);
-  const auto old = heard_.back();
+  publish_status(vehicle_.bus);
+  const auto old = recorded_.back();
   pass(std::chrono::seconds(1));
   vehicle_.bus.renew_session();
-  tell_status(vehicle_.bus);
+  publish_status(vehicle_.bus);
   Process second(hub_, clock_, 8, test::authenticator(keys_));  // has received neither status yet
-  tell_status(vehicle_.bus);
-  second.hear();
+  publish_status(vehicle_.bus);
+  second.handle_all();
   send_again(old);
-  second.hear();
+  second.handle_all();
   pass(std::chrono::milliseconds(1'500));
   models::OperatorCommand command;
   command.stamp.time = clock_.now();
   command.action = OperatorAction::kArm;
   second.bus.publish(kCommand, command);
-  hear();
+  handle_all();
   EXPECT_EQ(vehicle_.commands.size(), 1U);
 }
 
@@ -375,7 +375,7 @@ TEST_F(SecuredBus, ProcessWithoutSeedCannotSignCommands) {
   command.stamp.time = clock_.now();
   command.action = OperatorAction::kEmergencyStop;
   captured.bus.publish(kCommand, command);
-  hear();
+  handle_all();
   EXPECT_TRUE(vehicle_.commands.empty());
   EXPECT_EQ(vehicle_.count("COMMAND.unsigned"), 1);
   EXPECT_EQ(captured.count("COMMAND.no_key"), 1);
@@ -384,14 +384,14 @@ TEST_F(SecuredBus, ProcessWithoutSeedCannotSignCommands) {
 TEST_F(SecuredBus, AcceptsAStationWithAWrongClockIfItEchoesTheNonce) {
   VirtualClock wrong(kStart);
   Process station(hub_, wrong, 8, test::authenticator(keys_));
-  tell_status(vehicle_.bus);
-  station.hear();
+  publish_status(vehicle_.bus);
+  station.handle_all();
   wrong.set(kStart + std::chrono::hours(1));
   models::OperatorCommand command;
   command.stamp.time = clock_.now();
   command.action = OperatorAction::kHeartbeat;
   station.bus.publish(kCommand, command);
-  hear();
+  handle_all();
   EXPECT_EQ(vehicle_.commands.size(), 1U);
 }
 

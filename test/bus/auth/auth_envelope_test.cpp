@@ -351,36 +351,36 @@ struct Attack {
 /// accepted ones.
 int accepted_during_flood(Receiver& receiver, const Key& station, bool is_stop,
                           std::uint64_t source, const std::function<void()>& flood) {
-  int heard = 0;
+  int accepted = 0;
   for (int i = 0; i < 10'000; ++i) {
     receiver.expectation.now += Duration{100};
     flood();
     if (i % 1'000 == 999) {
       receiver.expectation.is_emergency_stop = is_stop;
       receiver.expectation.source = source;
-      const auto said = signed_by(station, "COMMAND", bytes_of("word"),
-                                  kNowCounter + 1'000'000 + static_cast<std::uint64_t>(i));
-      heard += receiver.judge("COMMAND", said) == Refusal::kNone ? 1 : 0;
+      const auto command = signed_by(station, "COMMAND", bytes_of("word"),
+                                     kNowCounter + 1'000'000 + static_cast<std::uint64_t>(i));
+      accepted += receiver.judge("COMMAND", command) == Refusal::kNone ? 1 : 0;
     }
   }
-  return heard;
+  return accepted;
 }
 
 constexpr std::uint64_t kStation = (std::uint64_t{0x0a000001} << 16U) | 40'000U;  // 10.0.0.1:40000
 constexpr std::uint64_t kAttacker = (std::uint64_t{0x0a000002} << 16U) | 40'000U;
 
 /// Result of one second of forged commands: the number of accepted operator commands and the number
-/// of signature checks of forged ones. `was_heard`: the receiver has verified the operator before.
+/// of signature checks of forged ones. `is_known`: the receiver has verified the operator before.
 struct Flooded {
-  int heard = 0;
+  int accepted = 0;
   int verified = 0;
 };
-Flooded flooded(bool is_stop, bool was_heard,
+Flooded flooded(bool is_stop, bool is_known,
                 const std::function<bool(Attack&, Receiver&)>& send_forged) {
   const Key station = test::key_of(Role::kOperator, 4);
   Receiver receiver = receiver_of({Role::kOperator});
   Attack attack(station);
-  if (was_heard) {
+  if (is_known) {
     receiver.expectation.source = kStation;
     receiver.expectation.echoes_current_nonce = true;
     EXPECT_EQ(
@@ -388,8 +388,9 @@ Flooded flooded(bool is_stop, bool was_heard,
         Refusal::kNone);
   }
   Flooded out;
-  out.heard = accepted_during_flood(receiver, station, is_stop, kStation,
-                                    [&] { out.verified += send_forged(attack, receiver) ? 1 : 0; });
+  out.accepted = accepted_during_flood(receiver, station, is_stop, kStation, [&] {
+    out.verified += send_forged(attack, receiver) ? 1 : 0;
+  });
   return out;
 }
 
@@ -398,7 +399,7 @@ TEST(SignatureBudgets, FloodFromAnotherHostDelaysNoCommand) {
     const Flooded out = flooded(is_stop, true, [&](Attack& attack, Receiver& receiver) {
       return attack.send_forged(receiver, is_stop, kAttacker, kSession);
     });
-    EXPECT_EQ(out.heard, 10) << is_stop;
+    EXPECT_EQ(out.accepted, 10) << is_stop;
     EXPECT_LE(out.verified, 20 + 20) << "one host causes at most 2 ms of work per second";
   }
 }
@@ -411,7 +412,7 @@ TEST(SignatureBudgets, FloodFromAnyAddressDelaysNoKnownStation) {
       const std::uint64_t session = rng() % 2 == 0 ? kSession : rng();
       return attack.send_forged(receiver, is_stop, rng() >> 16U, session);
     });
-    EXPECT_EQ(out.heard, 10) << is_stop;
+    EXPECT_EQ(out.accepted, 10) << is_stop;
     EXPECT_LE(out.verified, 50 + 100)
         << "all unknown senders cause at most 7 ms of work per second";
   }
@@ -424,7 +425,7 @@ TEST(SignatureBudgets, NewStationIsAcceptedDuringAnotherHostsFlood) {
       const std::uint64_t source = kAttacker + rng() % 1'000;
       return attack.send_forged(receiver, is_stop, source, rng());
     });
-    EXPECT_EQ(out.heard, 10) << is_stop;
+    EXPECT_EQ(out.accepted, 10) << is_stop;
   }
 }
 

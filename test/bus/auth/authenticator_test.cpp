@@ -22,8 +22,8 @@ constexpr Time kNow = Time{Duration{1'700'000'000'000'000}};
 
 std::unique_ptr<Authenticator> process() { return test::authenticator(test::keys_of_a_trial()); }
 
-Message said(Authenticator& process, const std::string& channel, Time now,
-             const std::string& robot = "") {
+Message sent_message(Authenticator& process, const std::string& channel, Time now,
+                     const std::string& robot = "") {
   Message message{1, 2, 3};
   process.seal(channel, robot, now, message);
   return message;
@@ -32,7 +32,8 @@ Message said(Authenticator& process, const std::string& channel, Time now,
 /// Splits a signed message into its parts.
 SignedParts parts_of(const Message& message) { return split(message).value(); }
 
-void hear(Authenticator& station, const std::string& robot, const Message& status, Time now) {
+void receive_status(Authenticator& station, const std::string& robot, const Message& status,
+                    Time now) {
   EXPECT_TRUE(station.judge("VEHICLE_" + robot, status, now).may_pass);
 }
 
@@ -42,18 +43,19 @@ TEST(Authenticator, EchoesTheDestinationOrAllReceivedVehicles) {
   for (const char* const robot : {"Q1", "Q2", "Q3"}) {
     const auto vehicle = process();
     sessions[robot] = vehicle->session();
-    hear(*station, robot, said(*vehicle, std::string("VEHICLE_") + robot, kNow), kNow);
+    receive_status(*station, robot, sent_message(*vehicle, std::string("VEHICLE_") + robot, kNow),
+                   kNow);
   }
-  const Message to_all = said(*station, "COMMAND", kNow);
+  const Message to_all = sent_message(*station, "COMMAND", kNow);
   EXPECT_EQ(parts_of(to_all).echoes.size(), 3 * kEchoBytes);
-  const Message to_one = said(*station, "COMMAND", kNow, "Q2");
+  const Message to_one = sent_message(*station, "COMMAND", kNow, "Q2");
   EXPECT_EQ(parts_of(to_one).echoes.size(), kEchoBytes);
   EXPECT_EQ(parts_of(to_one).echo_for(destination_of("Q2")), sessions["Q2"]);
   for (const auto& [robot, session] : sessions) {
     EXPECT_EQ(parts_of(to_all).echo_for(destination_of(robot)), session) << robot;
   }
-  EXPECT_EQ(parts_of(said(*station, "COMMAND", kNow, "Q9")).echoes.size(), 0U);
-  EXPECT_EQ(parts_of(said(*station, "PLAN_Q1", kNow)).echoes.size(), 0U)
+  EXPECT_EQ(parts_of(sent_message(*station, "COMMAND", kNow, "Q9")).echoes.size(), 0U);
+  EXPECT_EQ(parts_of(sent_message(*station, "PLAN_Q1", kNow)).echoes.size(), 0U)
       << "a plan is not a command";
 }
 
@@ -62,8 +64,8 @@ TEST(Authenticator, EchoesAtMostSixtyFourVehicles) {
   for (int i = 0; i < 70; ++i) {
     const std::string robot = "Q" + std::to_string(i);
     const auto vehicle = process();
-    hear(*station, robot, said(*vehicle, "VEHICLE_" + robot, kNow), kNow);
-    EXPECT_EQ(parts_of(said(*station, "COMMAND", kNow)).echoes.size(),
+    receive_status(*station, robot, sent_message(*vehicle, "VEHICLE_" + robot, kNow), kNow);
+    EXPECT_EQ(parts_of(sent_message(*station, "COMMAND", kNow)).echoes.size(),
               std::min<std::size_t>(static_cast<std::size_t>(i) + 1, 64) * kEchoBytes);
   }
 }
@@ -74,10 +76,10 @@ TEST(Authenticator, EchoesNewVehiclesInsteadOfSilentOnes) {
   const auto hear_at = [&](int i, Time now) {
     const std::string robot = "Q" + std::to_string(i);
     const auto vehicle = process();
-    hear(*station, robot, said(*vehicle, "VEHICLE_" + robot, now), now);
+    receive_status(*station, robot, sent_message(*vehicle, "VEHICLE_" + robot, now), now);
   };
   const auto echoes = [&](int i, Time now) {
-    return parts_of(said(*station, "COMMAND", now))
+    return parts_of(sent_message(*station, "COMMAND", now))
         .echo_for(destination_of("Q" + std::to_string(i)))
         .has_value();
   };
@@ -100,22 +102,22 @@ TEST(Authenticator, NumbersIncreaseWithTheClockAndNeverDecrease) {
   std::uint64_t last = 0;
   for (const int at_ms : {0, 0, 5, -100, -100, 6}) {
     const Time now = kNow + milliseconds(at_ms);
-    const std::uint64_t counter = parts_of(said(*node, "MAP_Q1", now)).foot.counter;
+    const std::uint64_t counter = parts_of(sent_message(*node, "MAP_Q1", now)).foot.counter;
     EXPECT_GE(counter, static_cast<std::uint64_t>(to_utime(now)));
     EXPECT_GT(counter, last);
     EXPECT_LE(counter, static_cast<std::uint64_t>(to_utime(kNow)) + 6'000) << "but not farther";
     last = counter;
   }
-  EXPECT_EQ(parts_of(said(*process(), "MAP_Q1", from_utime(-5))).foot.counter, 1U);
+  EXPECT_EQ(parts_of(sent_message(*process(), "MAP_Q1", from_utime(-5))).foot.counter, 1U);
 }
 
 /// A vehicle Q1 that requires a nonce, and a station.
 class Nonces : public ::testing::Test {
  protected:
   Nonces() { vehicle_->act_as_vehicle("Q1"); }
-  Message status(Time now) { return said(*vehicle_, "VEHICLE_Q1", now); }
+  Message status(Time now) { return sent_message(*vehicle_, "VEHICLE_Q1", now); }
   Refusal command(Time now) {
-    const Message message = said(*station_, "COMMAND", now, "Q1");
+    const Message message = sent_message(*station_, "COMMAND", now, "Q1");
     return vehicle_->judge("COMMAND", message, now, Authenticator::CommandClaim{now}).echo;
   }
   std::unique_ptr<Authenticator> vehicle_ = process();
@@ -124,7 +126,7 @@ class Nonces : public ::testing::Test {
 
 TEST_F(Nonces, RemainAcceptedForOneSecondAfterANewSession) {
   EXPECT_EQ(command(kNow), Refusal::kWrongDestination);
-  hear(*station_, "Q1", status(kNow), kNow);
+  receive_status(*station_, "Q1", status(kNow), kNow);
   EXPECT_EQ(command(kNow), Refusal::kNone);
   vehicle_->renew_session(kNow + seconds(1));
   EXPECT_EQ(command(kNow + seconds(2)), Refusal::kNone);
@@ -141,24 +143,26 @@ TEST_F(Nonces, AreTakenFromTheNewestStatus) {
   const std::uint64_t session = vehicle_->session();
   ASSERT_NE(session, old_session);
   const auto echoed_by = [](Authenticator& station, Time now) {
-    return parts_of(said(station, "COMMAND", now)).echo_for(destination_of("Q1"));
+    return parts_of(sent_message(station, "COMMAND", now)).echo_for(destination_of("Q1"));
   };
-  hear(*station_, "Q1", status(kNow + milliseconds(1)), kNow + milliseconds(1));
+  receive_status(*station_, "Q1", status(kNow + milliseconds(1)), kNow + milliseconds(1));
   EXPECT_EQ(echoed_by(*station_, kNow), session);
   for (const int at_ms : {500, 1'000}) {  // further statuses of the same session
-    hear(*station_, "Q1", status(kNow + milliseconds(at_ms)), kNow + milliseconds(at_ms));
+    receive_status(*station_, "Q1", status(kNow + milliseconds(at_ms)), kNow + milliseconds(at_ms));
   }
-  hear(*station_, "Q1", old, kNow + seconds(2));
+  receive_status(*station_, "Q1", old, kNow + seconds(2));
   EXPECT_EQ(echoed_by(*station_, kNow), session) << "older than the received status";
   // The last status arrived at 1 s and is stamped 1 s ahead: its nonce is kept for two seconds.
   for (const bool is_over : {false, true}) {
     const auto station = test::authenticator(test::keys_of_a_trial());
     const auto other = process();
     for (const int at_ms : {500, 1'000}) {
-      hear(*station, "Q1", status(kNow + milliseconds(at_ms + 1'000)), kNow + milliseconds(at_ms));
+      receive_status(*station, "Q1", status(kNow + milliseconds(at_ms + 1'000)),
+                     kNow + milliseconds(at_ms));
     }
     const Time now = kNow + seconds(3) + Duration{is_over ? 1 : 0};
-    hear(*station, "Q1", said(*other, "VEHICLE_Q1", kNow + milliseconds(1'900)), now);
+    receive_status(*station, "Q1", sent_message(*other, "VEHICLE_Q1", kNow + milliseconds(1'900)),
+                   now);
     EXPECT_EQ(echoed_by(*station, now), is_over ? other->session() : session);
   }
 }

@@ -280,7 +280,7 @@ TEST(Limits, AreEnforcedForMaps) {
 
 // A text of the autopilot that is too long is shortened; the other fields remain valid.
 TEST(Limits, ShortenLongReasons) {
-  const auto told = [](const std::string& reason) {
+  const auto decoded_reasons = [](const std::string& reason) {
     models::VehicleStatus status;
     status.reasons = {reason, "and this"};
     const auto back = from_wire(to_wire(status));
@@ -288,10 +288,10 @@ TEST(Limits, ShortenLongReasons) {
   };
   for (const std::size_t bytes : {std::size_t{0}, std::size_t{255}, std::size_t{256}}) {
     const std::string whole(bytes, 'r');
-    EXPECT_EQ(told(whole), (std::vector<std::string>{whole, "and this"})) << bytes;
+    EXPECT_EQ(decoded_reasons(whole), (std::vector<std::string>{whole, "and this"})) << bytes;
   }
   for (const std::size_t bytes : {257U, 258U, 500U, 100'000U}) {
-    EXPECT_EQ(told(std::string(bytes, 'r')),
+    EXPECT_EQ(decoded_reasons(std::string(bytes, 'r')),
               (std::vector<std::string>{std::string(253, 'r') + "…", "and this"}))
         << bytes;
   }
@@ -302,7 +302,7 @@ TEST(Limits, ShortenLongReasons) {
       while (text.size() <= 256) {
         text += character;
       }
-      const std::string cut = told(text).front();
+      const std::string cut = decoded_reasons(text).front();
       EXPECT_LE(cut.size(), 256U);
       EXPECT_GT(cut.size(), 256U - character.size());
       const std::string kept = cut.substr(0, cut.size() - std::string("…").size());
@@ -319,7 +319,7 @@ TEST(Limits, ShortenLongReasons) {
   EXPECT_EQ(counted->counters[0].name, "VEHICLE_\\xFF.unsigned");
   EXPECT_EQ(counted->counters[1].name, std::string(253, 'c') + "…");
   const std::string torn = std::string("a") + '\xe2' + '\0' + "b";
-  EXPECT_EQ(told(torn), (std::vector<std::string>{"a\\xE2\\x00b", "and this"}));
+  EXPECT_EQ(decoded_reasons(torn), (std::vector<std::string>{"a\\xE2\\x00b", "and this"}));
 }
 
 }  // namespace

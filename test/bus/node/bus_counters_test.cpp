@@ -68,24 +68,24 @@ TEST(BusCounters, NameEachTransportCounter) {
   EXPECT_TRUE(bus.counters().empty()) << "counters of 0 are not reported";
 }
 
-/// A bus that receives the plans that `say` publishes.
+/// A bus that receives the plans that `send_plan` publishes.
 class BusStreamCounters : public ::testing::Test {
  protected:
-  void say(const std::string& channel, std::int64_t run, std::int64_t sequence, int utime) {
+  void send_plan(const std::string& channel, std::int64_t run, std::int64_t sequence, int utime) {
     models::RobotPlan plan;
     plan.stamp = {from_utime(utime), run, sequence};
     raw_->publish(channel, test::encoded(plan));
     bus_.handle(kNow);
   }
   /// Publishes seven messages with every possible outcome; three of them are fresh.
-  void say_all(const std::string& channel) {
-    say(channel, 1, 0, 10);
-    say(channel, 1, 5, 10);       // numbers 1 to 4 are missing
-    say(channel, 1, 3, 10);       // reordered: three remain missing
-    say(channel, 1, 5, 10);       // a duplicate
-    say(channel, 1, 50'000, 10);  // too far ahead
-    say(channel, 2, 0, 20);       // a new run
-    say(channel, 1, 6, 30);       // an old run: refused
+  void send_all_kinds(const std::string& channel) {
+    send_plan(channel, 1, 0, 10);
+    send_plan(channel, 1, 5, 10);       // numbers 1 to 4 are missing
+    send_plan(channel, 1, 3, 10);       // reordered: three remain missing
+    send_plan(channel, 1, 5, 10);       // a duplicate
+    send_plan(channel, 1, 50'000, 10);  // too far ahead
+    send_plan(channel, 2, 0, 20);       // a new run
+    send_plan(channel, 1, 6, 30);       // an old run: refused
   }
   [[nodiscard]] std::vector<std::int64_t> of(const std::string& stream) const {
     const auto counters = counters_of(bus_);
@@ -107,8 +107,8 @@ class BusStreamCounters : public ::testing::Test {
 
 TEST_F(BusStreamCounters, AreReportedPerStream) {
   bus_.subscribe<models::RobotPlan>(plan_channel("*"), [](const auto&) {});
-  say_all("PLAN_A");
-  say("PLAN_B", 1, 0, 10);
+  send_all_kinds("PLAN_A");
+  send_plan("PLAN_B", 1, 0, 10);
   EXPECT_EQ(of("PLAN_A"), (Counts{3, 3, 1, 1, 1, 1, 1}));
   EXPECT_EQ(of("PLAN_B"), (Counts{1, 0, 0, 0, 0, 0, 0}));
   EXPECT_EQ(bus_.messages_lost(), 3);
@@ -117,16 +117,16 @@ TEST_F(BusStreamCounters, AreReportedPerStream) {
 
 TEST_F(BusStreamCounters, AreSummedByKindBeyond256Streams) {
   bus_.subscribe<models::RobotPlan>({"*"}, [](const auto&) {});
-  say_all("PLAN_A");
-  say_all("PLAN_B");
-  say_all("MY_PLAN_A");
+  send_all_kinds("PLAN_A");
+  send_all_kinds("PLAN_B");
+  send_all_kinds("MY_PLAN_A");
   for (int i = 0; i < 252; ++i) {
-    say("OTHER_" + std::to_string(i), 1, 0, 10);
+    send_plan("OTHER_" + std::to_string(i), 1, 0, 10);
   }
-  say("ALONE", 1, 0, 10);
+  send_plan("ALONE", 1, 0, 10);
   EXPECT_EQ(of("PLAN_A"), (Counts{3, 3, 1, 1, 1, 1, 1})) << "256 streams in total";
   EXPECT_EQ(of("PLAN_*"), (Counts{0, 0, 0, 0, 0, 0, 0}));
-  say("OTHER_252", 1, 0, 10);
+  send_plan("OTHER_252", 1, 0, 10);
   EXPECT_EQ(of("PLAN_A"), (Counts{0, 0, 0, 0, 0, 0, 0}));
   EXPECT_EQ(of("PLAN_*"), (Counts{6, 6, 2, 2, 2, 2, 2}));
   EXPECT_EQ(of("MY_PLAN_*"), (Counts{3, 3, 1, 1, 1, 1, 1}));
@@ -142,9 +142,9 @@ TEST_F(BusStreamCounters, KeepTheTotalsOfAnUnsubscribedStream) {
   for (int time = 0; time < 2; ++time) {
     bus_.subscribe<models::RobotPlan>(plan_channel("A"), [](const auto&) {});
     bus_.subscribe<models::RobotPlan>(shared, [](const auto&) {});
-    say_all("PLAN_A");
-    say("SHARED", 1, 0, 10);
-    say("SHARED", 1, 2, 10);
+    send_all_kinds("PLAN_A");
+    send_plan("SHARED", 1, 0, 10);
+    send_plan("SHARED", 1, 2, 10);
     EXPECT_EQ(of("PLAN_A"), (Counts{3, 3, 1, 1, 1, 1, 1}));
     EXPECT_EQ(of("SHARED"), (Counts{2, 1, 0, 0, 0, 0, 0}));
     bus_.unsubscribe("PLAN_A");
@@ -157,14 +157,14 @@ TEST_F(BusStreamCounters, KeepTheTotalsOfAnUnsubscribedStream) {
 }
 
 TEST_F(BusStreamCounters, ContinueWhileAnotherSubscriptionMatches) {
-  int heard = 0;
-  bus_.subscribe<models::RobotPlan>(plan_channel("*"), [&](const auto&) { ++heard; });
-  bus_.subscribe<models::RobotPlan>(plan_channel("A"), [&](const auto&) { ++heard; });
-  say("PLAN_A", 1, 0, 10);
-  EXPECT_EQ(heard, 2);
+  int received = 0;
+  bus_.subscribe<models::RobotPlan>(plan_channel("*"), [&](const auto&) { ++received; });
+  bus_.subscribe<models::RobotPlan>(plan_channel("A"), [&](const auto&) { ++received; });
+  send_plan("PLAN_A", 1, 0, 10);
+  EXPECT_EQ(received, 2);
   bus_.unsubscribe("PLAN_A");
-  say("PLAN_A", 1, 2, 10);
-  EXPECT_EQ(heard, 3);
+  send_plan("PLAN_A", 1, 2, 10);
+  EXPECT_EQ(received, 3);
   EXPECT_EQ(of("PLAN_A"), (Counts{2, 1, 0, 0, 0, 0, 0}));
   EXPECT_EQ(of("left"), (Counts{0, 0, 0, 0, 0, 0, 0}));
 }
@@ -233,11 +233,11 @@ TEST(BusSecurity, IsOffByDefault) {
   EXPECT_FALSE(net.own.renew_session());
   EXPECT_FALSE(net.own.receives_signed());
   net.own.act_as_vehicle("Q1");
-  int heard = 0;
-  net.own.subscribe<models::OperatorCommand>(kCommand, [&](const auto&) { ++heard; });
+  int received = 0;
+  net.own.subscribe<models::OperatorCommand>(kCommand, [&](const auto&) { ++received; });
   net.other.publish(kCommand, {{}, models::OperatorAction::kArm, "Q2"});
   net.own.handle(kNow);
-  EXPECT_EQ(heard, 1) << "a bus without this check delivers every message";
+  EXPECT_EQ(received, 1) << "a bus without this check delivers every message";
   EXPECT_FALSE(net.own.receives_signed());
 }
 

@@ -32,7 +32,7 @@ class BusAgainstRawBytes : public ::testing::Test {
  protected:
   void SetUp() override {
     bus_.subscribe<models::OperatorCommand>(
-        kCommand, [this](const models::OperatorCommand& c) { heard_.push_back(c); });
+        kCommand, [this](const models::OperatorCommand& c) { commands_.push_back(c); });
   }
   void send(const models::OperatorCommand& c) { send_bytes(test::encoded(c)); }
   void send_bytes(const std::vector<std::uint8_t>& bytes, const std::string& channel = "COMMAND") {
@@ -52,36 +52,36 @@ class BusAgainstRawBytes : public ::testing::Test {
   std::unique_ptr<Transport> raw_ = hub_.connect();
   std::unique_ptr<Transport> endpoint_ = hub_.connect();
   Bus bus_{*endpoint_, 42};
-  std::vector<models::OperatorCommand> heard_;
+  std::vector<models::OperatorCommand> commands_;
 };
 
 TEST(Bus, CountsNoLossWhileUnsubscribed) {
   test::BusPair net(42, 43);
-  Bus& speaker = net.own;
+  Bus& publisher = net.own;
   Bus& bus = net.other;
   int received = 0;
-  const auto listen = [&] {
+  const auto subscribe_both = [&] {
     for (int twice = 0; twice < 2; ++twice) {
       bus.subscribe<models::OperatorCommand>(kCommand,
                                              [&](const models::OperatorCommand&) { ++received; });
     }
   };
-  const auto say = [&](int times) {
+  const auto publish_times = [&](int times) {
     for (int i = 0; i < times; ++i) {
-      speaker.publish(kCommand, command(5));
+      publisher.publish(kCommand, command(5));
       bus.handle(kNow);
     }
   };
   bus.subscribe<models::AttackNotice>(kAttack, [](const auto&) {});
-  listen();
-  say(3);
+  subscribe_both();
+  publish_times(3);
   EXPECT_EQ(received, 6);
   bus.unsubscribe(kAttack.name);  // a later subscription reuses its entry
   bus.unsubscribe(kCommand.name);
-  say(3);
+  publish_times(3);
   EXPECT_EQ(received, 6);
-  listen();
-  say(2);
+  subscribe_both();
+  publish_times(2);
   EXPECT_EQ(received, 10);
   EXPECT_EQ(bus.messages_lost(), 0);
   EXPECT_EQ(count_of(bus, "left.fresh"), 3);
@@ -176,7 +176,7 @@ TEST_F(BusAgainstRawBytes, CountsAndDropsUndecodableMessages) {
   std::vector<std::uint8_t> truncated = test::encoded(command(1));
   truncated.pop_back();
   send_bytes(truncated);
-  EXPECT_TRUE(heard_.empty());
+  EXPECT_TRUE(commands_.empty());
   EXPECT_EQ(count_of(bus_, "COMMAND.decode_errors"), 3);
 }
 
@@ -184,7 +184,7 @@ TEST_F(BusAgainstRawBytes, CountsAndDropsInvalidMessages) {
   models::OperatorCommand impossible = command(1);
   impossible.action = static_cast<models::OperatorAction>(99);
   send(impossible);
-  EXPECT_TRUE(heard_.empty());
+  EXPECT_TRUE(commands_.empty());
   EXPECT_EQ(count_of(bus_, "COMMAND.refused"), 1);
   EXPECT_EQ(count_of(bus_, "COMMAND.decode_errors"), 0);
 }
@@ -196,8 +196,8 @@ TEST_F(BusAgainstRawBytes, ReceivesFromAnyNumberOfConsoles) {
   send(stamped(2, 1, 25));
   send(stamped(1, 1, 15));
   send(stamped(1, 3, 30));
-  ASSERT_EQ(heard_.size(), 5U);
-  EXPECT_EQ(to_utime(heard_[4].stamp.time), 30);
+  ASSERT_EQ(commands_.size(), 5U);
+  EXPECT_EQ(to_utime(commands_[4].stamp.time), 30);
   EXPECT_EQ(count_of(bus_, "COMMAND.duplicates"), 1);
   EXPECT_EQ(count_of(bus_, "COMMAND.old_runs"), 0);
   EXPECT_EQ(bus_.messages_lost(), 1);
@@ -205,7 +205,7 @@ TEST_F(BusAgainstRawBytes, ReceivesFromAnyNumberOfConsoles) {
   for (std::int64_t run = 100; run < 1'100; ++run) {
     send(stamped(run, 0, 40));
   }
-  EXPECT_EQ(heard_.size(), 1'005U);
+  EXPECT_EQ(commands_.size(), 1'005U);
   EXPECT_EQ(bus_.messages_lost(), 1);
 }
 
@@ -214,7 +214,7 @@ TEST_F(BusAgainstRawBytes, ReceivesFromAnyNumberOfConsoles) {
 TEST_F(BusAgainstRawBytes, DeliversSaferCommandsWithAnySequenceNumber) {
   using models::OperatorAction;
   send(stamped(1, std::int64_t{1} << 40, 10));
-  ASSERT_EQ(heard_.size(), 1U);
+  ASSERT_EQ(commands_.size(), 1U);
   for (const OperatorAction action :
        {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
     for (const std::int64_t sequence : {3, 3, 2, 1}) {
@@ -223,11 +223,11 @@ TEST_F(BusAgainstRawBytes, DeliversSaferCommandsWithAnySequenceNumber) {
       send(safer);
     }
   }
-  EXPECT_EQ(heard_.size(), 13U);
+  EXPECT_EQ(commands_.size(), 13U);
   models::OperatorCommand follow = stamped(1, 4, 9);
   follow.action = OperatorAction::kFollow;
   send(follow);
-  EXPECT_EQ(heard_.size(), 13U) << "no other message was received";
+  EXPECT_EQ(commands_.size(), 13U) << "no other message was received";
 }
 
 /// Checks a channel with a single publisher: messages of run 2 are delivered while it publishes,
@@ -245,7 +245,7 @@ void expect_first_is_kept(const Channel<Message>& channel, Message message) {
   bus.use_clock(clock);
   std::vector<std::int64_t> received;
   bus.subscribe<Message>(channel,
-                         [&](const Message& said) { received.push_back(said.stamp.run_id); });
+                         [&](const Message& each) { received.push_back(each.stamp.run_id); });
   const auto run = [&](double seconds, bool first_speaks) {
     const Time end = clock.now() + from_seconds(seconds);
     for (; clock.now() < end; clock.set(clock.now() + Duration{10'000})) {
@@ -277,7 +277,7 @@ TEST(Bus, KeepsTheFirstPublisherOfAVehicleWhileItPublishes) {
 
 TEST_F(BusAgainstRawBytes, DropsDuplicatesOvertakenMessagesAndOldRuns) {
   bus_.subscribe<models::OperatorCommand>(
-      {"SINGLE"}, [this](const models::OperatorCommand& c) { heard_.push_back(c); });
+      {"SINGLE"}, [this](const models::OperatorCommand& c) { commands_.push_back(c); });
   const auto send = [this](const models::OperatorCommand& c) {
     send_bytes(test::encoded(c), "SINGLE");
   };
@@ -288,8 +288,8 @@ TEST_F(BusAgainstRawBytes, DropsDuplicatesOvertakenMessagesAndOldRuns) {
   send(stamped(1, 1, 11));
   send(stamped(2, 0, 20));
   send(stamped(1, 3, 30));
-  ASSERT_EQ(heard_.size(), 3U);
-  EXPECT_EQ(to_utime(heard_[2].stamp.time), 20);
+  ASSERT_EQ(commands_.size(), 3U);
+  EXPECT_EQ(to_utime(commands_[2].stamp.time), 20);
   EXPECT_EQ(bus_.messages_lost(), 0);
   EXPECT_EQ(count_of(bus_, "SINGLE.duplicates"), 1);
   EXPECT_EQ(count_of(bus_, "SINGLE.reordered"), 1);
@@ -299,7 +299,7 @@ TEST_F(BusAgainstRawBytes, DropsDuplicatesOvertakenMessagesAndOldRuns) {
 
 TEST_F(BusAgainstRawBytes, SumsTheCountsOfManyStreams) {
   bus_.subscribe<models::RobotPlan>(plan_channel("*"), [](const auto&) {});
-  const auto say = [&](int robot, std::int64_t run, std::int64_t sequence) {
+  const auto publish_times = [&](int robot, std::int64_t run, std::int64_t sequence) {
     models::RobotPlan plan;
     plan.stamp.time = from_utime(10 * run + sequence);
     plan.stamp.run_id = run;
@@ -307,13 +307,13 @@ TEST_F(BusAgainstRawBytes, SumsTheCountsOfManyStreams) {
     send_bytes(test::encoded(plan), "PLAN_" + std::to_string(robot));
   };
   for (int robot = 0; robot < 300; ++robot) {
-    say(robot, 1, 0);
-    say(robot, 1, 3);
-    say(robot, 1, 3);
+    publish_times(robot, 1, 0);
+    publish_times(robot, 1, 3);
+    publish_times(robot, 1, 3);
   }
-  say(7, 2, 0);
-  say(8, 2, 0);
-  say(8, 3, 0);
+  publish_times(7, 2, 0);
+  publish_times(8, 2, 0);
+  publish_times(8, 3, 0);
   EXPECT_EQ(count_of(bus_, "PLAN_*.fresh"), 603);
   EXPECT_EQ(count_of(bus_, "PLAN_*.duplicates"), 300);
   EXPECT_EQ(count_of(bus_, "PLAN_*.restarts"), 3);
@@ -328,7 +328,7 @@ TEST_F(BusAgainstRawBytes, StaysBoundedUnderAFloodOfChannelNames) {
   }
   EXPECT_EQ(count_of(bus_, "bus.streams_refused"), 20'000 - 16'383);
   send(stamped(1, 0, 10));
-  EXPECT_EQ(heard_.size(), 1U) << "this channel was subscribed to by name";
+  EXPECT_EQ(commands_.size(), 1U) << "this channel was subscribed to by name";
   EXPECT_EQ(count_of(bus_, "(other).decode_errors"), 20'000 - 1'024);
   EXPECT_LT(bus_.counters().size(), 10'000U) << "HEALTH can still contain all counters";
 }
@@ -345,7 +345,7 @@ TEST_F(BusAgainstRawBytes, IsUsableAfterAHandlerThrew) {
   EXPECT_THROW(bus_.handle(kNow), std::runtime_error);
   throws = false;
   EXPECT_EQ(bus_.handle(kNow), 1);
-  EXPECT_EQ(heard_.size(), 2U);
+  EXPECT_EQ(commands_.size(), 2U);
 }
 
 TEST(Bus, MayBeDestroyedBeforeItsTransport) {

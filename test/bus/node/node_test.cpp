@@ -140,8 +140,8 @@ TEST_F(RunNode, ReportsTheProcessorWaitBeforeEachTick) {
 
 TEST_F(RunNode, ChecksForStopDuringLongWaits) {
   Ticker sleeper(start_ + seconds(1'000), seconds(1));
-  int asked = 0;
-  run_node(bus_, sleeper, clock_, [&] { return ++asked > 10; });
+  int checks = 0;
+  run_node(bus_, sleeper, clock_, [&] { return ++checks > 10; });
   EXPECT_TRUE(sleeper.ticks.empty());
   EXPECT_EQ(transport_.longest_wait(), milliseconds(50));
 }
@@ -160,7 +160,7 @@ class TickerWithADevice : public Ticker {
     const itimerspec after{{}, {20, 0}};
     ASSERT_EQ(timerfd_settime(device_, 0, &after, nullptr), 0);
   }
-  void speak() {
+  void publish_value() {
     const itimerspec after{{}, {0, 1}};
     ASSERT_EQ(timerfd_settime(device_, 0, &after, nullptr), 0);
     pollfd polled{device_, POLLIN, 0};
@@ -178,8 +178,8 @@ class TickerWithADevice : public Ticker {
 TEST_F(RunNode, WaitsForADeviceUntilTheNextTickOnly) {
   TickerWithADevice node(start_ + milliseconds(1), milliseconds(1));
   node.start();
-  int asked = 0;
-  run_node(bus_, node, clock_, [&] { return ++asked > 3; });
+  int checks = 0;
+  run_node(bus_, node, clock_, [&] { return ++checks > 3; });
   EXPECT_FALSE(node.has_spoken());
 }
 
@@ -189,19 +189,19 @@ TEST_F(RunNode, TicksOnTimeWithASilentDevice) {
   TickerWithADevice node(start_ + milliseconds(20), milliseconds(20));
   node.start();
   const std::int64_t begin_ns = monotonic_ns();
-  int asked = 0;
-  run_node(bus_, node, clock_, [&] { return ++asked > 1; });
+  int checks = 0;
+  run_node(bus_, node, clock_, [&] { return ++checks > 1; });
   EXPECT_GE(monotonic_ns() - begin_ns, 20'000'000);
 }
 
 TEST_F(RunNode, TicksWhenItsDeviceHasData) {
   TickerWithADevice node(start_ + seconds(1'000), seconds(1));
-  int asked = 0;
-  run_node(bus_, node, clock_, [&] { return ++asked > 1; });
+  int checks = 0;
+  run_node(bus_, node, clock_, [&] { return ++checks > 1; });
   EXPECT_TRUE(node.ticks.empty()) << "the device sends nothing";
-  node.speak();
-  asked = 0;
-  run_node(bus_, node, clock_, [&] { return ++asked > 3; });
+  node.publish_value();
+  checks = 0;
+  run_node(bus_, node, clock_, [&] { return ++checks > 3; });
   EXPECT_EQ(node.ticks, (std::vector<Time>{start_, start_, start_})) << "before the requested time";
 }
 
@@ -209,13 +209,15 @@ TEST_F(RunNode, TicksWhenItsDeviceHasData) {
 class Lander : public Ticker {
  public:
   using Ticker::Ticker;
-  void on_stop_request(int requests, Time now) override { asked.emplace_back(requests, now); }
+  void on_stop_request(int requests, Time now) override {
+    stop_requests.emplace_back(requests, now);
+  }
   [[nodiscard]] bool may_end(Time now) override { return now >= ends_at; }
   [[nodiscard]] InFlight in_flight(Time now) const override {
     return now >= ends_at ? InFlight::kNo : InFlight::kYes;
   }
 
-  std::vector<std::pair<int, Time>> asked;
+  std::vector<std::pair<int, Time>> stop_requests;
   Time ends_at{};
 };
 
@@ -226,7 +228,7 @@ TEST_F(RunNode, RunsUntilTheNodeMayEndAndReportsEachRequestOnce) {
     return clock_.now() < start_ + seconds(1) ? 0 : clock_.now() < start_ + seconds(2) ? 1 : 2;
   });
   using Asked = std::vector<std::pair<int, Time>>;
-  EXPECT_EQ(node.asked, (Asked{{1, start_ + seconds(1)}, {2, start_ + seconds(2)}}));
+  EXPECT_EQ(node.stop_requests, (Asked{{1, start_ + seconds(1)}, {2, start_ + seconds(2)}}));
   EXPECT_EQ(node.ticks.size(), 150U) << "the node continues until the vehicle has landed";
 }
 
@@ -345,12 +347,12 @@ TEST_F(Health, IsDegradedByLossNotByTraffic) {
     observer_.handle(std::chrono::microseconds{0});
     return health_.back().state;
   };
-  const auto say = [&] {
+  const auto deliver_notice = [&] {
     observer_.publish(kAttack, models::AttackNotice{});
     bus_.handle(std::chrono::microseconds{0});
   };
   EXPECT_EQ(state(), models::ProcessState::kRunning);
-  say();
+  deliver_notice();
   node_.busy_us += 1'000;
   node_.rest_rounds += 1;
   EXPECT_EQ(state(), models::ProcessState::kRunning) << "receives, works and rests";

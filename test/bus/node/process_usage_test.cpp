@@ -147,7 +147,7 @@ TEST(ThreadWait, ReadsTheCounterOfTheThreadThatOpenedIt) {
 
 // The kernel's values read before and after bound the reported values.
 TEST(UsageCounters, EqualTheKernelsFigures) {
-  const auto asked = [] {
+  const auto kernel_usage = [] {
     rusage own{};
     ::getrusage(RUSAGE_SELF, &own);
     return own;
@@ -157,9 +157,9 @@ TEST(UsageCounters, EqualTheKernelsFigures) {
            own.ru_stime.tv_usec;
   };
   const auto waited_before_us = waited_us_of(::getpid());
-  const rusage before = asked();
+  const rusage before = kernel_usage();
   const auto counters = usage_counters();
-  const rusage after = asked();
+  const rusage after = kernel_usage();
   ASSERT_GE(counters.size(), 3U);
   EXPECT_GE(counters[0].count, cpu_us(before));
   EXPECT_LE(counters[0].count, cpu_us(after));

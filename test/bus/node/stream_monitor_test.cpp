@@ -283,8 +283,8 @@ TEST(StreamMonitor, AcceptsAStampTwoSecondsAhead) {
     StreamMonitor monitor;
     const Time now = from_utime(0) + seconds(100);
     EXPECT_EQ(monitor.judge({now + std::chrono::hours(1), 1, 0}, {now, {}}), Arrival::kFresh);
-    const Time said = now + seconds(2) - Duration{is_older ? 1 : 0};
-    EXPECT_EQ(monitor.judge({said, 2, 0}, {now, {}}),
+    const Time stamp_time = now + seconds(2) - Duration{is_older ? 1 : 0};
+    EXPECT_EQ(monitor.judge({stamp_time, 2, 0}, {now, {}}),
               is_older ? Arrival::kOldRun : Arrival::kFresh);
   }
 }

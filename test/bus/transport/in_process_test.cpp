@@ -127,24 +127,24 @@ TEST(InProcessHub, ForgetsDestroyedEndpoints) {
 TEST(InProcessHub, DeliversNothingToDestroyedEndpoints) {
   for (const char* const pattern : {"X", "X*"}) {
     InProcessHub hub;
-    const auto speaker = hub.connect();
+    const auto publisher = hub.connect();
     std::vector<Bytes> ignored;
     int arrivals = 0;
     auto goes = hub.connect([&arrivals] { ++arrivals; });
     goes->subscribe(pattern, into(ignored));
-    speaker->publish("X", Bytes{1});
+    publisher->publish("X", Bytes{1});
     EXPECT_EQ(arrivals, 1);
     goes.reset();
     std::vector<std::unique_ptr<Transport>> next;
     for (int i = 0; i < 8; ++i) {
       next.push_back(hub.connect([&arrivals] { ++arrivals; }));
     }
-    speaker->publish("X", Bytes{2});
+    publisher->publish("X", Bytes{2});
     EXPECT_EQ(arrivals, 1) << "the endpoints have not subscribed yet";
     for (const auto& each : next) {
       each->subscribe(pattern, into(ignored));
     }
-    speaker->publish("X", Bytes{3});
+    publisher->publish("X", Bytes{3});
     EXPECT_EQ(arrivals, 1 + 8);
     for (const auto& each : next) {
       EXPECT_EQ(each->handle(kNow), 1);

@@ -184,7 +184,7 @@ TEST(AutopilotLink, SynchronisesWithTheVehicleClock) {
 
 TEST(AutopilotLink, RequestsStreamsUntilTheyArrive) {
   Bench bench(AutopilotDialect::kPx4);
-  std::map<int, int> asked;
+  std::map<int, int> requested;
   for (int i = 0; i < 400; ++i) {
     const Time now = kNow + i * Duration{20'000};
     bench.receive_heartbeat(now);
@@ -194,16 +194,17 @@ TEST(AutopilotLink, RequestsStreamsUntilTheyArrive) {
     for (const auto& command : bench.sent_of<wire::mavlink::CommandLong>()) {
       ASSERT_EQ(command.command, 511);
       EXPECT_GT(command.param2, 0.0F);
-      ++asked[static_cast<int>(command.param1)];
+      ++requested[static_cast<int>(command.param1)];
       wire::mavlink::CommandAck ack;
       ack.command = 511;
       bench.receive_message(ack, now);
     }
   }
-  EXPECT_EQ(asked.count(32) + asked.count(230), 0U) << "these messages arrive without a request";
+  EXPECT_EQ(requested.count(32) + requested.count(230), 0U)
+      << "these messages arrive without a request";
   for (const int id : {30, 245, 147, 1}) {
-    EXPECT_GE(asked[id], 2) << id;
-    EXPECT_LE(asked[id], 4) << id << ": requested every three seconds at most";
+    EXPECT_GE(requested[id], 2) << id;
+    EXPECT_LE(requested[id], 4) << id << ": requested every three seconds at most";
   }
 }
 

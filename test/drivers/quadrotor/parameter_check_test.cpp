@@ -21,7 +21,7 @@ struct Bench {
                                                    "VISO_DELAY_MS 10 # advised, exactly: late\n")};
   std::map<std::string, double> known{
       {"GUID_TIMEOUT", 0.3}, {"FS_GCS_ENABLE", 5.0}, {"VISO_DELAY_MS", 10.0}};
-  std::map<std::string, int> asked;
+  std::map<std::string, int> requests;
   std::map<std::string, int> set;
   Time now = kStart;
 
@@ -31,21 +31,21 @@ struct Bench {
                  now);
     }
   }
-  void run(double seconds, bool hears = true) {
+  void run(double seconds, bool answers = true) {
     const Time end = now + from_seconds(seconds);
     for (; now < end; now += Duration{20'000}) {
       const ParameterCheck::Due due = check.due(now);
       for (const auto& read : due.reads) {
         EXPECT_EQ(read.param_index, -1) << "requested by name";
-        ++asked[wire::mavlink::parameter_name(read.param_id)];
-        if (hears) {
+        ++requests[wire::mavlink::parameter_name(read.param_id)];
+        if (answers) {
           answer(wire::mavlink::parameter_name(read.param_id));
         }
       }
       for (const auto& one : due.sets) {
         const std::string name = wire::mavlink::parameter_name(one.param_id);
         ++set[name];
-        if (hears && known.contains(name)) {
+        if (answers && known.contains(name)) {
           known[name] = static_cast<double>(one.param_value);
           answer(name);
         }
@@ -60,8 +60,8 @@ TEST(ParameterCheck, RequestsEachParameterOnce) {
   EXPECT_EQ(bench.check.reasons(),
             std::vector<std::string>{"reading the autopilot's parameters: 0 of 3"});
   bench.run(5.0);
-  EXPECT_EQ(bench.asked.size(), 3U);
-  for (const auto& [name, count] : bench.asked) {
+  EXPECT_EQ(bench.requests.size(), 3U);
+  for (const auto& [name, count] : bench.requests) {
     EXPECT_EQ(count, 1) << name;
   }
   EXPECT_TRUE(bench.check.is_complete());
@@ -77,7 +77,7 @@ TEST(ParameterCheck, RepeatsUnansweredRequestsThenGivesUp) {
   EXPECT_FALSE(bench.check.is_complete());
   bench.run(3.0);
   EXPECT_TRUE(bench.check.is_complete());
-  EXPECT_EQ(bench.asked["FS_GCS_ENABLE"], ParameterCheck::kRequestsMax);
+  EXPECT_EQ(bench.requests["FS_GCS_ENABLE"], ParameterCheck::kRequestsMax);
   EXPECT_FALSE(bench.check.is_kept());
   EXPECT_EQ(bench.check.reasons(),
             std::vector<std::string>{"FS_GCS_ENABLE is missing, must be 5: it stays"});

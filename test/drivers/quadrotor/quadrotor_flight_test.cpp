@@ -106,9 +106,9 @@ TEST_P(Flight, FollowsAPlanToItsHover) {
   bench.driver->on_plan(plan, bench.now);
   double worst_m = 0.0;
   bench.on_step = [&](Time now) {
-    const Pose2 asked = models::at(plan.trajectory, now).world_from_body;
+    const Pose2 planned = models::at(plan.trajectory, now).world_from_body;
     const Pose2 is = flatten(bench.vehicle.world_from_body());
-    worst_m = std::max(worst_m, (asked.position_m() - is.position_m()).norm());
+    worst_m = std::max(worst_m, (planned.position_m() - is.position_m()).norm());
   };
   bench.run(2.0);
   EXPECT_EQ(bench.state(), FlightState::kFollow) << bench.reasons();
@@ -129,9 +129,9 @@ std::set<std::uint16_t> sent_type_masks(const std::vector<std::vector<std::uint8
   wire::mavlink::Parser parser;
   for (const auto& datagram : sent) {
     parser.feed(datagram, [&](const wire::mavlink::Frame& frame) {
-      if (const auto told =
+      if (const auto setpoint =
               wire::mavlink::unpack<wire::mavlink::SetPositionTargetLocalNed>(frame)) {
-        out.insert(told->type_mask);
+        out.insert(setpoint->type_mask);
       }
     });
   }

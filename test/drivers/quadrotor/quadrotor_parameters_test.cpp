@@ -120,17 +120,17 @@ TEST_P(Parameters, AreNotRequestedWhenIgnored) {
 
 TEST_P(Parameters, AreNotRequestedInFlight) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
-  std::int64_t asked = 0;
+  std::int64_t requests = 0;
   bench.on_step = [&](Time) {
     wire::mavlink::Parser parser;
     for (const auto& datagram : bench.sent) {
       parser.feed(datagram, [&](const wire::mavlink::Frame& frame) {
-        asked += frame.message_id == wire::mavlink::ParamRequestRead::kMessage.id ? 1 : 0;
+        requests += frame.message_id == wire::mavlink::ParamRequestRead::kMessage.id ? 1 : 0;
       });
     }
   };
   bench.run(40.0);
-  EXPECT_EQ(asked, 0);
+  EXPECT_EQ(requests, 0);
 }
 
 /// Tests with autopilots that do not report their charge correctly.

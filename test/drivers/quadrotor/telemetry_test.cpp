@@ -22,7 +22,7 @@ struct Bench {
   explicit Bench(AutopilotDialect dialect) : telemetry(dialect) {}
 
   template <class Message>
-  void hear(const Message& message, Time now) {
+  void receive(const Message& message, Time now) {
     telemetry.take(wire::mavlink::pack(message, {1, wire::mavlink::kComponentAutopilot, 0}), now);
   }
 
@@ -37,12 +37,12 @@ TEST(Telemetry, IgnoresNonFinitePositions) {
        {&Position::x, &Position::y, &Position::z, &Position::vx, &Position::vy, &Position::vz}) {
     for (const float value : {kNan, kInfinity, -kInfinity}) {
       Bench bench(AutopilotDialect::kPx4);
-      bench.hear(Position{}, kNow);
+      bench.receive(Position{}, kNow);
       ASSERT_TRUE(bench.telemetry.position_world_m(kNow).has_value());
       Position bad;
       bad.*field = value;
       const Time later = kNow + std::chrono::milliseconds(501);
-      bench.hear(bad, later);
+      bench.receive(bad, later);
       EXPECT_FALSE(bench.telemetry.position_world_m(later).has_value());
     }
   }
@@ -55,12 +55,12 @@ TEST(Telemetry, IgnoresNonFiniteAttitudes) {
     for (const float value :
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
       Bench bench(AutopilotDialect::kPx4);
-      bench.hear(Attitude{}, kNow);
+      bench.receive(Attitude{}, kNow);
       ASSERT_TRUE(bench.telemetry.has_attitude(kNow));
       Attitude bad;
       bad.*field = value;
       const Time later = kNow + std::chrono::milliseconds(501);
-      bench.hear(bad, later);
+      bench.receive(bad, later);
       EXPECT_FALSE(bench.telemetry.has_attitude(later));
       EXPECT_EQ(bench.telemetry.tilt_rad(), 0.0);
       EXPECT_EQ(bench.telemetry.yaw_rate_radps(), 0.0);
@@ -99,13 +99,13 @@ TEST(Telemetry, DetectsMotorFaultsPerDialect) {
     system.onboard_control_sensors_present = row.present;
     system.onboard_control_sensors_enabled = row.enabled;
     system.onboard_control_sensors_health = row.healthy;
-    bench.hear(system, kNow);
+    bench.receive(system, kNow);
     wire::mavlink::Statustext text;
     std::copy(row.text.begin(), row.text.end(), text.text.begin());
-    bench.hear(text, kNow);
+    bench.receive(text, kNow);
     EXPECT_EQ(bench.telemetry.has_motor_fault(kNow), row.is_fault);
     system.onboard_control_sensors_health = kAll;
-    bench.hear(system, kNow + std::chrono::seconds(1));
+    bench.receive(system, kNow + std::chrono::seconds(1));
     EXPECT_FALSE(bench.telemetry.has_motor_fault(kNow + std::chrono::seconds(11)));
   }
 }
@@ -141,12 +141,12 @@ TEST(Telemetry, ReportsTheLowestBattery) {
       if (report.id < 0) {
         wire::mavlink::SysStatus system;
         system.battery_remaining = report.percent;
-        bench.hear(system, at);
+        bench.receive(system, at);
       } else {
         wire::mavlink::BatteryStatus battery;
         battery.id = static_cast<std::uint8_t>(report.id);
         battery.battery_remaining = report.percent;
-        bench.hear(battery, at);
+        bench.receive(battery, at);
       }
     }
     EXPECT_DOUBLE_EQ(bench.telemetry.battery_share().value_or(-1.0), row.share);

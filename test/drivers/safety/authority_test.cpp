@@ -239,9 +239,9 @@ TEST_F(Authority, AcceptsStampsWithinTwoSeconds) {
 // stations.
 TEST_F(Authority, ForgetsTheLongestSilentStation) {
   const auto is_known = [&](std::int64_t run) {
-    OperatorAuthority asked = authority;  // copy, so that the check does not change the state
-    return asked.admit(command(OperatorAction::kHold, run, 1'000, 0.0),
-                       kStart + from_seconds(100.0), kSilentS);
+    OperatorAuthority copy = authority;  // copy, so that the check does not change the state
+    return copy.admit(command(OperatorAction::kHold, run, 1'000, 0.0), kStart + from_seconds(100.0),
+                      kSilentS);
   };
   for (std::int64_t run = 1; run <= 8; ++run) {
     admit(OperatorAction::kHeartbeat, run, 0.1 * static_cast<double>(run));

@@ -33,8 +33,8 @@ Eigen::Matrix3d y_up() {
 struct WorldSetup {
   const char* name;
   Wiring wiring;
-  const char* whom;  ///< vehicles that must not fly
-  bool flies;        ///< true if the set-up is correct
+  const char* addressee;  ///< vehicles that must not fly
+  bool flies;             ///< true if the set-up is correct
 };
 
 std::vector<WorldSetup> setups() {
@@ -77,14 +77,14 @@ class FirstLift : public testing::TestWithParam<std::size_t> {};
 TEST_P(FirstLift, StaysBelowTheTestHeightIfTheSetupIsWrong) {
   const WorldSetup setup = setups()[GetParam()];
   // A single vehicle takes off, or all take off simultaneously.
-  for (const char* whom : {"", "Q1", "Q2"}) {
-    SCOPED_TRACE(std::string("commanded: ") + (*whom == '\0' ? "all" : whom));
+  for (const char* addressee : {"", "Q1", "Q2"}) {
+    SCOPED_TRACE(std::string("commanded: ") + (*addressee == '\0' ? "all" : addressee));
     FlightBench bench(7);
     bench.wiring() = setup.wiring;
     bench.run(1.0);
     bench.send_command(OperatorAction::kArm);
     bench.run(0.5);
-    bench.send_command(OperatorAction::kTakeOff, whom);
+    bench.send_command(OperatorAction::kTakeOff, addressee);
     double highest_m[3] = {};
     double farthest_m[3] = {};
     std::vector<Eigen::Vector3d> start_m;
@@ -101,7 +101,8 @@ TEST_P(FirstLift, StaysBelowTheTestHeightIfTheSetupIsWrong) {
     for (std::size_t i = 0; i < 3; ++i) {
       const Vehicle& vehicle = bench.vehicles()[i];
       SCOPED_TRACE(vehicle.name);
-      const bool is_concerned = std::string(setup.whom).find(vehicle.name) != std::string::npos;
+      const bool is_concerned =
+          std::string(setup.addressee).find(vehicle.name) != std::string::npos;
       if (setup.flies || !is_concerned) {
         continue;
       }

@@ -31,12 +31,12 @@ class TeammatesPlans : public testing::Test {
     plan.stamp = {plan.trajectory.start_time, run, sequence};
     return plan;
   }
-  bool hear(const models::RobotPlan& plan, double at_s) {
+  bool accepts(const models::RobotPlan& plan, double at_s) {
     return fleet.on_plan(plan, limits, kStart + from_seconds(at_s));
   }
-  bool hear(std::int64_t run, std::int64_t sequence, double start_s, double at_s,
-            const std::string& robot = "Q2") {
-    return hear(hover(run, sequence, start_s, robot), at_s);
+  bool accepts(std::int64_t run, std::int64_t sequence, double start_s, double at_s,
+               const std::string& robot = "Q2") {
+    return accepts(hover(run, sequence, start_s, robot), at_s);
   }
 
   scenario::Scenario scenario = test::FlightBench::scenario();
@@ -45,37 +45,37 @@ class TeammatesPlans : public testing::Test {
 };
 
 TEST_F(TeammatesPlans, MustBeCurrent) {
-  EXPECT_FALSE(hear(1, 0, -3600.0, 0.0)) << "from an old log";
-  EXPECT_FALSE(hear(1, 1, 3600.0, 0.0)) << "it would block later plans for an hour";
-  EXPECT_TRUE(hear(1, 2, 1.0, 0.0));
-  EXPECT_FALSE(hear(1, 3, 1.0, 0.0, "Q9"));
+  EXPECT_FALSE(accepts(1, 0, -3600.0, 0.0)) << "from an old log";
+  EXPECT_FALSE(accepts(1, 1, 3600.0, 0.0)) << "it would block later plans for an hour";
+  EXPECT_TRUE(accepts(1, 2, 1.0, 0.0));
+  EXPECT_FALSE(accepts(1, 3, 1.0, 0.0, "Q9"));
   EXPECT_EQ(fleet.plans_refused(), 3);
 }
 
 TEST_F(TeammatesPlans, MustBeNew) {
-  EXPECT_TRUE(hear(1, 5, 1.0, 0.0));
-  EXPECT_FALSE(hear(1, 5, 1.0, 0.1));
-  EXPECT_FALSE(hear(1, 4, 1.5, 0.1));
-  EXPECT_FALSE(hear(1, 6, 0.5, 0.1)) << "begins before the last plan";
-  EXPECT_TRUE(hear(1, 7, 1.0, 0.1));
+  EXPECT_TRUE(accepts(1, 5, 1.0, 0.0));
+  EXPECT_FALSE(accepts(1, 5, 1.0, 0.1));
+  EXPECT_FALSE(accepts(1, 4, 1.5, 0.1));
+  EXPECT_FALSE(accepts(1, 6, 0.5, 0.1)) << "begins before the last plan";
+  EXPECT_TRUE(accepts(1, 7, 1.0, 0.1));
 }
 
 TEST_F(TeammatesPlans, MustComeFromTheLeaseholder) {
-  EXPECT_TRUE(hear(1, 0, 1.0, 0.0));
-  EXPECT_FALSE(hear(2, 0, 1.5, 0.5));
-  EXPECT_TRUE(hear(2, 0, 1.0, 0.5, "Q3")) << "each teammate has a separate lease";
+  EXPECT_TRUE(accepts(1, 0, 1.0, 0.0));
+  EXPECT_FALSE(accepts(2, 0, 1.5, 0.5));
+  EXPECT_TRUE(accepts(2, 0, 1.0, 0.5, "Q3")) << "each teammate has a separate lease";
   const double after_s = limits.planner_lease_s + 0.1;
-  EXPECT_TRUE(hear(2, 1, after_s, after_s));
-  EXPECT_FALSE(hear(1, 1, after_s, after_s));
+  EXPECT_TRUE(accepts(2, 1, after_s, after_s));
+  EXPECT_FALSE(accepts(1, 1, after_s, after_s));
 }
 
 TEST_F(TeammatesPlans, BeginWithinTheTimeLimits) {
-  const auto hears = [&](double start_s) {
+  const auto accepts_start = [&](double start_s) {
     fleet = Fleet(scenario, "Q1");
-    return hear(1, 0, start_s, 0.0);
+    return accepts(1, 0, start_s, 0.0);
   };
-  EXPECT_NEAR(test::last_accepted(0.0, -60.0, 1e-7, hears), -limits.plan_past_max_s, 2e-6);
-  EXPECT_NEAR(test::last_accepted(0.0, 60.0, 1e-7, hears), limits.plan_future_max_s, 2e-6);
+  EXPECT_NEAR(test::last_accepted(0.0, -60.0, 1e-7, accepts_start), -limits.plan_past_max_s, 2e-6);
+  EXPECT_NEAR(test::last_accepted(0.0, 60.0, 1e-7, accepts_start), limits.plan_future_max_s, 2e-6);
 }
 
 TEST_F(TeammatesPlans, MayStartExactlyAtTheirLimits) {
@@ -84,7 +84,7 @@ TEST_F(TeammatesPlans, MayStartExactlyAtTheirLimits) {
                                           {limits.plan_future_max_s, true},
                                           {limits.plan_future_max_s + 1e-6, false}}) {
     fleet = Fleet(scenario, "Q1");
-    EXPECT_EQ(hear(1, 0, start_s, 0.0), is_taken) << start_s;
+    EXPECT_EQ(accepts(1, 0, start_s, 0.0), is_taken) << start_s;
   }
 }
 
@@ -94,19 +94,19 @@ TEST_F(TeammatesPlans, AreAcceptedOnceFromAnyRun) {
        {std::int64_t{0}, std::int64_t{1}, std::int64_t{-1},
         std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
     fleet = Fleet(scenario, "Q1");
-    EXPECT_TRUE(hear(run, 0, 1.0, 0.0)) << run;
-    EXPECT_FALSE(hear(run, 0, 1.0, 0.1)) << run;
-    EXPECT_TRUE(hear(run, 1, 1.0, 0.1)) << run;
+    EXPECT_TRUE(accepts(run, 0, 1.0, 0.0)) << run;
+    EXPECT_FALSE(accepts(run, 0, 1.0, 0.1)) << run;
+    EXPECT_TRUE(accepts(run, 1, 1.0, 0.1)) << run;
   }
 }
 
 TEST_F(TeammatesPlans, NumbersRestartWithANewPlanner) {
   double at_s = 0.0;
   for (std::int64_t run = 1; run <= 3; ++run) {
-    EXPECT_TRUE(hear(run, 1000, at_s, at_s)) << run;
+    EXPECT_TRUE(accepts(run, 1000, at_s, at_s)) << run;
     at_s += limits.planner_lease_s + 0.1;
-    EXPECT_TRUE(hear(run + 1, 0, at_s, at_s)) << run + 1;
-    EXPECT_FALSE(hear(run + 1, 0, at_s, at_s)) << run + 1;
+    EXPECT_TRUE(accepts(run + 1, 0, at_s, at_s)) << run + 1;
+    EXPECT_FALSE(accepts(run + 1, 0, at_s, at_s)) << run + 1;
   }
 }
 
@@ -115,8 +115,8 @@ TEST_F(TeammatesPlans, FirstPlanIsAcceptedOnAnyClock) {
   constexpr double kEpochS = -1'700'000'000.0;
   for (const double at_s : {kEpochS - 5.0, kEpochS + 5.0, 0.0}) {
     fleet = Fleet(scenario, "Q1");
-    EXPECT_TRUE(hear(1, 0, at_s, at_s)) << at_s;
-    EXPECT_FALSE(hear(1, 1, at_s - 1e-3, at_s)) << "begins before the last plan";
+    EXPECT_TRUE(accepts(1, 0, at_s, at_s)) << at_s;
+    EXPECT_FALSE(accepts(1, 1, at_s - 1e-3, at_s)) << "begins before the last plan";
   }
 }
 
@@ -124,22 +124,22 @@ TEST_F(TeammatesPlans, FirstPlanIsAcceptedOnAnyClock) {
 TEST_F(TeammatesPlans, AreIgnoredWhenInfeasible) {
   models::RobotPlan plan = hover(1, 0, 1.0);
   plan.trajectory.start.x_m = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(hear(plan, 0.0));
+  EXPECT_FALSE(accepts(plan, 0.0));
   plan = hover(1, 1, 1.0);
   plan.trajectory.segments = {{{1.0, 0.0}, -1.0, 0.0}};
-  EXPECT_FALSE(hear(plan, 0.0));
+  EXPECT_FALSE(accepts(plan, 0.0));
   plan = hover(1, 2, 1.0);
   plan.trajectory.segments.resize(HeldPlan::kSegmentsMax + 1);
-  EXPECT_FALSE(hear(plan, 0.0));
+  EXPECT_FALSE(accepts(plan, 0.0));
   EXPECT_TRUE(fleet.courses(kStart, limits).empty());
   EXPECT_EQ(fleet.plans_refused(), 3);
-  EXPECT_TRUE(hear(2, 0, 1.0, 0.0)) << "another planner is accepted immediately";
+  EXPECT_TRUE(accepts(2, 0, 1.0, 0.0)) << "another planner is accepted immediately";
   EXPECT_EQ(fleet.courses(kStart, limits).size(), 1u);
 }
 
 TEST_F(TeammatesPlans, MustBelongToOtherRobots) {
-  EXPECT_FALSE(hear(1, 0, 1.0, 0.0, "W1")) << "targets have no plans";
-  EXPECT_FALSE(hear(1, 0, 1.0, 0.0, "Q1")) << "the vehicle is not its own teammate";
+  EXPECT_FALSE(accepts(1, 0, 1.0, 0.0, "W1")) << "targets have no plans";
+  EXPECT_FALSE(accepts(1, 0, 1.0, 0.0, "Q1")) << "the vehicle is not its own teammate";
   EXPECT_TRUE(fleet.courses(kStart, limits).empty());
 }
 

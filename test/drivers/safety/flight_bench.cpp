@@ -139,9 +139,9 @@ void FlightBench::run(double seconds, const std::function<void()>& set_knobs) {
   }
 }
 
-void FlightBench::send_command(OperatorAction action, const std::string& whom) {
+void FlightBench::send_command(OperatorAction action, const std::string& addressee) {
   room_.command = action;
-  room_.command_recipient = whom;
+  room_.command_recipient = addressee;
 }
 
 bool FlightBench::has_reason(const Vehicle& vehicle, const std::string& reason, Time now) {
@@ -469,9 +469,9 @@ void FlightBench::send_command(OperatorAction action, std::int64_t run_id, std::
 
 void FlightBench::operate() {
   if (ticks_ % 20 == 0 && !room_.operator_silent) {
-    const std::string whom = std::exchange(room_.command_recipient, "");
+    const std::string addressee = std::exchange(room_.command_recipient, "");
     send_command(OperatorAction::kHeartbeat, kStationRun, command_sequence_);
-    room_.command_recipient = whom;
+    room_.command_recipient = addressee;
   }
   if (room_.command) {
     send_command(*room_.command, kStationRun, command_sequence_);

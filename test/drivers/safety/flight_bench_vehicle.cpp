@@ -81,8 +81,8 @@ void FlightBench::fly(Vehicle& vehicle) {
   using Kind = drivers::FlightSetpoint::Kind;
   Vehicle& driver = connected_driver(vehicle);
   const VehicleKnobs& knobs = driver.knobs;
-  const bool hears = !knobs.is_stalled && !knobs.link_cut;
-  if (hears) {
+  const bool receives = !knobs.is_stalled && !knobs.link_cut;
+  if (receives) {
     vehicle.setpoint = driver.out.setpoint;
     vehicle.without_setpoint_s = 0.0;
     const bool on_ground = vehicle.position_m.z() <= 0.02;

@@ -264,14 +264,14 @@ TEST(GuardClimb, SetpointsLeadByATenthOfASecond) {
   one.run(1.0);
   for (const double at_s : {1.0, 1.5, 2.0}) {
     const double turned_rad = 0.6 * (at_s + 0.1);
-    const FlightSetpoint& asked = one.out.setpoint;
-    EXPECT_EQ(asked.kind, FlightSetpoint::Kind::kTrack);
-    EXPECT_NEAR(asked.yaw_rad, turned_rad, 1e-3);
-    EXPECT_NEAR(asked.yaw_rate_radps, 0.6, 1e-3);
+    const FlightSetpoint& commanded = one.out.setpoint;
+    EXPECT_EQ(commanded.kind, FlightSetpoint::Kind::kTrack);
+    EXPECT_NEAR(commanded.yaw_rad, turned_rad, 1e-3);
+    EXPECT_NEAR(commanded.yaw_rate_radps, 0.6, 1e-3);
     const Eigen::Vector2d ahead(std::cos(turned_rad), std::sin(turned_rad));
     const Eigen::Vector2d left(-ahead.y(), ahead.x());
-    EXPECT_LT((asked.velocity_world_mps.head<2>() - 0.8 * ahead).norm(), 0.01);
-    EXPECT_LT((asked.acceleration_world_mps2.head<2>() - 0.8 * 0.6 * left).norm(), 0.01);
+    EXPECT_LT((commanded.velocity_world_mps.head<2>() - 0.8 * ahead).norm(), 0.01);
+    EXPECT_LT((commanded.acceleration_world_mps2.head<2>() - 0.8 * 0.6 * left).norm(), 0.01);
     const Eigen::Vector2d place_m =
         0.8 / 0.6 * Eigen::Vector2d(std::sin(turned_rad), 1.0 - std::cos(turned_rad));
     EXPECT_LT((one.setpoint_m() - place_m).norm(), 0.01);

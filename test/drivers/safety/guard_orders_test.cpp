@@ -22,7 +22,7 @@ constexpr OperatorAction kAll[] = {OperatorAction::kHeartbeat,    OperatorAction
                                    OperatorAction::kEmergencyStop};
 
 /// Returns the response of a new vehicle to one command, so that earlier commands have no effect.
-CommandVerdict answer(bool is_airborne, OperatorAction action, const std::string& whom,
+CommandVerdict answer(bool is_airborne, OperatorAction action, const std::string& addressee,
                       std::int64_t station) {
   OneVehicle q1;
   if (!is_airborne) {
@@ -31,7 +31,7 @@ CommandVerdict answer(bool is_airborne, OperatorAction action, const std::string
   q1.run(0.1);
   EXPECT_EQ(q1.out.state, is_airborne ? FlightState::kHold : FlightState::kIdle);
   const std::int64_t refused = q1.count("command.refused");
-  const CommandVerdict verdict = q1.send_command_to(whom, action, station);
+  const CommandVerdict verdict = q1.send_command_to(addressee, action, station);
   // Commands for other vehicles and heartbeats are not counted as refused.
   const bool counts =
       verdict == CommandVerdict::kRefused ||
@@ -49,8 +49,8 @@ TEST(GuardOrders, AreRefusedInTheWrongState) {
       const bool is_for_air = action == OperatorAction::kFollow;
       const bool makes_sense = is_airborne ? !is_for_ground : !is_for_air;
       const CommandVerdict due = makes_sense ? CommandVerdict::kObeyed : CommandVerdict::kRefused;
-      for (const char* const whom : {"", "Q1"}) {
-        EXPECT_EQ(answer(is_airborne, action, whom, 7), due) << static_cast<int>(action);
+      for (const char* const addressee : {"", "Q1"}) {
+        EXPECT_EQ(answer(is_airborne, action, addressee, 7), due) << static_cast<int>(action);
       }
       EXPECT_EQ(answer(is_airborne, action, "Q2", 7), CommandVerdict::kOtherRobot);
     }

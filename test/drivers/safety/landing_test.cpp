@@ -438,9 +438,9 @@ TEST(FlightGuard, LandsAfterTheTimeLimitAboveBodies) {
   test::Vehicle& vehicle = crowded.vehicle("Q1");
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   const double start_s = crowded.time_s();
-  for (bool says = true; vehicle.out.state != FlightState::kIdle; says = false) {
+  for (bool is_first = true; vehicle.out.state != FlightState::kIdle; is_first = false) {
     ASSERT_LT(crowded.time_s(), 60.0);
-    if (says) {
+    if (is_first) {
       crowded.room().command = models::OperatorAction::kLand;
     }
     if (crowded.time_s() < start_s + 1.0) {

@@ -58,26 +58,26 @@ TEST(LiftQueue, OrdersByCommandThenByName) {
       queues.emplace_back(team(names), names[i]);
       bodies.push_back(body(static_cast<int>(i), random.uniform(0.0, 0.6)));
     }
-    std::vector<std::string> heard;
+    std::vector<std::string> queued;
     for (int order = random.integer(1, 5); order > 0; --order) {
-      std::vector<std::string> told = {names[static_cast<std::size_t>(random.integer(0, 3))]};
+      std::vector<std::string> ordered = {names[static_cast<std::size_t>(random.integer(0, 3))]};
       const bool is_for_all = random.integer(0, 4) == 0;
       if (is_for_all) {
-        told = names;
-        std::sort(told.begin(), told.end());
+        ordered = names;
+        std::sort(ordered.begin(), ordered.end());
       }
       for (LiftQueue& queue : queues) {
-        queue.on_take_off(is_for_all ? "" : told.front());
+        queue.on_take_off(is_for_all ? "" : ordered.front());
       }
-      for (const std::string& name : told) {
-        if (std::find(heard.begin(), heard.end(), name) == heard.end()) {
-          heard.push_back(name);
+      for (const std::string& name : ordered) {
+        if (std::find(queued.begin(), queued.end(), name) == queued.end()) {
+          queued.push_back(name);
         }
       }
     }
     double t_s = 0.0;
     std::vector<bool> is_gone(names.size(), false);
-    for (; !heard.empty(); heard.erase(heard.begin())) {
+    for (; !queued.empty(); queued.erase(queued.begin())) {
       for (const double later_s : {0.0, 1.0}) {  // s; 1 s exceeds every additional wait
         for (LiftQueue& queue : queues) {
           queue.update(bodies, limits, after(t_s + later_s));
@@ -85,11 +85,11 @@ TEST(LiftQueue, OrdersByCommandThenByName) {
       }
       for (std::size_t i = 0; i < names.size(); ++i) {
         if (!is_gone[i]) {
-          EXPECT_EQ(queues[i].is_blocked(), names[i] != heard.front()) << names[i];
+          EXPECT_EQ(queues[i].is_blocked(), names[i] != queued.front()) << names[i];
         }
       }
       const auto first = static_cast<std::size_t>(
-          std::find(names.begin(), names.end(), heard.front()) - names.begin());
+          std::find(names.begin(), names.end(), queued.front()) - names.begin());
       queues[first].forget_own();
       is_gone[first] = true;
       bodies[first].position_world_m.z() += limits.lift_done_m + 0.01;

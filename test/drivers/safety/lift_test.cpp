@@ -34,11 +34,11 @@ TEST(Lift, IsVerifiedByTheCommandedStepAndTurn) {
     const Eigen::Vector3d hover_m(rest.x_m, rest.y_m, own.height_m());
     EXPECT_FALSE(own.step(hover_m, rest.yaw_rad, course, limits, kStart));
     EXPECT_EQ(own.phase(), Lift::Phase::kProving);
-    const Setpoint asked = course.planned_at(kStart);
-    Eigen::Vector3d gone_m = asked.position_world_m - hover_m;
+    const Setpoint planned = course.planned_at(kStart);
+    Eigen::Vector3d gone_m = planned.position_world_m - hover_m;
     EXPECT_NEAR(std::abs(gone_m.x()), limits.lift_step_m, 1e-12);
     EXPECT_NEAR(std::abs(gone_m.y()), limits.lift_step_m, 1e-12);
-    EXPECT_NEAR(wrap_to_pi(asked.yaw_rad - rest.yaw_rad), limits.lift_turn_rad, 1e-12);
+    EXPECT_NEAR(wrap_to_pi(planned.yaw_rad - rest.yaw_rad), limits.lift_turn_rad, 1e-12);
     gone_m = gone_m.cwiseProduct(Eigen::Vector3d(x_share, y_share, 0.0));
     const double yaw_rad = wrap_to_pi(rest.yaw_rad + turn_share * limits.lift_turn_rad);
     const bool is_proven = own.step(hover_m + gone_m, yaw_rad, course, limits, kStart);
@@ -46,9 +46,9 @@ TEST(Lift, IsVerifiedByTheCommandedStepAndTurn) {
     const Setpoint then =
         course.planned_at(kStart);  // ground position once verified, else the step
     const Eigen::Vector2d back_m =
-        is_proven ? rest.position_m() : Eigen::Vector2d(asked.position_world_m.head<2>());
+        is_proven ? rest.position_m() : Eigen::Vector2d(planned.position_world_m.head<2>());
     EXPECT_LT((then.position_world_m.head<2>() - back_m).norm(), 1e-12);
-    const double back_rad = is_proven ? rest.yaw_rad : asked.yaw_rad;
+    const double back_rad = is_proven ? rest.yaw_rad : planned.yaw_rad;
     EXPECT_NEAR(wrap_to_pi(then.yaw_rad - back_rad), 0.0, 1e-12);
     return is_proven;
   };
@@ -231,20 +231,20 @@ TEST(Lift, IsVerifiedOnlyInTheHover) {
       return f.own.step(at_m, yaw_rad, f.course, f.limits, kStart);
     };
     EXPECT_FALSE(step(f.risen(0.2), 0.5));
-    const Setpoint asked = f.course.planned_at(kStart);
+    const Setpoint planned = f.course.planned_at(kStart);
     if (is_proven_first) {
-      EXPECT_TRUE(step(asked.position_world_m, asked.yaw_rad));
+      EXPECT_TRUE(step(planned.position_world_m, planned.yaw_rad));
     } else {
       f.own.end();
     }
     const Eigen::Vector3d elsewhere_m(4.0, 4.0, 1.0);
     f.course.hover(elsewhere_m, 1.5, kStart);
-    EXPECT_FALSE(step(asked.position_world_m, asked.yaw_rad));
+    EXPECT_FALSE(step(planned.position_world_m, planned.yaw_rad));
     EXPECT_FALSE(f.own.is_under_way());
     EXPECT_EQ(f.course.planned_at(kStart).position_world_m, elsewhere_m);
     // Begins a second lift on the ground.
     f.own.begin(lift(f.rest, f.rest_m), {}, f.limits, kStart);
-    EXPECT_FALSE(step(asked.position_world_m - Eigen::Vector3d(0.0, 0.0, 0.2), asked.yaw_rad));
+    EXPECT_FALSE(step(planned.position_world_m - Eigen::Vector3d(0.0, 0.0, 0.2), planned.yaw_rad));
     EXPECT_EQ(f.own.phase(), Lift::Phase::kRising);
     EXPECT_EQ(f.course.planned_at(kStart).position_world_m, elsewhere_m);
   }

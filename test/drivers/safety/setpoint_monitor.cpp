@@ -16,10 +16,10 @@ constexpr double kRoundingM = 0.005;
 }  // namespace
 
 SetpointMonitor::Snapshot SetpointMonitor::snapshot_of(const Vehicle& vehicle) {
-  const drivers::FlightSetpoint& asked = vehicle.out.setpoint;
+  const drivers::FlightSetpoint& commanded = vehicle.out.setpoint;
   Snapshot out;
-  out.is_tracking = asked.kind == drivers::FlightSetpoint::Kind::kTrack;
-  out.asked_m = asked.position_world_m.head<2>();
+  out.is_tracking = commanded.kind == drivers::FlightSetpoint::Kind::kTrack;
+  out.asked_m = commanded.position_world_m.head<2>();
   out.state = vehicle.out.state;
   return out;
 }

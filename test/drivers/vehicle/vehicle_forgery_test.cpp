@@ -28,9 +28,9 @@ class Forgery : public VehicleTrust {
 
   /// Forges poses in the name of the real publisher for three seconds.
   void forge_poses() {
-    const auto listener = listen();
+    const auto receiver = open_receiver();
     bench.each_step = [&] {
-      read_newest(*listener);
+      read_newest(*receiver);
       if (bench.steps % 2 == 1) {
         models::MocapFrame frame = bench.see();
         frame.stamp = {bench.clock.now(), vicon_.run_id, vicon_.sequence + 1};
@@ -42,8 +42,8 @@ class Forgery : public VehicleTrust {
     bench.each_step = nullptr;
   }
   void forge_order(OperatorAction action) {
-    const auto listener = listen();
-    bench.each_step = [&] { read_newest(*listener); };
+    const auto receiver = open_receiver();
+    bench.each_step = [&] { read_newest(*receiver); };
     bench.run(0.5);
     bench.each_step = nullptr;
     send(bus::kCommand.name, bytes_of(command(action, command_.run_id, command_.sequence + 1, {})));
@@ -70,18 +70,18 @@ class Forgery : public VehicleTrust {
     wire.encode(bytes.data(), 0, wire.getEncodedSize());
     return bytes;
   }
-  std::unique_ptr<bus::Transport> listen() {
-    auto listener = bench.hub.connect();
+  std::unique_ptr<bus::Transport> open_receiver() {
+    auto receiver = bench.hub.connect();
     for (const std::string& channel : {bus::kVicon.name, bus::kCommand.name}) {
-      listener->subscribe(channel,
+      receiver->subscribe(channel,
                           [this](std::string_view name, std::span<const std::uint8_t> bytes) {
                             newest_[std::string(name)] = {bytes.begin(), bytes.end()};
                           });
     }
-    return listener;
+    return receiver;
   }
-  void read_newest(bus::Transport& listener) {
-    while (listener.handle(std::chrono::microseconds(0)) > 0) {
+  void read_newest(bus::Transport& receiver) {
+    while (receiver.handle(std::chrono::microseconds(0)) > 0) {
     }
     if (const auto frame = bus::decode_wire<vantage_lcm::mocap_frame_t>(newest_["VICON"])) {
       vicon_ = {from_utime(frame->utime), frame->run_id, frame->sequence};

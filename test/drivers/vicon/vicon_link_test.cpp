@@ -209,9 +209,9 @@ TEST(DataStreamSession, RequestsTheContentForPoses) {
   const wire::vicon::Framed first = wire::vicon::next_packet(server.session.outgoing);
   ASSERT_EQ(first.state, wire::vicon::Framing::kWhole);
   wire::vicon::BlockCursor cursor(first.body);
-  wire::vicon::ObjectEnums asked;
-  ASSERT_TRUE(decode(cursor.next()->body, asked));
-  EXPECT_EQ(asked.types, (std::vector<std::uint32_t>{1, 2, 5, 9, 26, 37, 100004}));
+  wire::vicon::ObjectEnums request;
+  ASSERT_TRUE(decode(cursor.next()->body, request));
+  EXPECT_EQ(request.types, (std::vector<std::uint32_t>{1, 2, 5, 9, 26, 37, 100004}));
   const wire::vicon::Bytes second =
       wire::vicon::Bytes(server.session.outgoing).subspan(first.bytes);
   const std::vector<std::uint8_t> expected =

@@ -52,7 +52,7 @@ class MapPublisherTest : public ::testing::Test {
     belief.viewpoint = {{0.5, 0.25, 0.5}, 1.0};
     publisher_.step(bus_.publish(bus::belief_channel("Q1"), belief));
     deliver();
-    return heard_.back();
+    return received_.back();
   }
 
   // Publishes a scan without hits on SCAN_Q1 with the robot name `robot`.
@@ -71,7 +71,7 @@ class MapPublisherTest : public ::testing::Test {
 
   [[nodiscard]] std::int16_t own_looks_here() const {
     const int here = grid_.index_of({2.0, 3.0});
-    return heard_.back().own_looks[static_cast<std::size_t>(here)];
+    return received_.back().own_looks[static_cast<std::size_t>(here)];
   }
 
   [[nodiscard]] static Time time_of(int step) { return kStart + step * 500ms; }
@@ -97,11 +97,11 @@ class MapPublisherTest : public ::testing::Test {
   bus::Bus replay_bus_{*replay_end_, 3, "REPLAY_"};
   std::map<std::int64_t, bus::Bus> mates_;  ///< by run id
   MapPublisher publisher_{bus_, scenario_, "Q1"};
-  std::vector<models::RobotMap> heard_;
+  std::vector<models::RobotMap> received_;
 
   MapPublisherTest() {
     ear_.subscribe<models::RobotMap>(bus::map_channel("Q1"),
-                                     [this](const auto& map) { heard_.push_back(map); });
+                                     [this](const auto& map) { received_.push_back(map); });
   }
 };
 
@@ -188,7 +188,7 @@ TEST_F(MapPublisherTest, IgnoresMapsUnderAnotherRobotsName) {
   deliver();
   EXPECT_EQ(count("map.misaddressed"), 3);
   EXPECT_EQ(step(0).inputs.size(), 1U);
-  EXPECT_EQ(heard_.back().team_looks[0], 0);
+  EXPECT_EQ(received_.back().team_looks[0], 0);
 }
 
 // Maps from outside radio range are ignored; maps received earlier are kept.
@@ -236,19 +236,19 @@ TEST_F(MapPublisherTest, IsReproducedFromItsNamedInputs) {
   deliver();
   ASSERT_EQ(again.size(), 6U);
   for (std::size_t k = 0; k < 6; ++k) {
-    EXPECT_EQ(again[k].inputs, heard_[k].inputs);
-    EXPECT_EQ(again[k].own_looks, heard_[k].own_looks);
-    EXPECT_EQ(again[k].team_looks, heard_[k].team_looks);
-    EXPECT_EQ(again[k].entropy_nats, heard_[k].entropy_nats);
-    EXPECT_EQ(again[k].step, heard_[k].step);
+    EXPECT_EQ(again[k].inputs, received_[k].inputs);
+    EXPECT_EQ(again[k].own_looks, received_[k].own_looks);
+    EXPECT_EQ(again[k].team_looks, received_[k].team_looks);
+    EXPECT_EQ(again[k].entropy_nats, received_[k].entropy_nats);
+    EXPECT_EQ(again[k].step, received_[k].step);
   }
   EXPECT_TRUE(replayer.counters().empty());
   // A map that names an unknown input, or no belief, is not reproduced. The replay waits two
   // seconds for the unknown input, and no longer for later maps.
-  models::RobotMap strange = heard_.back();
+  models::RobotMap strange = received_.back();
   strange.inputs.push_back({"SCAN_Q1", 77, 0});
   bus_.publish(bus::map_channel("Q1"), strange);
-  strange.inputs = {heard_.back().inputs[1]};
+  strange.inputs = {received_.back().inputs[1]};
   bus_.publish(bus::map_channel("Q1"), strange);
   deliver();
   for (int tick = 0; tick < 60; ++tick) {

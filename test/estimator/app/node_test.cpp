@@ -304,10 +304,10 @@ TEST_F(NodeTest, UsesPoseFromInputsOfThisStep) {
 }
 
 TEST_F(NodeTest, PublishesTheConfiguredBeliefs) {
-  std::vector<std::pair<Time, std::size_t>> asked;
+  std::vector<std::pair<Time, std::size_t>> lookups;
   const auto believe = [&](Time t,
                            const std::vector<NamedMessage<models::RobotMeasurement>>& looks) {
-    asked.emplace_back(t, looks.size());
+    lookups.emplace_back(t, looks.size());
     return std::vector<models::TargetBelief>{
         {2, {Eigen::Vector4d::Ones(), Eigen::Matrix4d::Identity()}, t}};
   };
@@ -323,7 +323,7 @@ TEST_F(NodeTest, PublishesTheConfiguredBeliefs) {
   world_.publish(bus::belief_channel("Q2"), mate);
   deliver();
   run_until(t1 + 90ms, {&node});
-  EXPECT_EQ(asked, (std::vector<std::pair<Time, std::size_t>>{{t1, 1U}}));
+  EXPECT_EQ(lookups, (std::vector<std::pair<Time, std::size_t>>{{t1, 1U}}));
   ASSERT_EQ(received.size(), 1u);
   ASSERT_EQ(received[0].targets.size(), 1u);
   EXPECT_EQ(received[0].targets[0].target_id, 2);

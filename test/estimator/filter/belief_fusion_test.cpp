@@ -52,10 +52,10 @@ TEST(Reception, AcceptsBeliefsUpToTheStatedAge) {
   };
   const Duration age_max = from_seconds(still_spec(1).belief_age_max_s);
   for (const Duration age : {Duration{0}, age_max}) {
-    const DistributedFilter heard = after(instant(9) + age);
-    EXPECT_EQ(heard.belief().targets.size(), 1U);
-    EXPECT_EQ(heard.belief().degree, 1);
-    EXPECT_TRUE(heard.counters().named().empty());
+    const DistributedFilter fresh = after(instant(9) + age);
+    EXPECT_EQ(fresh.belief().targets.size(), 1U);
+    EXPECT_EQ(fresh.belief().degree, 1);
+    EXPECT_TRUE(fresh.counters().named().empty());
   }
   const DistributedFilter stale = after(instant(9) + age_max + Duration{1});
   EXPECT_TRUE(stale.belief().targets.empty());
@@ -77,10 +77,10 @@ TEST(Reception, IsLimitedToExactlyTheRadioRange) {
       there.height_m = height_m;
       models::RobotBelief received = belief_of("Q2", instant(1), kOne);
       received.viewpoint = there;
-      DistributedFilter listener(spec);
-      EXPECT_EQ(take_step(listener, instant(1), at(0, 0), {}, {received}).targets.empty(),
+      DistributedFilter receiver(spec);
+      EXPECT_EQ(take_step(receiver, instant(1), at(0, 0), {}, {received}).targets.empty(),
                 !is_near);
-      EXPECT_EQ(listener.counters().out_of_range_beliefs, is_near ? 0 : 1);
+      EXPECT_EQ(receiver.counters().out_of_range_beliefs, is_near ? 0 : 1);
       std::mt19937_64 rng(1);
       models::RobotMeasurement look =
           look_at(spec.sensor, instant(1), there, {Eigen::Vector2d(1.0, 1.0)}, rng);
@@ -183,7 +183,7 @@ TEST(Reception, CountsBeliefsOfUnknownTargets) {
   const models::Information good =
       models::to_information({Eigen::Vector4d(1, 2, 0, 0), Eigen::Matrix4d::Identity()}).value();
   struct Wrong {
-    models::TargetBelief said;
+    models::TargetBelief belief_of_target;
     std::int64_t FilterCounters::*counter;
   };
   const auto of = [](const models::StateVector& vector, const models::StateMatrix& matrix) {
@@ -208,9 +208,9 @@ TEST(Reception, CountsBeliefsOfUnknownTargets) {
       }
       DistributedFilter filter(spec);
       models::RobotBelief received = belief_of("Q2", sent_at, {});
-      received.targets = {{0, good, instant(1)}, wrong.said, {2, good, instant(1)}};
+      received.targets = {{0, good, instant(1)}, wrong.belief_of_target, {2, good, instant(1)}};
       const models::RobotBelief belief = take_step(filter, instant(2), at(0, 0), {}, {received});
-      ASSERT_EQ(belief.targets.size(), 2U) << wrong.said.target_id;
+      ASSERT_EQ(belief.targets.size(), 2U) << wrong.belief_of_target.target_id;
       EXPECT_EQ(belief.targets[0].target_id, 0);
       EXPECT_EQ(belief.targets[1].target_id, 2);
       EXPECT_EQ(filter.counters().*wrong.counter, 1);
@@ -248,16 +248,16 @@ TEST(BeliefFusion, ReflectsOldBeliefsAtWalls) {
       leaving.covariance.diagonal() << 0.01, 0.0025, 0.04, 0.04;
       const models::RobotBelief received = belief_of("Q2", instant(0), {leaving});
       DistributedFilter alone(spec);
-      DistributedFilter listener(spec);
-      for (DistributedFilter* filter : {&alone, &listener}) {
+      DistributedFilter receiver(spec);
+      for (DistributedFilter* filter : {&alone, &receiver}) {
         filter->rebase(test::prior(instant(0), {leaving}));
         take_step(*filter, instant(1), at(0, 0), {});
       }
       take_step(alone, instant(2), at(0, 0), {});
-      take_step(listener, instant(2), at(0, 0), {}, {received});
-      EXPECT_EQ(listener.belief().degree, 1);
-      EXPECT_TRUE(is_near(known(listener, 0).mean, known(alone, 0).mean, 1e-9));
-      EXPECT_TRUE(is_near(known(listener, 0).covariance, known(alone, 0).covariance, 1e-9));
+      take_step(receiver, instant(2), at(0, 0), {}, {received});
+      EXPECT_EQ(receiver.belief().degree, 1);
+      EXPECT_TRUE(is_near(known(receiver, 0).mean, known(alone, 0).mean, 1e-9));
+      EXPECT_TRUE(is_near(known(receiver, 0).covariance, known(alone, 0).covariance, 1e-9));
     }
   }
 }

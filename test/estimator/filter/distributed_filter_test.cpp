@@ -330,9 +330,9 @@ TEST(DistributedFilter, CountsAMeasurementOfItsStartOnce) {
   FilterSpec of_teammate = spec;
   of_teammate.robot = "Q2";
   DistributedFilter teammate(of_teammate);
-  const models::RobotBelief told = take_step(teammate, instant(0), at(0, 0), {look});
+  const models::RobotBelief given = take_step(teammate, instant(0), at(0, 0), {look});
   DistributedFilter filter(spec);
-  take_step(filter, instant(1), at(0, 0), {look}, {told});
+  take_step(filter, instant(1), at(0, 0), {look}, {given});
   EXPECT_TRUE(is_near(known(filter, 0).covariance, known(teammate, 0).covariance, 1e-9));
 }
 
@@ -404,7 +404,7 @@ TEST(DistributedFilter, IgnoresMeasurementsBeforeTheLastRebase) {
   DistributedFilter filter(test::open_spec(walk, position, 1));
   const std::vector<models::Gaussian> start = {
       {Eigen::Vector2d(0.0, 0.0), 0.2 * Eigen::Matrix2d::Identity()}};
-  const models::Gaussian told{Eigen::Vector2d(3.0, 1.0), 0.04 * Eigen::Matrix2d::Identity()};
+  const models::Gaussian given{Eigen::Vector2d(3.0, 1.0), 0.04 * Eigen::Matrix2d::Identity()};
   const std::vector<Eigen::Vector2d> truth_m = {{0.5, 0.5}};
   filter.rebase(test::prior(instant(0), start));
   for (int rebase = 1; rebase <= 2; ++rebase) {
@@ -415,7 +415,7 @@ TEST(DistributedFilter, IgnoresMeasurementsBeforeTheLastRebase) {
                       {test::look_at(position, seen, test::at(0, 0), truth_m, rng)});
     }
     EXPECT_EQ(filter.counters().late_measurements, rebase - 1);
-    filter.rebase(test::prior(instant(first + 3), {told}));
+    filter.rebase(test::prior(instant(first + 3), {given}));
     // Two late observations: one is two steps old, one is from the step that ended at the rebase.
     for (const double ago_s : {1.1, 0.2}) {
       const Time seen = instant(first + 3) - from_seconds(ago_s);
@@ -424,7 +424,7 @@ TEST(DistributedFilter, IgnoresMeasurementsBeforeTheLastRebase) {
                       {test::look_at(position, seen, test::at(0, 0), truth_m, rng)});
       EXPECT_EQ(other.counters().too_late_measurements, 1) << ago_s;
       EXPECT_EQ(other.counters().late_measurements, rebase - 1) << ago_s;
-      EXPECT_TRUE(is_near(test::known(other, 0).mean, told.mean, 1e-9)) << ago_s;
+      EXPECT_TRUE(is_near(test::known(other, 0).mean, given.mean, 1e-9)) << ago_s;
     }
     // After the first step since the rebase, a late observation can be applied.
     test::take_step(filter, instant(first + 4), test::at(0, 0), {});

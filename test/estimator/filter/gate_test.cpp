@@ -109,11 +109,11 @@ TEST(DistributedFilter, GateIsResolvedByItsOwnNextMeasurementOnly) {
       {Eigen::Vector2d(4.0, 0.0), 0.001 * Eigen::Matrix2d::Identity()}};
   filter.rebase(test::prior(instant(0), sure));
   for (int k = 1; k <= 2; ++k) {
-    models::RobotBelief told = test::prior(instant(k - 1), sure);
-    told.robot = "Q2";
-    told.targets[0].last_seen = instant(0);
+    models::RobotBelief received = test::prior(instant(k - 1), sure);
+    received.robot = "Q2";
+    received.targets[0].last_seen = instant(0);
     take_step(filter, instant(k), at(0, 0), {look_at(sensor, instant(k), at(0, 0), {there_m}, rng)},
-              {told});
+              {received});
   }
   EXPECT_EQ(filter.counters().gated, 1);
   EXPECT_LT((known(filter, 0).mean - there_m).norm(), 1.2);

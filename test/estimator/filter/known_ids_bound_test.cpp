@@ -36,8 +36,8 @@ constexpr double kSpeed_mps = 1.0;
 constexpr int kUnjudgedSteps = 20;
 
 unsigned from_environment(const char* name, unsigned otherwise) {
-  const char* const said = std::getenv(name);
-  return said == nullptr ? otherwise : static_cast<unsigned>(std::stoul(said));
+  const char* const text = std::getenv(name);
+  return text == nullptr ? otherwise : static_cast<unsigned>(std::stoul(text));
 }
 
 /// The motion model of config/lab.yaml.
@@ -238,10 +238,10 @@ Both trial(unsigned seed, Chase by, int steps, std::size_t particles,
   for (State& target : targets) {
     target = stationary(rng);
   }
-  std::vector<Posterior> told;
+  std::vector<Posterior> with_ids;
   std::vector<Posterior> oracle;
   for (int t = 0; t < kTargets; ++t) {
-    told.emplace_back(particles, rng);
+    with_ids.emplace_back(particles, rng);
     oracle.emplace_back(particles, rng);
   }
   std::vector<Eigen::Vector2d> eyes_m = {{-3.0, 0.0}, {0.0, 0.0}, {3.0, 0.0}};
@@ -250,10 +250,10 @@ Both trial(unsigned seed, Chase by, int steps, std::size_t particles,
   for (int k = 0; k < steps; ++k) {
     for (std::size_t t = 0; t < targets.size(); ++t) {
       targets[t] = motion.A * targets[t] + motion.root * normal_state(rng);
-      told[t].move(motion);
+      with_ids[t].move(motion);
       oracle[t].move(motion);
     }
-    chase(eyes_m, by == Chase::kByKnownIds ? told : oracle);
+    chase(eyes_m, by == Chase::kByKnownIds ? with_ids : oracle);
     for (const Eigen::Vector2d& eye_m : eyes_m) {
       const models::Viewpoint from{{eye_m.x(), eye_m.y(), 0.0}, 1.0};
       const auto false_alarms =
@@ -265,13 +265,13 @@ Both trial(unsigned seed, Chase by, int steps, std::size_t particles,
             std::uniform_real_distribution<double>()(rng) < detection.detection_probability) {
           own.push_back(models::sample(sensor, from, place_m, rng));
         }
-        told[t].look(sensor, eye_m, own, true, detection);
+        with_ids[t].look(sensor, eye_m, own, true, detection);
         own.insert(own.end(), false_alarms.begin(), false_alarms.end());
         oracle[t].look(sensor, eye_m, own, false, detection);
       }
     }
     for (std::size_t t = 0; k >= kUnjudgedSteps && t < targets.size(); ++t) {
-      out.known_ids.add(told[t], targets[t].head<2>());
+      out.known_ids.add(with_ids[t], targets[t].head<2>());
       out.oracle.add(oracle[t], targets[t].head<2>());
     }
   }

@@ -52,29 +52,29 @@ TEST(NeighbourhoodFilter, EqualsTheFullFilterInItsNeighbourhood) {
   for (int step = 0; step < 60; ++step) {
     const models::Viewpoint from = at(2.0 * step, 0.0);
     const models::RobotMeasurement look = look_in_range(near, step, from, rng);
-    const models::RobotBelief told = take_step(some, instant(step), from, {look});
+    const models::RobotBelief sent = take_step(some, instant(step), from, {look});
     const models::RobotBelief whole = take_step(all, instant(step), from, {look});
     for (const models::TargetBelief& target : whole.targets) {
       const double away_m = std::abs(5.0 * target.target_id - 2.0 * step);
       const auto found =
-          std::find_if(told.targets.begin(), told.targets.end(),
+          std::find_if(sent.targets.begin(), sent.targets.end(),
                        [&](const auto& each) { return each.target_id == target.target_id; });
       if (std::abs(away_m - kNear_m) > 1.0) {  // not near the limit
-        ASSERT_EQ(found != told.targets.end(), away_m < kNear_m) << step;
+        ASSERT_EQ(found != sent.targets.end(), away_m < kNear_m) << step;
       }
-      if (found != told.targets.end()) {
+      if (found != sent.targets.end()) {
         EXPECT_EQ(found->information.matrix, target.information.matrix);
       }
     }
-    EXPECT_LE(told.grid.size(), 23 * 23) << "2.5 neighbourhoods in cells of 2 m";
+    EXPECT_LE(sent.grid.size(), 23 * 23) << "2.5 neighbourhoods in cells of 2 m";
     for (int index = 0; index < whole.grid.size(); ++index) {
-      const int there = told.grid.index_of(whole.grid.centre_m(index));
+      const int there = sent.grid.index_of(whole.grid.centre_m(index));
       const bool is_near =
           (whole.grid.centre_m(index) - from.world_from_body.position_m()).cwiseAbs().maxCoeff() <=
           kNear_m;
       ASSERT_TRUE(there >= 0 || !is_near);
       if (is_near) {
-        ASSERT_EQ(told.last_seen_utime[static_cast<std::size_t>(there)],
+        ASSERT_EQ(sent.last_seen_utime[static_cast<std::size_t>(there)],
                   whole.last_seen_utime[static_cast<std::size_t>(index)]);
       }
     }
@@ -106,16 +106,16 @@ TEST(NeighbourhoodFilter, FusesTeammatesBeliefsInTheSharedArea) {
   DistributedFilter own(spec);
   DistributedFilter theirs(other);
   std::mt19937_64 rng(4);
-  const models::RobotBelief told =
+  const models::RobotBelief sent =
       take_step(theirs, instant(0), at(10.0, 4.0), {look_in_range(spec, 0, at(10.0, 4.0), rng)});
-  EXPECT_FALSE(told.grid == own.grid().geometry());
-  const models::RobotBelief belief = take_step(own, instant(1), at(0.0, 0.0), {}, {told});
+  EXPECT_FALSE(sent.grid == own.grid().geometry());
+  const models::RobotBelief belief = take_step(own, instant(1), at(0.0, 0.0), {}, {sent});
   EXPECT_EQ(own.counters().grid_mismatches, 0);
   ASSERT_GE(belief.targets.size(), 2U) << "those at 5 and 10 m; the one at 15 m may be either";
   EXPECT_LE(belief.targets.size(), 3U);
   const int seen = own.grid().geometry().index_of({9.0, 3.0});
   EXPECT_NE(own.grid().last_seen_utime()[static_cast<std::size_t>(seen)], 0);
-  models::RobotBelief foreign = told;
+  models::RobotBelief foreign = sent;
   foreign.grid.origin_m.x() += 0.5;
   take_step(own, instant(2), at(0.0, 0.0), {}, {foreign});
   EXPECT_EQ(own.counters().grid_mismatches, 1);

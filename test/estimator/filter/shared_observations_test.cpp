@@ -82,7 +82,7 @@ struct SharedLooks {
     }
     std::vector<models::RobotBelief> next;
     for (std::size_t i = 0; i < kRobots; ++i) {
-      auto [used, heard] =
+      auto [used, received] =
           test::received_by(i, looks, beliefs, [&](std::size_t j) { return hears(k, i, j); });
       std::shuffle(used.begin(), used.end(), rng);
       for (const models::RobotMeasurement& look : std::vector(used)) {
@@ -90,7 +90,7 @@ struct SharedLooks {
           used.push_back(look);  // duplicate from another run of the sensor, accepted by the bus
         }
       }
-      next.push_back(take_step(robots[i], instant(k), from[i], used, heard));
+      next.push_back(take_step(robots[i], instant(k), from[i], used, received));
     }
     beliefs = next;
     take_step(*central, instant(k), from[0], looks);

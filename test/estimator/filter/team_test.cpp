@@ -50,13 +50,13 @@ class Team {
   }
 
   [[nodiscard]] std::vector<models::RobotBelief> received_by(std::size_t i) const {
-    std::vector<models::RobotBelief> heard;
+    std::vector<models::RobotBelief> received;
     for (std::size_t j = 0; j < filters_.size(); ++j) {
       if (j != i && !beliefs_[j].robot.empty()) {
-        heard.push_back(beliefs_[j]);
+        received.push_back(beliefs_[j]);
       }
     }
-    return heard;
+    return received;
   }
 
   [[nodiscard]] const DistributedFilter& filter(std::size_t i) const { return filters_[i]; }

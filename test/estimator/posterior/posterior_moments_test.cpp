@@ -124,19 +124,19 @@ TEST(PosteriorMoments, UseTheTrueRangeOfACalibratedSensor) {
       if (!has_bearing) {
         z.V = z.V.topLeftCorner(1, 1).eval();
       }
-      models::Measurement said = z;
-      said.z(0) = 1.3 * z.z(0) - 0.6;
-      said.V.row(0) *= 1.3;
-      said.V.col(0) *= 1.3;
+      models::Measurement distorted = z;
+      distorted.z(0) = 1.3 * z.z(0) - 0.6;
+      distorted.V.row(0) *= 1.3;
+      distorted.V.col(0) *= 1.3;
       const auto right = posterior_moments(prior.as_prior(), plain, from, z);
-      const auto found = posterior_moments(prior.as_prior(), calibrated, from, said);
+      const auto found = posterior_moments(prior.as_prior(), calibrated, from, distorted);
       ASSERT_TRUE(right && found);
       EXPECT_LT((found->mean_m - right->mean_m).norm(), 1e-9);
       EXPECT_LT((found->covariance_m2 - right->covariance_m2).norm(), 1e-9);
       EXPECT_NEAR(found->mahalanobis2, right->mahalanobis2, 1e-9);
       // Brute force gives the same moments.
       const auto oracle = test::dense_posterior(prior.mean_m, prior.P_m2.inverse(), calibrated,
-                                                from, said, false, 160);
+                                                from, distorted, false, 160);
       ASSERT_TRUE(oracle);
       const test::Difference d = test::difference(found->mean_m, found->covariance_m2, *oracle);
       EXPECT_LT(d.mean_sigma, 0.02) << kind.name();

@@ -348,7 +348,7 @@ TEST(RangeOnlyFilter, RestartsAfterAWindowOfUnexplainedRanges) {
   spec.restart_window = 4;
   RangeOnlyFilter filter(spec);
   const Eigen::Vector2d robot_m(1.0, 2.0);
-  const auto hear = [&](const std::vector<double>& ranges_m, std::int64_t restarts) {
+  const auto update_with = [&](const std::vector<double>& ranges_m, std::int64_t restarts) {
     for (const double range_m : ranges_m) {
       EXPECT_EQ(filter.restarts(), 0);
       EXPECT_GT(filter.best().weight, 0.0);
@@ -357,9 +357,9 @@ TEST(RangeOnlyFilter, RestartsAfterAWindowOfUnexplainedRanges) {
     EXPECT_EQ(filter.restarts(), restarts);
   };
   filter.update(robot_m, 10.0);
-  hear({10.0, 1e4, 10.0, 10.0}, 0);
-  hear({1e4, 10.0, 10.0, 10.0}, 0);
-  hear({1e4, 10.0, 1e4, 10.0}, 1);  // slightly less than half: no range is certain
+  update_with({10.0, 1e4, 10.0, 10.0}, 0);
+  update_with({1e4, 10.0, 10.0, 10.0}, 0);
+  update_with({1e4, 10.0, 1e4, 10.0}, 1);  // slightly less than half: no range is certain
   EXPECT_TRUE(filter.hypotheses().empty());
   EXPECT_EQ(filter.best().weight, 0.0);
   EXPECT_EQ(filter.best().mean_m, Eigen::Vector2d::Zero());

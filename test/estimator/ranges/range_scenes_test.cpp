@@ -18,8 +18,8 @@ namespace {
 
 /// Returns the number of scenes: VANTAGE_RANGE_SCENES, or 60 if it is not set.
 unsigned scenes() {
-  const char* const said = std::getenv("VANTAGE_RANGE_SCENES");
-  return said == nullptr ? 60U : static_cast<unsigned>(std::stoul(said));
+  const char* const text = std::getenv("VANTAGE_RANGE_SCENES");
+  return text == nullptr ? 60U : static_cast<unsigned>(std::stoul(text));
 }
 
 /// Mean squared errors, in units of the claimed variance, over scenes() scenes from `first_seed`

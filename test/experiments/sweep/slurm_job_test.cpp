@@ -141,8 +141,9 @@ TEST(SlurmClient, UsesTheClusterOfTheJobs) {
     EXPECT_EQ(queue.value().tasks.at(1), "RUNNING");
     EXPECT_EQ(queue.value().collector, "PENDING");
     cancel_job(jobs.collector, {"--state=PENDING"});
-    const std::string asked = std::string("--jobs=77,78") + (option.empty() ? "" : " ") + option;
-    EXPECT_NE(fake.words().find(asked.substr(0, asked.find_last_not_of(' ') + 1) + "\n"),
+    const std::string arguments =
+        std::string("--jobs=77,78") + (option.empty() ? "" : " ") + option;
+    EXPECT_NE(fake.words().find(arguments.substr(0, arguments.find_last_not_of(' ') + 1) + "\n"),
               std::string::npos)
         << fake.words();
     EXPECT_NE(fake.words().find("scancel --quiet --state=PENDING " + option + "78\n"),

@@ -70,7 +70,7 @@ using All = Types<vantage_lcm::attack_t, vantage_lcm::belief_t, vantage_lcm::col
                   vantage_lcm::scan_t, vantage_lcm::scenario_t, vantage_lcm::team_proposal_t,
                   vantage_lcm::truth_t, vantage_lcm::mocap_frame_t>;
 
-void hear(std::string_view channel, std::span<const std::uint8_t> bytes) {
+void deliver(std::string_view channel, std::span<const std::uint8_t> bytes) {
   promise(!channel.empty() && channel.size() <= bus::udpm::kChannelBytesMax, "channels have names");
   promise(channel.find('\0') == std::string_view::npos, "names have no NUL inside");
   All::decode(bytes);
@@ -119,12 +119,12 @@ void fuzz_packet_path(std::span<const std::uint8_t> input) {
       continue;
     }
     if (!packet->is_fragment) {
-      hear(packet->channel, packet->payload);
+      deliver(packet->channel, packet->payload);
       continue;
     }
     if (const auto message = reassembler.add(control & 15U, *packet, now_ns)) {
       promise(message->payload.size() <= limits.message_bytes_max, "messages are bounded");
-      hear(message->channel, message->payload);
+      deliver(message->channel, message->payload);
     }
     reassembler.expire(now_ns);
     promise(reassembler.bytes_kept() <= limits.total_bytes_max, "memory is bounded");

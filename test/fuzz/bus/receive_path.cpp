@@ -143,7 +143,7 @@ Vehicle& vehicle() {
   return *one;
 }
 
-void hear(Vehicle& self, std::uint8_t control, const std::string& channel, Bytes message) {
+void deliver(Vehicle& self, std::uint8_t control, const std::string& channel, Bytes message) {
   const std::int64_t before = self.handed_on;
   const bool is_signed = (control & kIsSigned) != 0 && channel.size() <= 255;
   if (is_signed) {
@@ -180,10 +180,10 @@ void fuzz_receive_path(std::span<const std::uint8_t> input) {
     const std::int64_t now_ns = to_utime(self.clock.now()) * 1'000;
     if (const auto packet = bus::udpm::parse_packet(datagram->bytes)) {
       if (!packet->is_fragment) {
-        hear(self, control, std::string(packet->channel),
-             {packet->payload.begin(), packet->payload.end()});
+        deliver(self, control, std::string(packet->channel),
+                {packet->payload.begin(), packet->payload.end()});
       } else if (auto whole = self.reassembler.add(control & 15U, *packet, now_ns)) {
-        hear(self, control, whole->channel, std::move(whole->payload));
+        deliver(self, control, whole->channel, std::move(whole->payload));
       }
     }
     self.reassembler.expire(now_ns);

@@ -183,9 +183,9 @@ std::vector<std::vector<std::uint8_t>> client_samples(MocapProtocol protocol) {
     drivers::vicon::Moment now{ViconBench::kEpoch, Duration{0}};
     driver.on_opening(now);
     driver.on_opened(now);
-    const std::vector<std::uint8_t> heard = server_samples(protocol)[1];
+    const std::vector<std::uint8_t> server_bytes = server_samples(protocol)[1];
     std::vector<std::uint8_t> sample{0};
-    in_chunks(protocol, heard, [&](Bytes bytes) {
+    in_chunks(protocol, server_bytes, [&](Bytes bytes) {
       driver.receive(now, bytes);
       if (protocol.transport() == scenario::MocapTransport::kUdpRequested) {
         driver.on_time(now);

@@ -99,9 +99,9 @@ TEST(Csqmi, EqualsTheSumOverAllMaps) {
                             random.uniform(0.02, 0.4)};
     const BeamProfile beam = test::random_beam(random, 8, 0.02, 0.3);
     const EnumeratedBeam oracle(beam, sensor);
-    const BeamInformation told = csqmi(beam, sensor, 1e9);
-    ASSERT_EQ(told.error_nats, 0.0);
-    ASSERT_NEAR(told.nats, csqmi_by_enumeration(oracle), 1e-6) << i;
+    const BeamInformation computed = csqmi(beam, sensor, 1e9);
+    ASSERT_EQ(computed.error_nats, 0.0);
+    ASSERT_NEAR(computed.nats, csqmi_by_enumeration(oracle), 1e-6) << i;
   }
 }
 

@@ -300,8 +300,8 @@ TEST(PositionFrom, InvertsObserve) {
   for (const SensorKind kind :
        {SensorKind::kPosition, SensorKind::kRangeBearing, SensorKind::kCamera}) {
     for (const int dim : {2, 3}) {
-      int told = 0;
-      while (told < 1000) {
+      int visible_count = 0;
+      while (visible_count < 1000) {
         SensorModel sensor = of_kind(kind);
         sensor.camera_tilt_rad = random.uniform(0.3, kPi / 2);
         sensor.calibration = {random.uniform(0.9, 1.1), random.uniform(-0.2, 0.2)};
@@ -313,7 +313,7 @@ TEST(PositionFrom, InvertsObserve) {
         if (!in_view(sensor, from, target)) {
           continue;
         }
-        ++told;
+        ++visible_count;
         const auto found = position_from(sensor, from, observe(sensor, from, target), dim);
         ASSERT_TRUE(found);
         ASSERT_TRUE(test::is_near(*found, target, 1e-7));

@@ -109,11 +109,11 @@ TEST_F(ExternalTest, SendsNoRequestAfterAnswerDeadline) {
   EXPECT_EQ(count("external_missing"), 0) << "no request was sent";
   const Duration round = from_seconds(1.0);
   const Time due = inputs_.slot.end - kClosing;
-  for (const auto& [now, asked] : {std::pair(due + round, 0U), {due + 2 * round - 1us, 1U}}) {
+  for (const auto& [now, requests] : {std::pair(due + round, 0U), {due + 2 * round - 1us, 1U}}) {
     clock_.set(now);
     node_->tick(now);
     deliver();
-    EXPECT_EQ(questions_.size(), asked);
+    EXPECT_EQ(questions_.size(), requests);
   }
 }
 

@@ -257,13 +257,13 @@ TEST_F(PlannerNodeTest, IgnoresUnusedMessageKinds) {
   world_.publish(bus::proposal_channel("Q2"),
                  models::PlanProposal{{inputs_.slot.activation, 0, 0}, 1.0, plan_of("Q2")});
   world_.publish(bus::external_plan_channel("Q1"), plan_of("Q1"));
-  models::TeamProposal said;
-  said.robot = "Q2";
-  said.round = inputs_.slot.round;
-  said.stamp.time = inputs_.slot.activation;
-  said.value_nats = 1.0;
-  said.history = {1};
-  world_.publish(bus::team_proposal_channel("Q2"), said);
+  models::TeamProposal proposal;
+  proposal.robot = "Q2";
+  proposal.round = inputs_.slot.round;
+  proposal.stamp.time = inputs_.slot.activation;
+  proposal.value_nats = 1.0;
+  proposal.history = {1};
+  world_.publish(bus::team_proposal_channel("Q2"), proposal);
   models::RobotMap map;
   map.robot = "Q1";
   map.grid = {{-4.0, -2.0}, 1.0, 8, 4};
@@ -354,27 +354,27 @@ TEST_F(PlannerNodeTest, PollsProposalsEveryFiveMilliseconds) {
 
 TEST_F(PlannerNodeTest, NamesInputsAndBaseOfProposal) {
   start(team_that_agrees());
-  std::vector<models::TeamProposal> said;
+  std::vector<models::TeamProposal> proposals;
   world_.subscribe<models::TeamProposal>(bus::team_proposal_channel("Q1"),
-                                         [&](const auto& each) { said.push_back(each); });
+                                         [&](const auto& each) { proposals.push_back(each); });
   const InputRef belief = sent_ref(world_, bus::belief_channel("Q1"), *inputs_.belief);
   std::size_t before = 0;
   for (std::int64_t k = 0; k < 2; ++k) {
     round();
     inputs_.slot.activation += 1s;
-    ASSERT_GT(said.size(), before) << k;
+    ASSERT_GT(proposals.size(), before) << k;
     std::vector<InputRef> names = {belief, {"VICON", 100, 0}};
     if (k > 0) {
       names.push_back({"PLAN_Q1", 1, k - 1});
     }
-    for (std::size_t i = before; i < said.size(); ++i) {
+    for (std::size_t i = before; i < proposals.size(); ++i) {
       std::vector<InputRef> with_base = names;
       if (i > before) {
         with_base.push_back({"TEAM_PROPOSAL_Q1", 1, static_cast<std::int64_t>(i) - 1});
       }
-      EXPECT_EQ(said[i].inputs, with_base) << k << " " << i;
+      EXPECT_EQ(proposals[i].inputs, with_base) << k << " " << i;
     }
-    before = said.size();
+    before = proposals.size();
     EXPECT_EQ(plans_.back().inputs.back(),
               (InputRef{"TEAM_PROPOSAL_Q1", 1, static_cast<std::int64_t>(before) - 1}));
     EXPECT_EQ(plans_.back().source, models::PlanSource::kSearched);
@@ -391,23 +391,23 @@ TEST_F(PlannerNodeTest, CountsInvalidProposals) {
   bad.stamp.time = inputs_.slot.activation;
   bad.value_nats = 1.0;
   bad.history = {1};
-  const auto say = [&](const models::TeamProposal& each) {
+  const auto refused_after = [&](const models::TeamProposal& each) {
     world_.publish(bus::team_proposal_channel("Q2"), each);
     deliver();
     return count("proposals_refused");
   };
-  EXPECT_EQ(say(bad), 0) << "not evaluated yet";
+  EXPECT_EQ(refused_after(bad), 0) << "not evaluated yet";
   clock_.set(node_->next_tick());
   node_->tick(clock_.now());
   EXPECT_EQ(count("proposals_refused"), 1);
-  EXPECT_EQ(say(bad), 2);
+  EXPECT_EQ(refused_after(bad), 2);
   models::TeamProposal other = bad;
   ++other.round;
-  EXPECT_EQ(say(other), 2) << "another round";
-  EXPECT_EQ(say(bad), 3);
+  EXPECT_EQ(refused_after(other), 2) << "another round";
+  EXPECT_EQ(refused_after(bad), 3);
   other = bad;
   other.robot = "Q3";
-  EXPECT_EQ(say(other), 3);
+  EXPECT_EQ(refused_after(other), 3);
   EXPECT_EQ(count("misaddressed"), 1);
 }
 

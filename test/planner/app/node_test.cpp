@@ -52,8 +52,9 @@ TEST_F(PlannerNodeTest, DropsAttackNoticeAfterThreeSeconds) {
   start(scenario);
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   deliver();
-  const Time heard = clock_.now();
-  const auto attack = sent_ref(world_, bus::kAttack, models::AttackNotice{{heard, 0, 0}, {"Q2"}});
+  const Time notice_time = clock_.now();
+  const auto attack =
+      sent_ref(world_, bus::kAttack, models::AttackNotice{{notice_time, 0, 0}, {"Q2"}});
   deliver();
   for (int k = 0; k < 6; ++k) {
     round();
@@ -62,8 +63,8 @@ TEST_F(PlannerNodeTest, DropsAttackNoticeAfterThreeSeconds) {
   int by_attack = 0;
   int without = 0;
   for (const models::RobotPlan& plan : plans_) {
-    EXPECT_EQ(names(plan, attack), plan.slot_start <= heard + 3s)
-        << to_seconds(plan.slot_start - heard);
+    EXPECT_EQ(names(plan, attack), plan.slot_start <= notice_time + 3s)
+        << to_seconds(plan.slot_start - notice_time);
     ++(names(plan, attack) ? by_attack : without);
   }
   EXPECT_GE(by_attack, 2);

@@ -23,12 +23,14 @@ class ReplayTest : public test::PlannerNodeTest {
  protected:
   void start_replay() {
     replay_ = std::make_unique<PlannerReplayNode>(replay_bus_, clock_, scenario_, "Q1");
-    world_.subscribe<models::RobotPlan>({"REPLAY_PLAN_Q1"},
-                                        [this](const auto& plan) { again_.push_back(plan); });
+    world_.subscribe<models::RobotPlan>(
+        {"REPLAY_PLAN_Q1"}, [this](const auto& plan) { replayed_plans_.push_back(plan); });
     world_.subscribe<models::TeamProposal>(
-        {"REPLAY_TEAM_PROPOSAL_Q1"}, [this](const auto& said) { said_again_.push_back(said); });
-    world_.subscribe<models::TeamProposal>(bus::team_proposal_channel("Q1"),
-                                           [this](const auto& said) { said_.push_back(said); });
+        {"REPLAY_TEAM_PROPOSAL_Q1"},
+        [this](const auto& proposal) { replayed_proposals_.push_back(proposal); });
+    world_.subscribe<models::TeamProposal>(
+        bus::team_proposal_channel("Q1"),
+        [this](const auto& proposal) { proposals_.push_back(proposal); });
   }
 
   void start_both(const scenario::Scenario& scenario) {
@@ -76,10 +78,10 @@ class ReplayTest : public test::PlannerNodeTest {
     world_.publish(bus::plan_channel("Q1"), plan);
   }
 
-  /// Runs `count` rounds of the planner and calls `tell` before each round.
-  void rounds(int count, const std::function<void()>& tell) {
+  /// Runs `count` rounds of the planner and calls `publish_inputs` before each round.
+  void rounds(int count, const std::function<void()>& publish_inputs) {
     for (int k = 0; k < count; ++k) {
-      tell();
+      publish_inputs();
       round();
       inputs_.slot.activation += from_seconds(1.0);
       ++inputs_.slot.round;
@@ -89,13 +91,13 @@ class ReplayTest : public test::PlannerNodeTest {
   void expect_all_again(std::size_t plans, const std::vector<std::string>& channels) {
     tick();
     EXPECT_EQ(plans_.size(), plans);
-    expect_counts(static_cast<std::int64_t>(plans_.size() + said_.size()), 0, 0);
-    ASSERT_EQ(again_.size(), plans_.size());
+    expect_counts(static_cast<std::int64_t>(plans_.size() + proposals_.size()), 0, 0);
+    ASSERT_EQ(replayed_plans_.size(), plans_.size());
     for (std::size_t i = 0; i < plans_.size(); ++i) {
-      EXPECT_TRUE(is_same_decision(again_[i], plans_[i]));
-      EXPECT_EQ(again_[i].finish, plans_[i].finish);
-      EXPECT_EQ(again_[i].late, plans_[i].late);
-      EXPECT_EQ(again_[i].inputs, plans_[i].inputs);
+      EXPECT_TRUE(is_same_decision(replayed_plans_[i], plans_[i]));
+      EXPECT_EQ(replayed_plans_[i].finish, plans_[i].finish);
+      EXPECT_EQ(replayed_plans_[i].late, plans_[i].late);
+      EXPECT_EQ(replayed_plans_[i].inputs, plans_[i].inputs);
     }
     for (const std::string& channel : channels) {
       const auto is_named = [&](const models::InputRef& input) { return input.channel == channel; };
@@ -107,9 +109,9 @@ class ReplayTest : public test::PlannerNodeTest {
   std::unique_ptr<bus::Transport> replay_end_ = hub_.connect();
   bus::Bus replay_bus_{*replay_end_, 3, "REPLAY_"};
   std::unique_ptr<PlannerReplayNode> replay_;
-  std::vector<models::RobotPlan> again_;
-  std::vector<models::TeamProposal> said_;
-  std::vector<models::TeamProposal> said_again_;
+  std::vector<models::RobotPlan> replayed_plans_;
+  std::vector<models::TeamProposal> proposals_;
+  std::vector<models::TeamProposal> replayed_proposals_;
 };
 
 TEST_F(ReplayTest, ReproducesPlansFromTheirInputs) {
@@ -159,8 +161,8 @@ TEST_F(ReplayTest, ReproducesStopsOfABusyHost) {
     node_->on_processor_wait(round++ % 2 == 0 ? 0.0 : 0.3);
   });
   expect_all_again(4, {"BELIEF_Q1", "PLAN_Q1", "VICON"});
-  EXPECT_FALSE(again_[2].late);
-  EXPECT_TRUE(again_[3].late);
+  EXPECT_FALSE(replayed_plans_[2].late);
+  EXPECT_TRUE(replayed_plans_[3].late);
 }
 
 TEST_F(ReplayTest, ReplaysPlanWithProposals) {
@@ -244,28 +246,28 @@ TEST_F(ReplayTest, ReplaysOwnProposals) {
     world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
     world_.publish(bus::team_proposal_channel("Q2"), *proposed);
   });
-  ASSERT_FALSE(said_.empty());
-  EXPECT_EQ(said_[0].inputs.back(), (models::InputRef{"TEAM_PROPOSAL_Q2", 100, 0}));
-  EXPECT_EQ(said_[0].choices.size(), 2U);
+  ASSERT_FALSE(proposals_.empty());
+  EXPECT_EQ(proposals_[0].inputs.back(), (models::InputRef{"TEAM_PROPOSAL_Q2", 100, 0}));
+  EXPECT_EQ(proposals_[0].choices.size(), 2U);
   expect_all_again(1, {"TEAM_PROPOSAL_Q1"});
-  ASSERT_EQ(said_again_.size(), said_.size());
-  for (std::size_t i = 0; i < said_.size(); ++i) {
-    EXPECT_TRUE(is_same_decision(said_again_[i], said_[i]));
-    EXPECT_EQ(said_again_[i].nodes, said_[i].nodes);
-    EXPECT_EQ(said_again_[i].inputs, said_[i].inputs);
+  ASSERT_EQ(replayed_proposals_.size(), proposals_.size());
+  for (std::size_t i = 0; i < proposals_.size(); ++i) {
+    EXPECT_TRUE(is_same_decision(replayed_proposals_[i], proposals_[i]));
+    EXPECT_EQ(replayed_proposals_[i].nodes, proposals_[i].nodes);
+    EXPECT_EQ(replayed_proposals_[i].inputs, proposals_[i].inputs);
   }
   // The replay must report a difference from a logged proposal with a changed value, with an input
   // that cannot be improved, of another round, or without inputs.
-  models::TeamProposal other = said_.back();
+  models::TeamProposal other = proposals_.back();
   other.value_nats += 1.0;
   robot_bus_.publish(bus::team_proposal_channel("Q1"), other);
-  models::TeamProposal of_last = said_.back();
-  of_last.inputs.back() = {"TEAM_PROPOSAL_Q1", 1, static_cast<std::int64_t>(said_.size()) - 1};
+  models::TeamProposal of_last = proposals_.back();
+  of_last.inputs.back() = {"TEAM_PROPOSAL_Q1", 1, static_cast<std::int64_t>(proposals_.size()) - 1};
   robot_bus_.publish(bus::team_proposal_channel("Q1"), of_last);
-  models::TeamProposal later = said_.back();
+  models::TeamProposal later = proposals_.back();
   ++later.round;
   robot_bus_.publish(bus::team_proposal_channel("Q1"), later);
-  models::TeamProposal of_nothing = said_.back();
+  models::TeamProposal of_nothing = proposals_.back();
   of_nothing.inputs.clear();
   robot_bus_.publish(bus::team_proposal_channel("Q1"), of_nothing);
   deliver();
@@ -315,11 +317,11 @@ TEST_F(ReplayTest, ReproducesFallbacksOfLateSearches) {
   deliver();
   tick();
   expect_counts(1, 1, 0);
-  ASSERT_EQ(again_.size(), 2U);
-  EXPECT_EQ(again_[0].source, models::PlanSource::kShifted);
-  EXPECT_TRUE(again_[0].late);
-  EXPECT_EQ(again_[0].finish, shifted.finish);
-  EXPECT_NE(again_[1].source, models::PlanSource::kShifted);
+  ASSERT_EQ(replayed_plans_.size(), 2U);
+  EXPECT_EQ(replayed_plans_[0].source, models::PlanSource::kShifted);
+  EXPECT_TRUE(replayed_plans_[0].late);
+  EXPECT_EQ(replayed_plans_[0].finish, shifted.finish);
+  EXPECT_NE(replayed_plans_[1].source, models::PlanSource::kShifted);
 }
 
 // With shared slots, each plan states the slot in which it was made.
@@ -340,9 +342,9 @@ TEST_F(ReplayTest, PlansInTheLoggedSlot) {
   }
   deliver();
   tick();
-  ASSERT_EQ(again_.size(), 2U);
-  EXPECT_EQ(again_[0].slot_start, begins[0]);
-  EXPECT_EQ(again_[1].slot_start, begins[1]);
+  ASSERT_EQ(replayed_plans_.size(), 2U);
+  EXPECT_EQ(replayed_plans_[0].slot_start, begins[0]);
+  EXPECT_EQ(replayed_plans_[1].slot_start, begins[1]);
 }
 
 // Inputs may be logged after the message that was computed from them. The replay waits two seconds
@@ -398,21 +400,21 @@ TEST_F(ReplayTest, KeepsLimitedMessagesPerChannel) {
   scenario.targets.clear();
   start_without_planner(scenario);
   std::int64_t logged = 0;
-  const auto expect_kept = [&](const std::string& channel, int count, const auto& say) {
+  const auto expect_kept = [&](const std::string& channel, int count, const auto& publish_once) {
     SCOPED_TRACE(channel);
-    const auto say_times = [&](int times) {
+    const auto publish_times = [&](int times) {
       for (int k = 0; k < times; ++k) {
-        say();
+        publish_once();
       }
       deliver();
     };
-    say_times(count);
+    publish_times(count);
     for (int k = 0; k <= 1; ++k) {
       log_plan({{channel, 100, 0}});
       for (int i = 0; i < 25; ++i) {
         tick();
       }
-      say_times(1);
+      publish_times(1);
     }
     ++logged;
     expect_counts(0, logged, logged);
@@ -438,12 +440,12 @@ TEST_F(ReplayTest, KeepsLimitedMessagesPerChannel) {
     world_.publish(bus::proposal_channel("Q2"), models::PlanProposal{{}, 1.0, plan_of("Q2")});
   });
   expect_kept("ATTACK", 64, [&] { world_.publish(bus::kAttack, models::AttackNotice{}); });
-  models::TeamProposal said;
-  said.robot = "Q2";
-  said.value_nats = 1.0;
-  said.history = {1};
+  models::TeamProposal proposal;
+  proposal.robot = "Q2";
+  proposal.value_nats = 1.0;
+  proposal.history = {1};
   expect_kept("TEAM_PROPOSAL_Q2", 500,
-              [&] { world_.publish(bus::team_proposal_channel("Q2"), said); });
+              [&] { world_.publish(bus::team_proposal_channel("Q2"), proposal); });
   // The logged plans of Q1 have their own channel, so they do not displace messages of Q2.
   expect_kept("PLAN_Q2", 64, [&] { world_.publish(bus::plan_channel("Q2"), plan_of("Q2")); });
 }

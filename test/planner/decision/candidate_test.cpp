@@ -109,13 +109,14 @@ TEST(CandidateTrajectories, SupplyStandAloneGain) {
       gaining += *candidate.mutual_nats > 0.0 ? 1 : 0;
       candidate.mutual_nats.reset();
     }
-    const TeamOracle asked(bare);
-    EXPECT_EQ(asked.calls(), asked.candidate_count());
-    for (CandidateId id = 0; id < asked.candidate_count(); ++id) {
-      EXPECT_EQ(brought.individual_value(id), asked.individual_value(id)) << "seed " << seed;
+    const TeamOracle without_gains(bare);
+    EXPECT_EQ(without_gains.calls(), without_gains.candidate_count());
+    for (CandidateId id = 0; id < without_gains.candidate_count(); ++id) {
+      EXPECT_EQ(brought.individual_value(id), without_gains.individual_value(id))
+          << "seed " << seed;
     }
     team.measure = InformationMeasure::kLogDet;  // the supplied gains are mutual information
-    EXPECT_EQ(TeamOracle(team).calls(), asked.candidate_count());
+    EXPECT_EQ(TeamOracle(team).calls(), without_gains.candidate_count());
   }
   EXPECT_GT(gaining, 100);
 }
@@ -247,9 +248,9 @@ TEST(MakeCandidate, HasMeasurementsOfAllVisibleTargets) {
         const PredictedMeasurement& is = made.measurements[next++];
         EXPECT_EQ(is.target, m);
         EXPECT_EQ(is.step, t + 1);
-        const models::PositionMatrix told =
+        const models::PositionMatrix stated =
             unpack(p == 3 ? BlockLayout::kSpatial : BlockLayout::kPlanar, is.information.m);
-        EXPECT_LE((told - M).norm(), 1e-6 * M.norm());
+        EXPECT_LE((stated - M).norm(), 1e-6 * M.norm());
       }
     }
     EXPECT_EQ(next, made.measurements.size());
@@ -289,10 +290,10 @@ TEST(MakeCandidate, IsSameFromSearchAndFromMotion) {
     of_another.height_m += 0.7;
     of_another.sensors.resize(1);
     of_another.sensors[0].range_max_m *= 0.5;
-    const Candidate told = make_candidate(of_another, &sensor, motion, 2.5);
-    expect_same_looks(told, make_candidate(own, energy, result.controls));
-    EXPECT_EQ(told.energy_cost, 2.5);
-    EXPECT_EQ(told.poses.size(), made.poses.size());
+    const Candidate from_motion = make_candidate(of_another, &sensor, motion, 2.5);
+    expect_same_looks(from_motion, make_candidate(own, energy, result.controls));
+    EXPECT_EQ(from_motion.energy_cost, 2.5);
+    EXPECT_EQ(from_motion.poses.size(), made.poses.size());
     const Candidate blind = make_candidate(problem, nullptr, motion, 2.5);
     EXPECT_TRUE(blind.measurements.empty());
     EXPECT_EQ(blind.energy_cost, 2.5);

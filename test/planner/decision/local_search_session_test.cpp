@@ -134,7 +134,7 @@ struct Network {
 struct Outcome {
   int proposals = 0;
   bool is_finished = false;
-  std::vector<models::TeamProposal> said;
+  std::vector<models::TeamProposal> sent;
 };
 
 // Runs the sessions in random order, `calls` oracle calls per step. Ends when no session searches
@@ -154,7 +154,7 @@ Outcome run(Team& team, const Network& network, std::uint64_t seed, std::int64_t
     const int robot = static_cast<int>(rng() % index(team.size()));
     if (const auto proposal = team[robot].improve(Deadline::nodes(calls))) {
       ++out.proposals;
-      out.said.push_back(*proposal);
+      out.sent.push_back(*proposal);
       for (int to = 0; to < team.size(); ++to) {
         const int copies = to == robot || chance() < network.lost ? 0
                            : chance() < network.doubled           ? 2
@@ -248,9 +248,9 @@ TEST(LocalSearchSession, EndsWhenBeliefsDiffer) {
     Team team(problems);
     const Outcome outcome = run(team, {0.1, 0.1, 5}, seed, 3, 1'000'000);
     ASSERT_TRUE(outcome.is_finished) << "seed " << seed;
-    for (const models::TeamProposal& said : outcome.said) {
-      const std::set<std::int64_t> solutions(said.history.begin(), said.history.end());
-      EXPECT_EQ(solutions.size(), said.history.size()) << "a solution was repeated";
+    for (const models::TeamProposal& proposal : outcome.proposal) {
+      const std::set<std::int64_t> solutions(proposal.history.begin(), proposal.history.end());
+      EXPECT_EQ(solutions.size(), proposal.history.size()) << "a solution was repeated";
     }
     disputed += outcome.proposals > 3 * team.size() ? 1 : 0;
   }
@@ -283,22 +283,22 @@ TEST(LocalSearchSession, ProposesSameAfterAnyInterruption) {
 // A session that received only the newest message continues in the same way as the sender of that
 // message.
 TEST(LocalSearchSession, NeedsOnlyNewestMessage) {
-  int heard = 0;
+  int checked = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     Team team({drawn(seed)});
     const Outcome outcome = run(team, {}, seed, 3, 1'000'000);
-    if (outcome.said.empty()) {
+    if (outcome.sent.empty()) {
       continue;
     }
     for (int robot = 0; robot < team.size(); ++robot) {
       const auto fresh = team.session_of(robot);
-      EXPECT_TRUE(fresh->receive(outcome.said.back()));
-      EXPECT_FALSE(fresh->receive(outcome.said.back())) << "a repeated message changes nothing";
+      EXPECT_TRUE(fresh->receive(outcome.sent.back()));
+      EXPECT_FALSE(fresh->receive(outcome.sent.back())) << "a repeated message changes nothing";
       EXPECT_FALSE(fresh->improve(Deadline::never())) << "a local optimum for all robots";
-      ++heard;
+      ++checked;
     }
   }
-  EXPECT_GE(heard, 200);
+  EXPECT_GE(checked, 200);
 }
 
 // Coordinate descent: the teammates' choices are committed, and the robot adds its best candidate.
@@ -352,10 +352,10 @@ TEST(LocalSearchSession, StartsWithoutCommittedPlans) {
 
 TEST(LocalSearchSession, RefusesOtherRoundTeamOrRobot) {
   Team team({drawn(3)});
-  const auto said = team[0].improve(Deadline::never());
-  ASSERT_TRUE(said);
+  const auto sent = team[0].improve(Deadline::never());
+  ASSERT_TRUE(sent);
   const auto is_refused = [&](int robot, auto&& spoil) {
-    models::TeamProposal spoiled = *said;
+    models::TeamProposal spoiled = *sent;
     spoil(spoiled);
     const auto session = team.session_of(robot);
     return !session->receive(spoiled) && !session->held();
@@ -457,7 +457,7 @@ TEST(LocalSearchSession, UsesTheNewestInformationOfAProposedMotion) {
     };
     return std::make_unique<LocalSearchSession>(std::move(setup));
   };
-  const auto said = [](double value_nats, double information_nats) {
+  const auto sent = [](double value_nats, double information_nats) {
     models::TeamProposal proposal;
     proposal.stamp.time = kActivation;
     proposal.robot = "Q2";
@@ -468,11 +468,11 @@ TEST(LocalSearchSession, UsesTheNewestInformationOfAProposedMotion) {
     return proposal;
   };
   const auto worthless = session();
-  EXPECT_TRUE(worthless->receive(said(1.0, 0.5)));
+  EXPECT_TRUE(worthless->receive(sent(1.0, 0.5)));
   EXPECT_TRUE(worthless->improve(Deadline::never())) << "the cost exceeds the information";
   const auto both = session();
-  EXPECT_TRUE(both->receive(said(1.0, 0.5)));
-  EXPECT_TRUE(both->receive(said(2.0, 3.0)));
+  EXPECT_TRUE(both->receive(sent(1.0, 0.5)));
+  EXPECT_TRUE(both->receive(sent(2.0, 3.0)));
   EXPECT_FALSE(both->improve(Deadline::never()))
       << "equal to a session that received only the second message";
 }

@@ -26,8 +26,8 @@ using test::uniform;
 
 /// Returns the number of teams, from the environment variable VANTAGE_BOUND_PROBLEMS; default 200.
 std::uint64_t team_count() {
-  const char* const asked = std::getenv("VANTAGE_BOUND_PROBLEMS");
-  return asked != nullptr ? std::stoull(asked) : 200;
+  const char* const text = std::getenv("VANTAGE_BOUND_PROBLEMS");
+  return text != nullptr ? std::stoull(text) : 200;
 }
 
 /// Returns problems of two or three robots with the same targets, each with its own sensors and
@@ -77,7 +77,7 @@ constexpr std::int64_t kNodes = 60'000;
 
 TEST(PathsBound, IsAnUpperBound) {
   PathsBound bound(4, 5);
-  int told = 0;
+  int bounded_count = 0;
   double least = kInfinity;
   for (std::uint64_t seed = 0; seed < team_count(); ++seed) {
     SCOPED_TRACE(seed);
@@ -96,12 +96,12 @@ TEST(PathsBound, IsAnUpperBound) {
         before = answer.information_nats;
       }
       if (before < kInfinity) {
-        ++told;
+        ++bounded_count;
         least = std::min(least, (before - best) / std::max(1e-6, best));
       }
     }
   }
-  EXPECT_GT(told, static_cast<int>(team_count()));
+  EXPECT_GT(bounded_count, static_cast<int>(team_count()));
   EXPECT_LT(least, 0.05);  // almost tight for at least one team
 }
 
@@ -190,11 +190,12 @@ SearchProblem observer_robot(double x_m, double sigma_m) {
 }
 
 /// Returns the total information, nats, about a target of variance 1 m² with a measurement of
-/// information `told` in each of three steps.
-double known_nats(double told, InformationMeasure measure) {
+/// information `information` in each of three steps.
+double known_nats(double information, InformationMeasure measure) {
   return measure == InformationMeasure::kMutual
-             ? std::log(1.0 + 3.0 * told)
-             : std::log(1.0 + told) + std::log(1.0 + 2.0 * told) + std::log(1.0 + 3.0 * told);
+             ? std::log(1.0 + 3.0 * information)
+             : std::log(1.0 + information) + std::log(1.0 + 2.0 * information) +
+                   std::log(1.0 + 3.0 * information);
 }
 
 // Returns a team in which the first and third robot see one target and the second robot the other.

@@ -145,7 +145,7 @@ SessionSetup setup_of(const std::vector<Own>& own) {
 
 /// Returns a teammate's proposal with the value `value_nats` and a motion of the teammate,
 /// displaced by `y_m`.
-models::TeamProposal said_by(const std::string& robot, double value_nats, double y_m = 0.0) {
+models::TeamProposal proposal_of(const std::string& robot, double value_nats, double y_m = 0.0) {
   models::TeamProposal proposal;
   proposal.stamp.time = kActivation;
   proposal.robot = robot;
@@ -216,14 +216,14 @@ TEST(LocalSearchSession, RefusesForeignTeamAndUnknownMotions) {
 // A session prefers the greater value, then the sender that is first in the team, then the lower
 // fingerprint. It selects the same proposal for any order of arrival.
 TEST(LocalSearchSession, HoldsSameProposalInAnyOrder) {
-  models::TeamProposal low = said_by("Q3", 1.0, 1.0);
-  models::TeamProposal high = said_by("Q3", 1.0, 2.0);
+  models::TeamProposal low = proposal_of("Q3", 1.0, 1.0);
+  models::TeamProposal high = proposal_of("Q3", 1.0, 2.0);
   if (low.history.back() > high.history.back()) {
     std::swap(low, high);
   }
   const std::vector<std::pair<models::TeamProposal, models::TeamProposal>> pairs = {
-      {said_by("Q3", 2.0), said_by("Q1", 1.0)},  // better, worse
-      {said_by("Q1", 1.0), said_by("Q3", 1.0)},
+      {proposal_of("Q3", 2.0), proposal_of("Q1", 1.0)},  // better, worse
+      {proposal_of("Q1", 1.0), proposal_of("Q3", 1.0)},
       {low, high},
   };
   for (const auto& [better, worse] : pairs) {
@@ -240,7 +240,7 @@ TEST(LocalSearchSession, HoldsSameProposalInAnyOrder) {
 
 TEST(LocalSearchSession, ChecksRoundAndValidityOfProposals) {
   const LocalSearchSession session(setup_of({{1.0, 0.0, 0.0}}));
-  const models::TeamProposal good = said_by("Q3", 1.0);
+  const models::TeamProposal good = proposal_of("Q3", 1.0);
   const auto verdict = [&](const std::function<void(models::TeamProposal&)>& spoil) {
     models::TeamProposal spoilt = good;
     spoil(spoilt);
@@ -278,11 +278,11 @@ TEST(LocalSearchSession, ChecksRoundAndValidityOfProposals) {
 TEST(LocalSearchSession, LimitsTheHistoryTo256) {
   for (const std::size_t before : {std::size_t{254}, std::size_t{255}}) {
     LocalSearchSession session(setup_of({{3.0, 0.0, 0.0}}));
-    models::TeamProposal said = said_by("Q3", 1.0);
+    models::TeamProposal received = proposal_of("Q3", 1.0);
     for (std::size_t i = 0; i < before; ++i) {
-      said.history.insert(said.history.begin(), static_cast<std::int64_t>(i));
+      received.history.insert(received.history.begin(), static_cast<std::int64_t>(i));
     }
-    ASSERT_TRUE(session.receive(said));
+    ASSERT_TRUE(session.receive(received));
     EXPECT_EQ(session.is_searching(), before < 255);
     EXPECT_EQ(session.improve(Deadline::never()).has_value(), before < 255);
   }
@@ -292,19 +292,19 @@ TEST(LocalSearchSession, LimitsTheHistoryTo256) {
 TEST(LocalSearchSession, ProposesNoEarlierSolution) {
   for (const bool was_there : {false, true}) {
     LocalSearchSession session(setup_of({{3.0, 0.0, 0.0}}));
-    models::TeamProposal said = said_by("Q3", 5.0);
-    std::vector<models::TeamChoice> both = said.choices;
+    models::TeamProposal received = proposal_of("Q3", 5.0);
+    std::vector<models::TeamChoice> both = received.choices;
     both.push_back(setup_of({{3.0, 0.0, 0.0}}).own[0]);
     both.back().robot = "Q2";
     if (was_there) {
-      said.history.insert(said.history.begin(), fingerprint(kTeam, both));
+      received.history.insert(received.history.begin(), fingerprint(kTeam, both));
     }
-    ASSERT_TRUE(session.receive(said));
+    ASSERT_TRUE(session.receive(received));
     const auto proposal = session.improve(Deadline::never());
     ASSERT_EQ(proposal.has_value(), !was_there);
     if (proposal) {
       EXPECT_EQ(proposal->history,
-                (std::vector<std::int64_t>{said.history.back(), fingerprint(kTeam, both)}));
+                (std::vector<std::int64_t>{received.history.back(), fingerprint(kTeam, both)}));
       EXPECT_NEAR(proposal->value_nats, 5.0 + std::log(4.0), 1e-12)
           << "previous value plus the increase";
       EXPECT_EQ(proposal->choices.size(), 2U);
@@ -315,14 +315,14 @@ TEST(LocalSearchSession, ProposesNoEarlierSolution) {
 // Values are gains relative to the committed choices, which have value 0.
 TEST(LocalSearchSession, BeginsFromCommittedChoices) {
   SessionSetup setup = setup_of({{3.0, 0.0, 0.0}});
-  setup.committed = said_by("Q3", 5.0).choices;
+  setup.committed = proposal_of("Q3", 5.0).choices;
   LocalSearchSession session(std::move(setup));
   ASSERT_TRUE(session.held());
   EXPECT_EQ(session.held()->robot, "Q2");
   EXPECT_EQ(session.held()->round, kRound);
   EXPECT_EQ(session.held()->stamp.time, kActivation);
   EXPECT_EQ(session.held()->value_nats, 0.0);
-  EXPECT_EQ(session.held()->history, said_by("Q3", 5.0).history);
+  EXPECT_EQ(session.held()->history, proposal_of("Q3", 5.0).history);
   const auto proposal = session.improve(Deadline::never());
   ASSERT_TRUE(proposal);
   EXPECT_NEAR(proposal->value_nats, std::log(4.0), 1e-12);

@@ -250,13 +250,13 @@ TEST(LogProduct, EqualsTheSumOfLogarithms) {
 }
 
 TEST(Lanes, ReturnOneBitEachInOrder) {
-  for (unsigned said = 0; said < 16; ++said) {
+  for (unsigned mask = 0; mask < 16; ++mask) {
     const double values[] = {1.0, 4.0, 9.0, 16.0};
     double limits[4];
     for (unsigned lane = 0; lane < 4; ++lane) {
-      limits[lane] = ((said >> lane) & 1U) != 0 ? 100.0 : 0.0;
+      limits[lane] = ((mask >> lane) & 1U) != 0 ? 100.0 : 0.0;
     }
-    EXPECT_EQ(bits(load(values) < load(limits)), said);
+    EXPECT_EQ(bits(load(values) < load(limits)), mask);
     double roots[4];
     store(roots, sqrt(load(values)) + broadcast(0.5));
     for (int lane = 0; lane < 4; ++lane) {

@@ -24,8 +24,8 @@ namespace vantage::planner {
 namespace {
 
 std::uint64_t problems_asked() {
-  const char* const asked = std::getenv("VANTAGE_BOUND_PROBLEMS");
-  return asked == nullptr ? 300 : std::strtoull(asked, nullptr, 10);
+  const char* const text = std::getenv("VANTAGE_BOUND_PROBLEMS");
+  return text == nullptr ? 300 : std::strtoull(text, nullptr, 10);
 }
 
 tools::Solver solver_by(const char* algorithm) {
@@ -39,7 +39,7 @@ tools::Solver solver_by(const char* algorithm) {
 class Bounds {
  public:
   [[nodiscard]] int plans() const { return plans_; }
-  void tell() const {
+  void print() const {
     std::printf("%d problems with a plan, least gap %.3g of the cost, %.1f s of CPU time\n", plans_,
                 least_gap_, thread_cpu_s() - begin_s_);
   }
@@ -99,7 +99,7 @@ double expect_below_every_plan(const Draw& draw) {
     std::mt19937_64 rng(i);
     bounds.expect_below_every_plan(draw(rng, 1'000'001 + i).problem);
   }
-  bounds.tell();
+  bounds.print();
   return static_cast<double>(bounds.plans()) / static_cast<double>(count);
 }
 

@@ -161,7 +161,7 @@ TEST(InformationHeuristic, CountsFixedInformationAtAnyStep) {
   constexpr int kSteps = 3;
   InformationHeuristic heuristic(4, 8);
   BeliefTable beliefs(4, 8);
-  for (int told = 0; told < 3; ++told) {
+  for (int informed_target = 0; informed_target < 3; ++informed_target) {
     for (int step = 0; step < kSteps; ++step) {
       for (const double much : {5.0, 0.0}) {
         SearchProblem problem;
@@ -174,13 +174,14 @@ TEST(InformationHeuristic, CountsFixedInformationAtAnyStep) {
         }
         models::PositionMatrix M = models::PositionMatrix::Zero(2, 2);
         M(step % 2, step % 2) = much;
-        problem.fixed_information[index(told)][index(step)] = M;
+        problem.fixed_information[index(informed_target)][index(step)] = M;
         beliefs.reset(problem);
         heuristic.reset(problem, beliefs);
         for (int m = 0; m < 3; ++m) {
-          EXPECT_EQ(heuristic.has_fixed(m), m == told && much > 0.0) << told << " at " << step;
-          EXPECT_EQ(heuristic.has_only_own_information(m), m != told || much == 0.0)
-              << told << " at " << step;
+          EXPECT_EQ(heuristic.has_fixed(m), m == informed_target && much > 0.0)
+              << informed_target << " at " << step;
+          EXPECT_EQ(heuristic.has_only_own_information(m), m != informed_target || much == 0.0)
+              << informed_target << " at " << step;
         }
       }
     }

@@ -30,8 +30,8 @@ constexpr std::size_t kStates = 400'000;
 /// Returns the number of problems, from the environment variable VANTAGE_BOUND_PROBLEMS; default
 /// 250.
 std::uint64_t problem_count() {
-  const char* const asked = std::getenv("VANTAGE_BOUND_PROBLEMS");
-  return asked != nullptr ? std::stoull(asked) : 250;
+  const char* const text = std::getenv("VANTAGE_BOUND_PROBLEMS");
+  return text != nullptr ? std::stoull(text) : 250;
 }
 
 // Returns the tolerance. At a distance of 1 mm the recursion of the search loses eight digits.

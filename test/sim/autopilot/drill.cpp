@@ -110,7 +110,7 @@ class Player {
   }
 
   /// Sends a complete set-point (all fields), as the driver does.
-  void tell(const Line& line) {
+  void send_setpoint(const Line& line) {
     wire::mavlink::SetPositionTargetLocalNed out =
         ScriptedStation::position(f32(base_m_ + line.x_m), 0.0F, height_m_, yaw_rad_);
     out.type_mask = wire::mavlink::mask::kNothingIgnored;
@@ -121,7 +121,7 @@ class Player {
   void follow(const std::function<Line(double)>& line, double seconds) {
     const double begin_s = station_.time_s();
     while (station_.time_s() - begin_s < seconds - 1e-6) {
-      tell(line(station_.time_s() - begin_s));
+      send_setpoint(line(station_.time_s() - begin_s));
       tick();
     }
   }
@@ -157,7 +157,7 @@ class Player {
   }
   void stand_still() {
     height_m_ = drill_.drill == Drill::kArming ? 0.5F : 0.1F;  // m; starts below the ground
-    tell({});
+    send_setpoint({});
   }
   /// Requests arming once per second until the vehicle arms or `seconds` have passed. @return true
   /// if it armed
@@ -238,7 +238,7 @@ class Player {
       run(1.0);
       mark("take off");
       for (height_m_ = 0.0F; height_m_ > -kHeightM; height_m_ -= 0.01F) {
-        tell({});
+        send_setpoint({});
         tick();
       }
       height_m_ = -kHeightM;
@@ -359,7 +359,7 @@ class Player {
       base_m_ += 2.0 * kSpeedMps;
       follow(braking, kRampS);
       base_m_ += kStopM;
-      tell({});
+      send_setpoint({});
       wait_for_disarming(10.0);
     }
     if (station_.reports_armed()) {

@@ -137,12 +137,12 @@ TEST(EmulatorMessages, ReportsPoseInAutopilotAxes) {
   EXPECT_GT(velocity_mps.x(), 0.2);
   EXPECT_LT(velocity_mps.y(), -0.2);
   const mavlink::Attitude attitude = bench.all<mavlink::Attitude>().back();
-  const Eigen::Matrix3d told = (Eigen::AngleAxisd(attitude.yaw, Eigen::Vector3d::UnitZ()) *
-                                Eigen::AngleAxisd(attitude.pitch, Eigen::Vector3d::UnitY()) *
-                                Eigen::AngleAxisd(attitude.roll, Eigen::Vector3d::UnitX()))
-                                   .toRotationMatrix();
+  const Eigen::Matrix3d reported = (Eigen::AngleAxisd(attitude.yaw, Eigen::Vector3d::UnitZ()) *
+                                    Eigen::AngleAxisd(attitude.pitch, Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(attitude.roll, Eigen::Vector3d::UnitX()))
+                                       .toRotationMatrix();
   const Quaternion truth = convert_axes(bench.emulator.world_from_body().rotation);
-  EXPECT_LT((told - truth.toRotationMatrix()).norm(), 1e-5);
+  EXPECT_LT((reported - truth.toRotationMatrix()).norm(), 1e-5);
   EXPECT_GT(std::abs(attitude.roll), 0.02);
   EXPECT_LT(attitude.pitch, -0.02) << "nose down in forward flight";
   EXPECT_NEAR(attitude.yawspeed, bench.emulator.controller().airframe().yaw_rate_radps(), 1e-6);

@@ -139,16 +139,16 @@ TEST(EmulatorMessages, AnswersAndSendsTimesync) {
   EmulatorBench bench(AutopilotDialect::kPx4);
   bench.run(0.5);
   bench.frames.clear();
-  mavlink::Timesync asked;
-  asked.ts1 = 123'456'789;
-  bench.send(asked);
+  mavlink::Timesync request;
+  request.ts1 = 123'456'789;
+  bench.send(request);
   const auto answers = bench.all<mavlink::Timesync>();
   ASSERT_EQ(answers.size(), 1u);
   EXPECT_EQ(answers[0].ts1, 123'456'789);
   EXPECT_EQ(answers[0].tc1, (bench.now - kBoot).count() * 1'000);
   bench.frames.clear();
-  asked.tc1 = 5;  // tc1 ≠ 0: a reply
-  bench.send(asked);
+  request.tc1 = 5;  // tc1 ≠ 0: a reply
+  bench.send(request);
   EXPECT_TRUE(bench.all<mavlink::Timesync>().empty()) << "a reply is not answered";
 }
 

@@ -15,7 +15,7 @@ using Station = test::EmulatorStation;
 constexpr std::uint32_t kOffboard = 6U << 16U;
 constexpr std::uint32_t kPx4Land = 4U << 16U | 6U << 24U;
 
-void listen(Station& station) {
+void request_messages(Station& station) {
   for (const float id : {32.0F, 230.0F, 193.0F}) {
     station.command(511, id, 50'000.0F);
   }
@@ -23,7 +23,7 @@ void listen(Station& station) {
 
 Station flying_px4() {
   Station station(AutopilotDialect::kPx4);
-  listen(station);
+  request_messages(station);
   station.sends_poses = true;
   station.run(5.0);
   station.target = Station::position(1.0F, -2.0F, -1.6F, -0.5F);
@@ -38,7 +38,7 @@ Station flying_px4() {
 // Returns an ArduPilot on the ground that receives poses and has an origin.
 Station placed_ardupilot() {
   Station station(AutopilotDialect::kArdupilot);
-  listen(station);
+  request_messages(station);
   station.sends_poses = true;
   station.run(5.0);
   station.send(wire::mavlink::SetGpsGlobalOrigin{});
@@ -84,7 +84,7 @@ TEST(AutopilotProfile, ChecksStationAsOftenAsTheFirmware) {
 
 TEST(EmulatedPx4, IsReadySoonAfterTheFirstPose) {
   Station station(AutopilotDialect::kPx4);
-  listen(station);
+  request_messages(station);
   station.run(10.0);
   EXPECT_EQ(station.flags, 0x0A5);
   EXPECT_EQ(station.command(400, 1), 1);
@@ -97,7 +97,7 @@ TEST(EmulatedPx4, IsReadySoonAfterTheFirstPose) {
 // PX4 1.18 sends STATUSTEXT only on links on which it receives a heartbeat of type GCS.
 TEST(EmulatedPx4, SendsReasonsOnlyToGroundStations) {
   Station station(AutopilotDialect::kPx4);
-  listen(station);
+  request_messages(station);
   station.run(1.0);
   wire::mavlink::Heartbeat heartbeat;
   heartbeat.type = wire::mavlink::type::kOnboardController;
@@ -190,7 +190,7 @@ TEST(EmulatedPx4, FollowsVelocitiesSmoothly) {
 
 TEST(EmulatedArdupilot, DoesNotArmWithoutAnOrigin) {
   Station station(AutopilotDialect::kArdupilot);
-  listen(station);
+  request_messages(station);
   station.sends_poses = true;
   station.run(4.9);
   EXPECT_EQ(station.positions, 0);

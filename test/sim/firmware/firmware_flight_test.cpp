@@ -17,7 +17,7 @@ class ImmediateFirmware : public FirmwareLink {
   struct Shared {
     std::atomic<bool> is_silent{false};
     std::atomic<double> throttle{0.0};
-    std::atomic<std::int64_t> told{0};
+    std::atomic<std::int64_t> samples_received{0};
     std::atomic<std::int64_t> disorders{0};  ///< samples sent before the previous answer
   };
   explicit ImmediateFirmware(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
@@ -27,11 +27,11 @@ class ImmediateFirmware : public FirmwareLink {
     shared_->disorders += owes_ || sensors.since_start <= last_ ? 1 : 0;
     last_ = sensors.since_start;
     owes_ = !shared_->is_silent;
-    ++shared_->told;
+    ++shared_->samples_received;
     return owes_;
   }
   std::optional<MotorCommand> receive(Duration) override {
-    if (shared_->is_silent || (!owes_ && shared_->told > 0)) {
+    if (shared_->is_silent || (!owes_ && shared_->samples_received > 0)) {
       return std::nullopt;
     }
     owes_ = false;

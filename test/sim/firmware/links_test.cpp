@@ -279,16 +279,16 @@ TEST(Px4Link, ReportsInvalidBaudRate) {
 class PausableFirmware : public FirmwareLink {
  public:
   struct Shared {
-    std::atomic<bool> thinks{false};
-    std::atomic<bool> is_thinking{false};
+    std::atomic<bool> is_paused{false};
+    std::atomic<bool> is_waiting{false};
   };
   explicit PausableFirmware(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
   [[nodiscard]] Duration period() const override { return Duration{2'500}; }
   [[nodiscard]] bool is_lockstep() const override { return true; }
   bool send(const FirmwareSensors&) override { return true; }
   std::optional<MotorCommand> receive(Duration) override {
-    while (shared_->thinks) {
-      shared_->is_thinking = true;
+    while (shared_->is_paused) {
+      shared_->is_waiting = true;
       std::this_thread::yield();
     }
     return MotorCommand{{0.8, 0.8, 0.82, 0.82}};
@@ -309,8 +309,8 @@ TEST(FirmwareFlight, InterpolatesAndExtrapolatesBriefly) {
     while (flight.counts().steps < 150) {
       std::this_thread::yield();
     }
-    shared->thinks = true;
-    while (!shared->is_thinking) {
+    shared->is_paused = true;
+    while (!shared->is_waiting) {
       std::this_thread::yield();
     }
     const FirmwareFlight::Sample far = flight.at(kFar);
@@ -322,7 +322,7 @@ TEST(FirmwareFlight, InterpolatesAndExtrapolatesBriefly) {
     const FirmwareFlight::Sample beyond = flight.at(newest_ns + 5'000'000);
     const FirmwareFlight::Sample between = flight.at(newest_ns - kPeriodNs / 4);
     const FirmwareFlight::Sample far_back = flight.at(newest_ns - 62 * kPeriodNs - kPeriodNs / 2);
-    shared->thinks = false;
+    shared->is_paused = false;
     if (was_away) {
       continue;  // the machine was busy, so the sample spacing is not one period
     }

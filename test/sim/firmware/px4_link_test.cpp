@@ -61,7 +61,7 @@ class FakeFirmware {
   }
   /// Returns the next sensor message of the simulator.
   wire::mavlink::HilSensor read_reply() {
-    while (heard_.empty()) {
+    while (received_.empty()) {
       pollfd polled{fd_, POLLIN, 0};
       std::array<std::uint8_t, 1024> bytes{};
       if (poll(&polled, 1, 5000) != 1) {
@@ -76,12 +76,12 @@ class FakeFirmware {
       parser_.feed(
           {bytes.data(), static_cast<std::size_t>(got)}, [this](const wire::mavlink::Frame& frame) {
             if (const auto sensors = wire::mavlink::unpack<wire::mavlink::HilSensor>(frame)) {
-              heard_.push_back(*sensors);
+              received_.push_back(*sensors);
             }
           });
     }
-    const wire::mavlink::HilSensor out = heard_.front();
-    heard_.erase(heard_.begin());
+    const wire::mavlink::HilSensor out = received_.front();
+    received_.erase(received_.begin());
     return out;
   }
   /// True if the simulator has closed the connection.
@@ -105,7 +105,7 @@ class FakeFirmware {
  private:
   int fd_;
   wire::mavlink::Parser parser_;
-  std::vector<wire::mavlink::HilSensor> heard_;
+  std::vector<wire::mavlink::HilSensor> received_;
 };
 
 struct Listening {
@@ -259,13 +259,13 @@ TEST(Px4Link, NeverBlocksOnAStalledFirmware) {
       sent_usec.push_back(static_cast<std::uint64_t>(sensors.since_start.count()));
     }
   }
-  const auto told = static_cast<int>(sent_usec.size());
-  EXPECT_LT(told, kSamples);
-  EXPECT_GE(link->counts().unsent, kSamples - told);
+  const auto sent_count = static_cast<int>(sent_usec.size());
+  EXPECT_LT(sent_count, kSamples);
+  EXPECT_GE(link->counts().unsent, kSamples - sent_count);
   // The firmware receives complete frames in order; only the last one may be incomplete.
   std::uint64_t last_usec = 0;
   std::vector<std::uint64_t> received_usec;
-  for (int i = 0; i < told - 1; ++i) {
+  for (int i = 0; i < sent_count - 1; ++i) {
     const wire::mavlink::HilSensor received = firmware.read_reply();
     ASSERT_GT(received.time_usec, last_usec);
     last_usec = received.time_usec;

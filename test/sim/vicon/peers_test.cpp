@@ -296,14 +296,15 @@ TEST(DataStreamPeer, AnswersPingsAndSkipsFramesWhileItsBacklogIsFull) {
 }
 
 TEST(DataStreamPeer, ReassemblesPacketsAndClosesOnInvalidOnes) {
-  const Bytes asked = packet_of(wire::ObjectEnums{{wire::kFrameInfo}}, wire::RequestFrame{true});
+  const Bytes request_bytes =
+      packet_of(wire::ObjectEnums{{wire::kFrameInfo}}, wire::RequestFrame{true});
   {
     DataStreamPeer peer{ServerSettings{}};
     peer.outgoing.clear();
-    for (std::size_t k = 0; k < asked.size(); ++k) {
+    for (std::size_t k = 0; k < request_bytes.size(); ++k) {
       peer.on_frame(frame_of(1));
       EXPECT_TRUE(peer.outgoing.empty()) << "not requested yet";
-      EXPECT_TRUE(peer.receive(wire::Bytes(asked).subspan(k, 1)));
+      EXPECT_TRUE(peer.receive(wire::Bytes(request_bytes).subspan(k, 1)));
     }
     peer.on_frame(frame_of(2));
     EXPECT_EQ(take_packets(peer).size(), 1u);
@@ -311,12 +312,12 @@ TEST(DataStreamPeer, ReassemblesPacketsAndClosesOnInvalidOnes) {
   DataStreamPeer foreign{ServerSettings{}};
   EXPECT_FALSE(foreign.receive(Bytes{'G', 'E', 'T', ' ', '/', '\r', '\n', '\r', '\n'}));
   DataStreamPeer broken{ServerSettings{}};
-  Bytes torn = asked;
+  Bytes torn = request_bytes;
   torn[12] = 0xFF;  // a block that is longer than its packet
   EXPECT_FALSE(broken.receive(torn));
   // An unfinished packet with a stated length that exceeds the limit for clients.
   DataStreamPeer endless{ServerSettings{}};
-  Bytes long_packet = asked;
+  Bytes long_packet = request_bytes;
   long_packet[6] = 0x02;
   EXPECT_TRUE(endless.receive(long_packet));
   EXPECT_TRUE(endless.receive(Bytes((1U << 16U) - long_packet.size(), 0)));

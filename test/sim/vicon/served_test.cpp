@@ -44,13 +44,13 @@ class Socket {
     const sockaddr_in address = address_of(INADDR_LOOPBACK, port);
     return connect(fd, as_sockaddr(address), sizeof address) == 0;
   }
-  void say(const Bytes& bytes) const {
+  void send_all(const Bytes& bytes) const {
     ASSERT_EQ(send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL),
               static_cast<ssize_t>(bytes.size()));
   }
   /// Appends the bytes that have arrived. Without MSG_DONTWAIT, appends all bytes until the other
   /// end closes.
-  void hear(Bytes& out, int flags) const {
+  void append_received(Bytes& out, int flags) const {
     std::array<std::uint8_t, 65'536> bytes{};
     ssize_t got = 0;
     while ((got = recv(fd, bytes.data(), bytes.size(), flags)) > 0) {
@@ -68,14 +68,14 @@ TEST(SocketServer, CountsSkippedFramesPerClient) {
   SocketServer server(settings, "127.0.0.1", 0);
   const Socket idle(SOCK_STREAM);
   const Socket reader(SOCK_STREAM);
-  Bytes asked;
-  wire::PacketWriter packet(asked);
+  Bytes request;
+  wire::PacketWriter packet(request);
   append(packet, wire::ObjectEnums{{wire::kGlobalSegments}});
   append(packet, wire::RequestFrame{true});
   packet.finish();
   for (const Socket* client : {&idle, &reader}) {
     ASSERT_TRUE(client->connect_to(server.port()));
-    client->say(asked);
+    client->send_all(request);
   }
   server.wait(std::chrono::nanoseconds(0));  // connects the clients
   server.wait(std::chrono::nanoseconds(0));  // receives the requests of the clients
@@ -90,7 +90,7 @@ TEST(SocketServer, CountsSkippedFramesPerClient) {
   while (server.frames_skipped() < 20 && published < 20'000) {
     frame.number = static_cast<std::uint32_t>(++published);
     server.publish(frame);
-    reader.hear(of_reader, MSG_DONTWAIT);
+    reader.append_received(of_reader, MSG_DONTWAIT);
   }
   EXPECT_GE(server.frames_skipped(), 20);
   const auto frames_in = [](const Bytes& bytes) {
@@ -109,8 +109,8 @@ TEST(SocketServer, CountsSkippedFramesPerClient) {
   std::int64_t accounted = 0;
   while (accounted != 2 * published && monotonic_ns() - begin_ns < kPatienceNs) {
     server.wait(std::chrono::nanoseconds(0));
-    idle.hear(of_idle, MSG_DONTWAIT);
-    reader.hear(of_reader, MSG_DONTWAIT);
+    idle.append_received(of_idle, MSG_DONTWAIT);
+    reader.append_received(of_reader, MSG_DONTWAIT);
     accounted = frames_in(of_idle) + frames_in(of_reader) + server.frames_skipped();
   }
   EXPECT_EQ(accounted, 2 * published);
@@ -172,7 +172,7 @@ TEST(RunEmulator, CaptureTimesIncludeLatency) {
         Bytes cookie;
         wire::append_vrpn_cookie(cookie);
         send(client.fd, cookie.data(), cookie.size(), MSG_NOSIGNAL);
-        client.hear(received, 0);
+        client.append_received(received, 0);
         break;
       }
       std::this_thread::yield();
@@ -208,7 +208,7 @@ TEST(RunEmulator, SendsTheConfiguredAxisAndBytes) {
                      "--duration-s", "0.001", "--up", up, "--block-bytes", std::to_string(bytes)}),
                 0);
       Bytes datagram;
-      receiver.hear(datagram, MSG_DONTWAIT);
+      receiver.append_received(datagram, MSG_DONTWAIT);
       EXPECT_EQ(datagram.size(), bytes);
       wire::ObjectBlock block;
       ASSERT_TRUE(wire::decode_object_block(datagram, block));

@@ -55,7 +55,7 @@ struct VrpnClient {
   explicit VrpnClient(OcclusionStyle style, bool is_y_up = false, std::size_t backlog = 1U << 20U)
       : peer(settings_of(style, is_y_up, backlog)) {
     EXPECT_TRUE(peer.receive(cookie()));
-    hear(true);
+    receive_poses(true);
   }
   static ServerSettings settings_of(OcclusionStyle style, bool is_y_up, std::size_t backlog) {
     ServerSettings out;
@@ -65,7 +65,7 @@ struct VrpnClient {
     return out;
   }
   /// Stores the names that the peer defines; returns the poses by sender and type name.
-  std::map<std::string, wire::VrpnPose> hear(bool has_cookie = false) {
+  std::map<std::string, wire::VrpnPose> receive_poses(bool has_cookie = false) {
     std::map<std::string, wire::VrpnPose> poses;
     for (const Message& message : take_messages(peer, has_cookie)) {
       const std::int32_t id = message.header.sender;
@@ -89,18 +89,18 @@ struct VrpnClient {
   }
   std::map<std::string, wire::VrpnPose> show(const EmulatedFrame& frame) {
     peer.on_frame(frame);
-    return hear();
+    return receive_poses();
   }
   void name(std::int32_t type, std::int32_t id, std::string_view name) {
     Bytes out;
     wire::append_vrpn_name(out, type, id, name);
     EXPECT_TRUE(peer.receive(out));
   }
-  void say(std::int32_t sender, std::int32_t type) {
+  void request(std::int32_t sender, std::int32_t type) {
     Bytes out;
     wire::append_vrpn_message(out, {0, 0, sender, type}, {});
     EXPECT_TRUE(peer.receive(out));
-    hear();
+    receive_poses();
   }
   VrpnPeer peer;
   std::map<std::int32_t, std::string> senders;
@@ -154,10 +154,10 @@ TEST(VrpnPeer, SendsEachBodyWithTheCaptureTime) {
     EXPECT_EQ(client.last.seconds, 1'700'000'000U);
     EXPECT_EQ(client.last.microseconds, 123'456U);
     for (const EmulatedBody& body : frame.bodies) {
-      const wire::VrpnPose& told = poses.at(body.name);
-      EXPECT_EQ(told.sensor, 0);
-      Pose3 pose{told.position_m, Quaternion(told.quaternion_xyzw(3), told.quaternion_xyzw(0),
-                                             told.quaternion_xyzw(1), told.quaternion_xyzw(2))};
+      const wire::VrpnPose& sent = poses.at(body.name);
+      EXPECT_EQ(sent.sensor, 0);
+      Pose3 pose{sent.position_m, Quaternion(sent.quaternion_xyzw(3), sent.quaternion_xyzw(0),
+                                             sent.quaternion_xyzw(1), sent.quaternion_xyzw(2))};
       pose = is_y_up ? wire::z_up_from_y_up(pose) : pose;
       EXPECT_LT((pose.translation_m - body.world_from_body.translation_m).norm(), 1e-12);
       EXPECT_LT(pose.rotation.angularDistance(body.world_from_body.rotation), 1e-7);
@@ -198,17 +198,17 @@ TEST(VrpnPeer, AnswersPingsOfKnownBodies) {
   client.name(wire::kVrpnSenderDescription, 7, "NOBODY");
   client.name(wire::kVrpnTypeDescription, 8, wire::kVrpnPingType);
   client.name(wire::kVrpnTypeDescription, 9, wire::kVrpnPongType);
-  client.say(5, 8);
+  client.request(5, 8);
   EXPECT_EQ(client.pongs, std::vector<std::string>{"Q2"});
-  client.say(6, 8);
+  client.request(6, 8);
   EXPECT_EQ(client.pongs, (std::vector<std::string>{"Q2", "Q1"}));
-  client.say(7, 8);  // id of an unknown body
-  client.say(5, 9);  // a type other than ping
-  client.say(5, 4);  // a type that has not been named
-  client.say(4, 8);  // a sender that has not been named
+  client.request(7, 8);  // id of an unknown body
+  client.request(5, 9);  // a type other than ping
+  client.request(5, 4);  // a type that has not been named
+  client.request(4, 8);  // a sender that has not been named
   EXPECT_EQ(client.pongs.size(), 2u);
   client.name(wire::kVrpnSenderDescription, 5, "Q1");
-  client.say(5, 8);
+  client.request(5, 8);
   EXPECT_EQ(client.pongs.back(), "Q1") << "the new name";
 }
 
@@ -221,9 +221,9 @@ TEST(VrpnPeer, LimitsAClientToAThousandNames) {
   }
   client.name(wire::kVrpnSenderDescription, 2000, "Q1");
   client.name(wire::kVrpnSenderDescription, 2001, "Q2");
-  client.say(2000, 1);
+  client.request(2000, 1);
   EXPECT_EQ(client.pongs, std::vector<std::string>{"Q1"}) << "1024";
-  client.say(2001, 1);
+  client.request(2001, 1);
   EXPECT_EQ(client.pongs.size(), 1u);
 }
 

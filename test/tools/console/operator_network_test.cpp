@@ -43,9 +43,9 @@ TEST(OrderSender, AllowsTheSecondStationOnlyAnEmergencyStop) {
   bus::Bus bus_a(*link_a, 11);
   bus::Bus bus_b(*link_b, 12);
   bus::Bus vehicle(*link_v, 13);
-  std::vector<models::OperatorCommand> heard;
+  std::vector<models::OperatorCommand> orders;
   vehicle.subscribe<models::OperatorCommand>(
-      bus::kCommand, [&](const models::OperatorCommand& command) { heard.push_back(command); });
+      bus::kCommand, [&](const models::OperatorCommand& command) { orders.push_back(command); });
   OrderSender first(bus_a, {}, kStart);
   std::optional<OrderSender> second;
   for (int i = 0; i < 40; ++i) {
@@ -69,7 +69,7 @@ TEST(OrderSender, AllowsTheSecondStationOnlyAnEmergencyStop) {
   EXPECT_TRUE(first.send(now, OperatorAction::kEmergencyStop, ""));
   vehicle.handle(std::chrono::microseconds(0));
   const auto count = [&](std::int64_t run, OperatorAction action) {
-    return std::count_if(heard.begin(), heard.end(), [&](const models::OperatorCommand& command) {
+    return std::count_if(orders.begin(), orders.end(), [&](const models::OperatorCommand& command) {
       return command.stamp.run_id == run && command.action == action;
     });
   };
@@ -87,9 +87,9 @@ TEST(OrderSender, StampsOrdersByVehicleClock) {
     test::BusPair net(11, 13);
     bus::Bus& station_bus = net.own;
     bus::Bus& vehicle = net.other;
-    std::vector<models::OperatorCommand> heard;
+    std::vector<models::OperatorCommand> orders;
     vehicle.subscribe<models::OperatorCommand>(
-        bus::kCommand, [&](const models::OperatorCommand& command) { heard.push_back(command); });
+        bus::kCommand, [&](const models::OperatorCommand& command) { orders.push_back(command); });
     OrderSender sender(station_bus, {}, kStart + off);
     Time now = kStart;
     for (int i = 0; i < 30; ++i) {
@@ -101,11 +101,11 @@ TEST(OrderSender, StampsOrdersByVehicleClock) {
       station_bus.handle(std::chrono::microseconds(0));
       (void)sender.tick(now + off);
     }
-    heard.clear();
+    orders.clear();
     EXPECT_TRUE(sender.send(now + off, OperatorAction::kEmergencyStop, ""));
     vehicle.handle(std::chrono::microseconds(0));
-    ASSERT_FALSE(heard.empty());
-    EXPECT_TRUE(std::any_of(heard.begin(), heard.end(), [&](const auto& command) {
+    ASSERT_FALSE(orders.empty());
+    EXPECT_TRUE(std::any_of(orders.begin(), orders.end(), [&](const auto& command) {
       return command.action == OperatorAction::kEmergencyStop &&
              std::chrono::abs(command.stamp.time - now) <= std::chrono::milliseconds(300);
     }));
@@ -149,17 +149,17 @@ TEST(OrderSender, ShowsALogError) {
   bus::Bus& up_bus = net.other;
   OrderSender sender(station_bus, {}, kStart);
   logs::LogWatch log(300e3);
-  const auto tell = [&](Time now, std::uint64_t size_bytes) {
+  const auto report_log_size = [&](Time now, std::uint64_t size_bytes) {
     (void)log.update({size_bytes, 0}, now);
     up_bus.publish(bus::health_channel(logs::kLogHealth), log.health(now));
     (void)sender.tick(now);
     station_bus.handle(std::chrono::microseconds(0));
     return mentions(sender.vehicle_table(now, ""), "the log is not being written");
   };
-  EXPECT_FALSE(tell(kStart, 1000));
-  EXPECT_TRUE(tell(kStart + std::chrono::seconds(3), 1000));
+  EXPECT_FALSE(report_log_size(kStart, 1000));
+  EXPECT_TRUE(report_log_size(kStart + std::chrono::seconds(3), 1000));
   EXPECT_FALSE(sender.is_log_lost(kStart + std::chrono::seconds(7))) << "no longer reported";
-  EXPECT_FALSE(tell(kStart + std::chrono::seconds(8), 2000));
+  EXPECT_FALSE(report_log_size(kStart + std::chrono::seconds(8), 2000));
 }
 
 // In a one-way partition, each side detects the fault independently: the vehicles by missing
@@ -187,14 +187,14 @@ struct LossyDesk {
   bus::Bus& vehicle = net.other;
   OrderSender sender{net.own, {}, kStart};
   std::function<bool(Time)> is_lossy = [](Time) { return false; };
-  std::vector<models::OperatorCommand> heard;
+  std::vector<models::OperatorCommand> orders;
   Time now = kStart;
 
   LossyDesk() {
     vehicle.subscribe<models::OperatorCommand>(bus::kCommand,
                                                [this](const models::OperatorCommand& command) {
                                                  if (!is_lossy(now)) {
-                                                   heard.push_back(command);
+                                                   orders.push_back(command);
                                                  }
                                                });
     pass(1.0);
@@ -212,7 +212,7 @@ struct LossyDesk {
     vehicle.handle(std::chrono::microseconds(0));
   }
   std::int64_t count(OperatorAction action, const std::string& robot = "") const {
-    return std::count_if(heard.begin(), heard.end(), [&](const models::OperatorCommand& command) {
+    return std::count_if(orders.begin(), orders.end(), [&](const models::OperatorCommand& command) {
       return command.action == action && command.robot == robot;
     });
   }
@@ -229,7 +229,7 @@ TEST(OrderSender, OrderArrivesDespiteHalfASecondOfLoss) {
     EXPECT_EQ(lab.count(action), 0);
     lab.pass(0.5);
     ASSERT_GE(lab.count(action), 1);
-    EXPECT_EQ(lab.heard.back().action, OperatorAction::kHeartbeat) << "the heartbeat continues";
+    EXPECT_EQ(lab.orders.back().action, OperatorAction::kHeartbeat) << "the heartbeat continues";
     EXPECT_FALSE(lab.sender.is_repeating());
   }
 }
@@ -243,12 +243,12 @@ TEST(OrderSender, RepeatsOrderForALimitedTime) {
       << "the second transmission follows soon";
   lab.pass(10.0);
   EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop, "Q1"), OrderSender::kTransmissions);
-  for (const models::OperatorCommand& command : lab.heard) {
+  for (const models::OperatorCommand& command : lab.orders) {
     if (command.action == OperatorAction::kEmergencyStop) {
       EXPECT_EQ(command.stamp.time, given);
     }
   }
-  lab.heard.clear();
+  lab.orders.clear();
   lab.send(OperatorAction::kArm);
   lab.pass(2.0);
   EXPECT_EQ(lab.count(OperatorAction::kArm), 1) << "orders that are not safer are sent once";
@@ -269,7 +269,7 @@ TEST(OrderSender, DoesNotRepeatRevokedOrder) {
   lab.send(OperatorAction::kArm, "Q1");
   lab.pass(2.0);
   EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop), OrderSender::kTransmissions);
-  lab.heard.clear();
+  lab.orders.clear();
   lab.send(OperatorAction::kEmergencyStop);
   lab.send(OperatorAction::kArm);
   lab.pass(2.0);
@@ -353,16 +353,16 @@ TEST(OrderSender, ReportsThatUnsignedOrdersAreRefused) {
   bus::Bus& vehicle = net.other;
   const bus::VirtualClock clock(kStart);
   const OrderSender sender(bus, {}, kStart);
-  const auto tell = [&] {
+  const auto report_status = [&] {
     models::VehicleStatus status;
     status.robot = "Q1";
     vehicle.publish(bus::vehicle_channel("Q1"), status);
     bus.handle(std::chrono::microseconds(0));
   };
-  tell();
+  report_status();
   EXPECT_FALSE(sender.lacks_signature());
   vehicle.secure(test::authenticator(test::keys_of_a_trial()), clock);
-  tell();
+  report_status();
   EXPECT_TRUE(sender.lacks_signature());
   EXPECT_TRUE(mentions(sender.vehicle_table(kStart, ""), "--scenario"));
 }
@@ -462,7 +462,7 @@ TEST(OrderSender, StampsStopByClockOfRefusedVehicles) {
 TEST(OrderSender, LimitsNumberOfVehicles) {
   test::BusPair net(11, 13);
   OrderSender sender(net.own, {}, kStart);
-  const auto hear = [&](const std::string& robot, Time now) {
+  const auto receive_status = [&](const std::string& robot, Time now) {
     (void)sender.tick(now);
     models::VehicleStatus status;
     status.robot = robot;
@@ -472,10 +472,10 @@ TEST(OrderSender, LimitsNumberOfVehicles) {
     }
   };
   for (int i = 0; i < 1'100; ++i) {
-    hear("X" + std::to_string(i), kStart);
+    receive_status("X" + std::to_string(i), kStart);
   }
   EXPECT_EQ(sender.robots().size(), OrderSender::kVehiclesMax);
-  hear("Q1", kStart + std::chrono::seconds(4));
+  receive_status("Q1", kStart + std::chrono::seconds(4));
   const auto robots = sender.robots();
   EXPECT_EQ(robots.size(), OrderSender::kVehiclesMax);
   EXPECT_TRUE(std::find(robots.begin(), robots.end(), "Q1") != robots.end())

@@ -27,8 +27,8 @@ class OrderQueueTest : public ::testing::Test {
           }
           const std::string word = word_of(command);
           stamps.push_back(command.stamp.time);
-          if (std::find(heard.begin(), heard.end(), word) == heard.end()) {
-            heard.push_back(word);
+          if (std::find(received.begin(), received.end(), word) == received.end()) {
+            received.push_back(word);
           }
         });
   }
@@ -37,7 +37,7 @@ class OrderQueueTest : public ::testing::Test {
     return kNames[static_cast<std::size_t>(command.action)] +
            (command.robot.empty() ? "" : " " + command.robot);
   }
-  void speak(const std::string& robot, Time stamp) {
+  void publish_status(const std::string& robot, Time stamp) {
     models::VehicleStatus status;
     status.robot = robot;
     status.stamp.time = stamp;
@@ -49,7 +49,7 @@ class OrderQueueTest : public ::testing::Test {
     while (now < end) {
       now += std::chrono::milliseconds(20);
       for (const std::string& robot : robots) {
-        speak(robot, now + ahead);
+        publish_status(robot, now + ahead);
       }
       if (hears_station) {
         models::OperatorCommand beat;
@@ -80,7 +80,7 @@ class OrderQueueTest : public ::testing::Test {
   Time now = kStart;
   Duration ahead{};
   bool hears_station = false;  ///< another station is in charge
-  Words heard;
+  Words received;
   std::vector<Time> stamps;
   Words lines;
 
@@ -96,44 +96,44 @@ class OrderQueueTest : public ::testing::Test {
 TEST_F(OrderQueueTest, SendsSafeOrdersAtOnceAndOthersWhenInCharge) {
   add(OperatorAction::kFollow, "Q2");
   add(OperatorAction::kHold, "Q1");
-  EXPECT_EQ(heard, Words{"hold Q1"});
+  EXPECT_EQ(received, Words{"hold Q1"});
   pass(0.6);
-  EXPECT_EQ(heard, Words{"hold Q1"});
+  EXPECT_EQ(received, Words{"hold Q1"});
   EXPECT_TRUE(orders.is_waiting());
   pass(0.3);
-  EXPECT_EQ(heard, (Words{"hold Q1", "follow Q2"}));
+  EXPECT_EQ(received, (Words{"hold Q1", "follow Q2"}));
   EXPECT_FALSE(orders.is_waiting());
   EXPECT_FALSE(orders.was_refused());
   add(OperatorAction::kArm);
-  EXPECT_EQ(heard.back(), "arm");
+  EXPECT_EQ(received.back(), "arm");
 }
 
 // After `hold`, no vehicle begins to follow because of an earlier order.
 TEST_F(OrderQueueTest, SaferOrderCancelsPendingOrders) {
   for (const OperatorAction safer :
        {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
-    for (const std::string whom : {"", "Q1"}) {
+    for (const std::string addressee : {"", "Q1"}) {
       add(OperatorAction::kArm, "Q1");
       add(OperatorAction::kFollow, "Q1");
-      add(safer, whom);
-      EXPECT_FALSE(std::count(heard.begin(), heard.end(), "follow Q1"));
+      add(safer, addressee);
+      EXPECT_FALSE(std::count(received.begin(), received.end(), "follow Q1"));
     }
   }
   pass(2.0);
-  EXPECT_EQ(heard, (Words{"hold", "hold Q1", "land", "land Q1", "estop", "estop Q1"}));
+  EXPECT_EQ(received, (Words{"hold", "hold Q1", "land", "land Q1", "estop", "estop Q1"}));
 }
 
 TEST_F(OrderQueueTest, PendingBroadcastDoesNotUndoSaferOrderOfOneVehicle) {
   add(OperatorAction::kFollow);
   add(OperatorAction::kLand, "Q1");
   add(OperatorAction::kFollow, "Q2");
-  EXPECT_EQ(heard, Words{"land Q1"});
-  heard.clear();
+  EXPECT_EQ(received, Words{"land Q1"});
+  received.clear();
   pass(0.75);
-  EXPECT_EQ(heard, (Words{"land Q1", "follow"}));
-  heard.clear();
+  EXPECT_EQ(received, (Words{"land Q1", "follow"}));
+  received.clear();
   pass(1.0);
-  EXPECT_EQ(heard, (Words{"land Q1", "follow Q2"})) << "the last order for Q1";
+  EXPECT_EQ(received, (Words{"land Q1", "follow Q2"})) << "the last order for Q1";
 }
 
 // A vehicle executes only the most urgent order of a tick: if `arm` and `take-off` arrived
@@ -141,17 +141,17 @@ TEST_F(OrderQueueTest, PendingBroadcastDoesNotUndoSaferOrderOfOneVehicle) {
 TEST_F(OrderQueueTest, SendsOneOrderPerTenthOfASecond) {
   pass(1.0);
   for (int round = 0; round < 2; ++round) {
-    heard.clear();
+    received.clear();
     add(OperatorAction::kArm);
     add(OperatorAction::kTakeOff);
     add(OperatorAction::kFollow);
-    EXPECT_EQ(heard, Words{"arm"});
+    EXPECT_EQ(received, Words{"arm"});
     pass(0.08);
-    EXPECT_EQ(heard, Words{"arm"});
+    EXPECT_EQ(received, Words{"arm"});
     pass(0.02);
-    EXPECT_EQ(heard, (Words{"arm", "take-off"}));
+    EXPECT_EQ(received, (Words{"arm", "take-off"}));
     pass(0.1);
-    EXPECT_EQ(heard, (Words{"arm", "take-off", "follow"}));
+    EXPECT_EQ(received, (Words{"arm", "take-off", "follow"}));
     pass(1.0);
   }
 }
@@ -162,7 +162,7 @@ TEST_F(OrderQueueTest, SendsOrderToRobotNotYetReceived) {
   add(OperatorAction::kArm, "Q2");
   EXPECT_TRUE(orders.is_waiting());
   pass(2.0);
-  EXPECT_EQ(heard, (Words{"estop Q1", "hold Q2", "arm Q2"}));
+  EXPECT_EQ(received, (Words{"estop Q1", "hold Q2", "arm Q2"}));
   EXPECT_FALSE(orders.is_waiting());
   EXPECT_FALSE(orders.was_refused());
 }
@@ -174,13 +174,13 @@ TEST_F(OrderQueueTest, RefusesUnknownRobotButStopsAllOnEmergencyStop) {
   add(OperatorAction::kArm, "Q7");
   EXPECT_FALSE(orders.was_refused());
   pass(2.0);
-  EXPECT_EQ(heard, (Words{"estop Q9", "hold Q8", "estop"}));
+  EXPECT_EQ(received, (Words{"estop Q9", "hold Q8", "estop"}));
   EXPECT_TRUE(has_line("no message received from robot 'Q8'"));
   EXPECT_TRUE(has_line("unknown robot 'Q7'"));
   EXPECT_TRUE(orders.was_refused());
-  heard.clear();
+  received.clear();
   add(OperatorAction::kEmergencyStop, "Q6");
-  EXPECT_EQ(heard, Words{"estop"}) << "immediately";
+  EXPECT_EQ(received, Words{"estop"}) << "immediately";
 }
 
 TEST_F(OrderQueueTest, SendsOrderWithoutKnownVehicles) {
@@ -188,10 +188,10 @@ TEST_F(OrderQueueTest, SendsOrderWithoutKnownVehicles) {
   pass(1.0, {});
   add(OperatorAction::kArm, "Q1");
   pass(1.0, {});
-  EXPECT_EQ(heard, (Words{"land", "arm Q1"}));
+  EXPECT_EQ(received, (Words{"land", "arm Q1"}));
   EXPECT_FALSE(orders.was_refused());
   add(OperatorAction::kLand, "q1");
-  EXPECT_EQ(heard.back(), "land q1");
+  EXPECT_EQ(received.back(), "land q1");
   EXPECT_TRUE(orders.was_refused());
 }
 
@@ -201,12 +201,12 @@ TEST_F(OrderQueueTest, RefusesOrderWhileAnotherStationIsInCharge) {
   add(OperatorAction::kHold, "Q9");
   add(OperatorAction::kHold, "Q1");
   add(OperatorAction::kArm, "Q1");
-  EXPECT_EQ(heard, Words{});
+  EXPECT_EQ(received, Words{});
   EXPECT_FALSE(has_line("was sent anyway"));
   EXPECT_TRUE(has_line("not sent: refused"));
   EXPECT_TRUE(orders.was_refused());
   add(OperatorAction::kEmergencyStop, "Q9");
-  EXPECT_EQ(heard, Words{"estop"});
+  EXPECT_EQ(received, Words{"estop"});
 }
 
 // Vehicles accept only orders with a current stamp by their own clock, which the console does not

@@ -20,7 +20,7 @@ namespace {
 using scenario::MocapProtocol;
 using wire::vicon::ServerType;
 
-bool says(const std::vector<std::string>& lines, const std::string& words) {
+bool has_line(const std::vector<std::string>& lines, const std::string& words) {
   return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
     return line.find(words) != std::string::npos;
   });
@@ -51,35 +51,35 @@ TEST(DescribeVicon, ListsSubjectsAndScenarioLines) {
   const std::vector<ViconPort> ports{
       stream_of(MocapProtocol::kDataStream, ServerType::kDataStream, 801)};
   const auto lines = describe("10.0.0.9", ports);
-  EXPECT_TRUE(says(lines, "10.0.0.9:801: a Vicon DataStream server, 100.0 Hz, 1 bodies"));
-  EXPECT_TRUE(says(lines, "QUAD: seen in 50 % of the frames, last at (1.000, 2.000, 3.000) m"));
-  EXPECT_TRUE(says(lines, "mocap: {device: real, protocol: datastream, host: 10.0.0.9}"));
+  EXPECT_TRUE(has_line(lines, "10.0.0.9:801: a Vicon DataStream server, 100.0 Hz, 1 bodies"));
+  EXPECT_TRUE(has_line(lines, "QUAD: seen in 50 % of the frames, last at (1.000, 2.000, 3.000) m"));
+  EXPECT_TRUE(has_line(lines, "mocap: {device: real, protocol: datastream, host: 10.0.0.9}"));
   EXPECT_TRUE(is_usable(ports));
 }
 
 TEST(DescribeVicon, NamesTheProductAtAWrongPort) {
   const std::vector<ViconPort> ports{stream_of(MocapProtocol::kDataStream, ServerType::kVrpn, 801)};
   const auto lines = describe("10.0.0.9", ports);
-  EXPECT_TRUE(says(lines, "10.0.0.9:801: a VRPN server"));
-  EXPECT_TRUE(says(lines, "protocol: vrpn, host: 10.0.0.9, port: 801"));
+  EXPECT_TRUE(has_line(lines, "10.0.0.9:801: a VRPN server"));
+  EXPECT_TRUE(has_line(lines, "protocol: vrpn, host: 10.0.0.9, port: 801"));
 }
 
 TEST(DescribeVicon, ExplainsMissingPoses) {
   std::vector<ViconPort> ports{stream_of(MocapProtocol::kDataStream, ServerType::kDataStream, 801)};
   ports[0].observed->bodies["QUAD"].seen = 0;
-  EXPECT_TRUE(says(describe("h", ports), "Kinematic Fit"));
+  EXPECT_TRUE(has_line(describe("h", ports), "Kinematic Fit"));
   EXPECT_FALSE(is_usable(ports));
   ports[0].observed->bodies.clear();
-  EXPECT_TRUE(says(describe("h", ports), "enable the objects"));
+  EXPECT_TRUE(has_line(describe("h", ports), "enable the objects"));
   ports[0].answer = Answer::kRefused;
-  EXPECT_TRUE(says(describe("h", ports), "no program listens"));
-  EXPECT_TRUE(says(describe("h", ports), "no motion capture found"));
+  EXPECT_TRUE(has_line(describe("h", ports), "no program listens"));
+  EXPECT_TRUE(has_line(describe("h", ports), "no motion capture found"));
 }
 
 TEST(DescribeVicon, ReportsATrackersOwnRate) {
   std::vector<ViconPort> ports{stream_of(MocapProtocol::kVrpn, ServerType::kVrpn, 3883)};
   ports[0].observed->bodies["QUAD"].rate_hz = 50.0;
-  EXPECT_TRUE(says(describe("h", ports), "QUAD: 50.0 Hz, seen in 50 % of the frames"));
+  EXPECT_TRUE(has_line(describe("h", ports), "QUAD: 50.0 Hz, seen in 50 % of the frames"));
 }
 
 // No message was received, and no connection exists.
@@ -87,14 +87,14 @@ TEST(ExamineVicon, ReportsSilence) {
   const auto ports = examine_vicon("127.0.0.1", {}, std::stoi(test::port_of_this_test(0)),
                                    std::chrono::milliseconds(2'500));
   const auto lines = describe("127.0.0.1", ports);
-  EXPECT_TRUE(says(lines, "no motion capture found")) << all_of(lines);
-  EXPECT_FALSE(says(lines, "connected")) << all_of(lines);
+  EXPECT_TRUE(has_line(lines, "no motion capture found")) << all_of(lines);
+  EXPECT_FALSE(has_line(lines, "connected")) << all_of(lines);
 }
 
 TEST(ExamineVicon, ReturnsItsResultOnStop) {
-  int asked = 0;
+  int checks = 0;
   const auto ports = examine_vicon("127.0.0.1", {1, 2, 3}, std::stoi(test::port_of_this_test(0)),
-                                   std::chrono::hours(1), [&] { return ++asked > 2; });
+                                   std::chrono::hours(1), [&] { return ++checks > 2; });
   EXPECT_LT(ports.size(), 4U);
 }
 
@@ -147,9 +147,9 @@ TEST(ExamineServer, ReportsTheBodiesOfEachSystem) {
     EXPECT_EQ(ports[0].answer, Answer::kAccepted);
     const auto lines = describe("127.0.0.1", ports);
     EXPECT_TRUE(is_usable(ports)) << all_of(lines);
-    EXPECT_TRUE(says(lines, "QUAD: seen in ")) << all_of(lines);
-    EXPECT_TRUE(says(lines, std::string("mocap: {device: real, protocol: ") + row->protocol.name() +
-                                ", host: 127.0.0.1, port: "))
+    EXPECT_TRUE(has_line(lines, "QUAD: seen in ")) << all_of(lines);
+    EXPECT_TRUE(has_line(lines, std::string("mocap: {device: real, protocol: ") +
+                                    row->protocol.name() + ", host: 127.0.0.1, port: "))
         << all_of(lines);
   }
 }
@@ -158,12 +158,12 @@ TEST(ExamineServer, ReportsSilenceAndOtherProducts) {
   const std::vector<ViconPort> silent{examine_server("127.0.0.1", drivers::natnet::natnet_row(),
                                                      std::stoi(test::port_of_this_test(0)),
                                                      std::chrono::milliseconds(300))};
-  EXPECT_TRUE(says(describe("127.0.0.1", silent), "no answer (streaming turned off"));
+  EXPECT_TRUE(has_line(describe("127.0.0.1", silent), "no answer (streaming turned off"));
   EXPECT_FALSE(is_usable(silent));
   const RunningServer vrpn(MocapProtocol::kVrpn);
   const std::vector<ViconPort> other{examine_server("127.0.0.1", drivers::qualisys::qtm_row(),
                                                     vrpn.port(), std::chrono::seconds(2))};
-  EXPECT_TRUE(says(describe("127.0.0.1", other), "a VRPN server"));
+  EXPECT_TRUE(has_line(describe("127.0.0.1", other), "a VRPN server"));
   EXPECT_FALSE(is_usable(other));
 }
 
@@ -175,8 +175,8 @@ TEST(ExamineVicon, RecognisesAVrpnServer) {
   EXPECT_EQ(ports[0].answer, Answer::kAccepted);
   EXPECT_EQ(ports[0].server_type, ServerType::kVrpn);
   const auto lines = describe("127.0.0.1", ports);
-  EXPECT_TRUE(says(lines, "QUAD: ") && says(lines, " Hz, seen in 100 %")) << all_of(lines);
-  EXPECT_TRUE(says(lines, "protocol: vrpn")) << all_of(lines);
+  EXPECT_TRUE(has_line(lines, "QUAD: ") && has_line(lines, " Hz, seen in 100 %")) << all_of(lines);
+  EXPECT_TRUE(has_line(lines, "protocol: vrpn")) << all_of(lines);
 }
 
 TEST(ExamineVicon, RefusesAnUnknownHost) {

@@ -84,9 +84,9 @@ TEST(Child, InheritsTheEnvironmentWithChanges) {
   const std::string home = std::getenv("HOME") == nullptr ? "" : std::getenv("HOME");
   ChildOptions options;
   options.environment = {"HOME=/elsewhere", "VANTAGE_NEW=a=b"};
-  const std::string asked =
+  const std::string condition =
       "[ \"$HOME\" = /elsewhere ] && [ \"$VANTAGE_NEW\" = a=b ] && [ -n \"$PATH\" ]";
-  Child child = std::move(Child::start({"sh", "-c", asked}, options)).value();
+  Child child = std::move(Child::start({"sh", "-c", condition}, options)).value();
   EXPECT_TRUE(child.wait(kLong)->is_success());
   EXPECT_EQ(home, std::getenv("HOME") == nullptr ? "" : std::getenv("HOME"))
       << "the environment of this process is unchanged";

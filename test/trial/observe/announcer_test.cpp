@@ -20,27 +20,28 @@ class AnnouncerTest : public ::testing::Test {
  protected:
   AnnouncerTest() {
     scenario_.source_text = "name: some\nseed: 7\n";
-    listens_.subscribe<models::ScenarioNotice>(
-        bus::kScenario, [this](const models::ScenarioNotice& notice) { heard_.push_back(notice); });
+    receiving_bus_.subscribe<models::ScenarioNotice>(
+        bus::kScenario,
+        [this](const models::ScenarioNotice& notice) { notices_.push_back(notice); });
   }
   /// Returns the notices published since the last call.
   std::vector<models::ScenarioNotice> received() {
-    while (listens_.handle(microseconds(0)) > 0) {
+    while (receiving_bus_.handle(microseconds(0)) > 0) {
     }
-    return std::exchange(heard_, {});
+    return std::exchange(notices_, {});
   }
 
   bus::InProcessHub hub_;
-  std::unique_ptr<bus::Transport> speaker_ = hub_.connect();
-  std::unique_ptr<bus::Transport> listener_ = hub_.connect();
-  bus::Bus speaks_{*speaker_, 1};
-  bus::Bus listens_{*listener_, 2};
+  std::unique_ptr<bus::Transport> announcing_end_ = hub_.connect();
+  std::unique_ptr<bus::Transport> receiving_end_ = hub_.connect();
+  bus::Bus announcing_bus_{*announcing_end_, 1};
+  bus::Bus receiving_bus_{*receiving_end_, 2};
   scenario::Scenario scenario_;
-  std::vector<models::ScenarioNotice> heard_;
+  std::vector<models::ScenarioNotice> notices_;
 };
 
 TEST_F(AnnouncerTest, PublishesTheScenarioAtOnceAndEveryFiveSeconds) {
-  Announcer announcer(speaks_, scenario_, "some process");
+  Announcer announcer(announcing_bus_, scenario_, "some process");
   EXPECT_TRUE(received().empty());
   std::vector<Time> published_at;
   for (int half_s = 0; half_s <= 31; ++half_s) {
@@ -60,7 +61,7 @@ TEST_F(AnnouncerTest, PublishesTheScenarioAtOnceAndEveryFiveSeconds) {
 }
 
 TEST_F(AnnouncerTest, WaitsFiveSecondsAfterItsLastMessage) {
-  Announcer announcer(speaks_, scenario_, "p");
+  Announcer announcer(announcing_bus_, scenario_, "p");
   announcer.tick(kStart);
   announcer.tick(kStart + microseconds(4'999'999));
   EXPECT_EQ(received().size(), 1U);

@@ -94,27 +94,27 @@ TEST(ConflictsWithPlay, AreAllLivePublishersOfLoggedChannels) {
 
 TEST(ActiveChannels, ContainThePublishedChannels) {
   bus::InProcessHub hub;
-  const auto listens = hub.connect();
-  const auto speaks = hub.connect();
-  int asked = 0;
+  const auto receiving_end = hub.connect();
+  const auto sending_end = hub.connect();
+  int checks = 0;
   const auto stop = [&] {
-    speaks->publish("TRUTH", {});
-    speaks->publish("HOST_LAB", {});
-    return ++asked > 3;
+    sending_end->publish("TRUTH", {});
+    sending_end->publish("HOST_LAB", {});
+    return ++checks > 3;
   };
-  EXPECT_EQ(find_active_channels(*listens, std::chrono::hours(1), stop),
+  EXPECT_EQ(find_active_channels(*receiving_end, std::chrono::hours(1), stop),
             (Channels{"HOST_LAB", "TRUTH"}));
 }
 
 TEST(ActiveChannels, SeparateUnverifiedChannelsWhereRequired) {
   bus::InProcessHub hub;
   const bus::VirtualClock clock(from_utime(1'700'000'000'000'000));
-  const auto listens = hub.connect();
-  const auto speaks = hub.connect();
+  const auto receiving_end = hub.connect();
+  const auto sending_end = hub.connect();
   const auto stranger = hub.connect();
-  bus::Bus lab(*speaks, 1);
+  bus::Bus lab(*sending_end, 1);
   lab.secure(test::authenticator(test::keys_of_a_trial()), clock);
-  int asked = 0;
+  int checks = 0;
   const auto stop = [&] {
     models::HostReport report;
     report.host = "LAB";
@@ -123,11 +123,11 @@ TEST(ActiveChannels, SeparateUnverifiedChannelsWhereRequired) {
     for (const char* const channel : {"HOST_X", "VEHICLE_Q9", "TRUTH", "CAMERA"}) {
       stranger->publish(channel, {});
     }
-    return ++asked > 3;
+    return ++checks > 3;
   };
   const auto authenticator = test::authenticator(test::keys_of_a_trial());
   const ActiveChannels active =
-      find_active_channels(*listens, std::chrono::hours(1), stop, authenticator.get(), clock);
+      find_active_channels(*receiving_end, std::chrono::hours(1), stop, authenticator.get(), clock);
   EXPECT_EQ(active.accepted, (Channels{"HOST_LAB", "CAMERA"}));
   EXPECT_EQ(active.unverified, (Channels{"HOST_X", "VEHICLE_Q9", "TRUTH"}));
 }
@@ -179,13 +179,14 @@ TEST(ActiveChannels, AreLimitedToTenThousandNames) {
 
 TEST(ActiveChannels, AreCollectedForTheGivenTime) {
   bus::InProcessHub hub;
-  const auto listens = hub.connect();
+  const auto receiving_end = hub.connect();
   // The function checks for a stop at most every 50 ms: at 0 and 50 ms, and perhaps at 100 ms.
   const std::int64_t begin_ns = monotonic_ns();
-  int asked = 0;
-  find_active_channels(*listens, std::chrono::milliseconds(75), [&asked] { return ++asked > 9; });
+  int checks = 0;
+  find_active_channels(*receiving_end, std::chrono::milliseconds(75),
+                       [&checks] { return ++checks > 9; });
   EXPECT_GE(monotonic_ns() - begin_ns, 75'000'000);
-  EXPECT_LE(asked, 3);
+  EXPECT_LE(checks, 3);
   EXPECT_GT(kListenTime, std::chrono::seconds(1)) << "supervisors publish once per second";
   EXPECT_LT(kListenTime, std::chrono::seconds(2)) << "a user waits for it";
 }

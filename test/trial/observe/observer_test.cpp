@@ -22,10 +22,10 @@ scenario::Scenario scenario_of(const std::string& name, double duration_s) {
 class Observer : public ::testing::Test {
  protected:
   template <class Message>
-  void say(const bus::Channel<Message>& channel, Message message) {
-    message.stamp.time = kStart + std::chrono::milliseconds(20 * ++said_);
-    speaks_.publish(channel, message);
-    while (listens_.handle(std::chrono::microseconds(0)) > 0) {
+  void publish_next(const bus::Channel<Message>& channel, Message message) {
+    message.stamp.time = kStart + std::chrono::milliseconds(20 * ++messages_sent_);
+    sending_bus_.publish(channel, message);
+    while (observing_bus_.handle(std::chrono::microseconds(0)) > 0) {
     }
   }
   static models::TruthFrame truth_of(const std::string& name, int id, double x_m, double y_m) {
@@ -38,13 +38,13 @@ class Observer : public ::testing::Test {
   }
 
   bus::InProcessHub hub_;
-  std::unique_ptr<bus::Transport> speaker_ = hub_.connect();
-  std::unique_ptr<bus::Transport> listener_ = hub_.connect();
-  bus::Bus speaks_{*speaker_, 1};
-  bus::Bus listens_{*listener_, 2};
+  std::unique_ptr<bus::Transport> sending_end_ = hub_.connect();
+  std::unique_ptr<bus::Transport> observing_end_ = hub_.connect();
+  bus::Bus sending_bus_{*sending_end_, 1};
+  bus::Bus observing_bus_{*observing_end_, 2};
   scenario::Scenario scenario_ = scenario_of("lab", 6.0);
-  TrialObserver observer_{listens_, scenario_, kStart};
-  int said_ = 0;
+  TrialObserver observer_{observing_bus_, scenario_, kStart};
+  int messages_sent_ = 0;
 };
 
 TEST_F(Observer, IsEmptyBeforeTheFirstMessage) {
@@ -56,8 +56,8 @@ TEST_F(Observer, IsEmptyBeforeTheFirstMessage) {
 }
 
 TEST_F(Observer, KeepsTheNewestTruthAndDrawsIt) {
-  say(bus::kTruth, truth_of("R2", 1, 1.0, 0.5));
-  say(bus::kTruth, truth_of("R2", 1, 2.0, 0.5));
+  publish_next(bus::kTruth, truth_of("R2", 1, 1.0, 0.5));
+  publish_next(bus::kTruth, truth_of("R2", 1, 2.0, 0.5));
   ASSERT_TRUE(observer_.truth());
   ASSERT_EQ(observer_.truth()->bodies.size(), 1U);
   EXPECT_EQ(observer_.truth()->bodies[0].world_from_body.translation_m.x(), 2.0);
@@ -69,33 +69,33 @@ TEST_F(Observer, ReportsContactsVehiclesLossesAndAttacks) {
   models::CollisionReport contact;
   contact.body_a = "Q1";
   contact.body_b = "bounds";
-  say(bus::kCollision, contact);
+  publish_next(bus::kCollision, contact);
   contact.kind = models::CollisionKind::kCollision;
   contact.distance_m = -0.5;
-  say(bus::kCollision, contact);
-  say(bus::kCollision, contact);
+  publish_next(bus::kCollision, contact);
+  publish_next(bus::kCollision, contact);
   EXPECT_EQ(observer_.metrics().separation_violations(), 1);
   EXPECT_EQ(observer_.metrics().collisions(), 2);
 
   models::VehicleStatus status;
   status.robot = "Q2";
   status.state = models::FlightState::kLand;
-  say(bus::vehicle_channel("Q2"), status);
+  publish_next(bus::vehicle_channel("Q2"), status);
   EXPECT_EQ(observer_.metrics().robots().at("Q2").state, models::FlightState::kLand);
   EXPECT_FALSE(observer_.metrics().robots().at("Q1").state);
 
   models::ProcessHealth health;
   health.process = "PLANNER_Q1";
   health.counters = {{"BELIEF_Q2.lost", 5}};
-  say(bus::health_channel("PLANNER_Q1"), health);
+  publish_next(bus::health_channel("PLANNER_Q1"), health);
   EXPECT_EQ(observer_.metrics().messages_lost(), 5);
 
   models::AttackNotice attack;
   attack.jammed = {"Q3"};
-  say(bus::kAttack, attack);
+  publish_next(bus::kAttack, attack);
   EXPECT_EQ(observer_.scene().jammed, std::set<std::string>{"Q3"});
   attack.jammed.clear();
-  say(bus::kAttack, attack);
+  publish_next(bus::kAttack, attack);
   EXPECT_TRUE(observer_.scene().jammed.empty());
 }
 
@@ -106,13 +106,13 @@ TEST_F(Observer, IgnoresRobotsOutsideTheScenario) {
     const std::string name = "X" + std::to_string(i);
     models::VehicleStatus status;
     status.robot = name;
-    say(bus::vehicle_channel(name), status);
+    publish_next(bus::vehicle_channel(name), status);
     models::RobotBelief belief;
     belief.robot = name;
-    say(bus::belief_channel(name), belief);
+    publish_next(bus::belief_channel(name), belief);
     models::RobotPlan plan;
     plan.robot = name;
-    say(bus::plan_channel(name), plan);
+    publish_next(bus::plan_channel(name), plan);
   }
   EXPECT_EQ(observer_.metrics().robots().size(), robots);
   EXPECT_EQ(observer_.scene().robots.size(), robots);
@@ -124,7 +124,7 @@ TEST_F(Observer, IgnoresRobotsOutsideTheScenario) {
 TEST_F(Observer, IgnoresBodiesThatAreNotTargets) {
   const int targets = static_cast<int>(scenario_.targets.size());
   for (const int id : {0, targets - 1, targets, targets + 100}) {
-    say(bus::kTruth, truth_of("B" + std::to_string(id), id, 0.1 * id, 0.0));
+    publish_next(bus::kTruth, truth_of("B" + std::to_string(id), id, 0.1 * id, 0.0));
   }
   const logs::Scene scene = observer_.scene();
   for (const auto& [id, target] : scene.targets) {
@@ -143,14 +143,14 @@ TEST_F(Observer, HasTheTeamsEstimateOfEveryTarget) {
     known.information.matrix = 4.0 * Eigen::Matrix2d::Identity();
     known.information.vector = known.information.matrix * mean_of(target.id);
     known.last_seen = kStart;
-    say(bus::kTruth, truth_of(target.name, target.id, 0.1, 0.2));
+    publish_next(bus::kTruth, truth_of(target.name, target.id, 0.1, 0.2));
   }
   for (const int step : {1, 2, 3}) {
     belief.step = step;
     belief.stamp.time = kStart + std::chrono::milliseconds(500 * step);
     belief.stamp.sequence = step;
-    speaks_.publish(bus::belief_channel("Q1"), belief);
-    while (listens_.handle(std::chrono::microseconds(0)) > 0) {
+    sending_bus_.publish(bus::belief_channel("Q1"), belief);
+    while (observing_bus_.handle(std::chrono::microseconds(0)) > 0) {
     }
   }
   const logs::Scene scene = observer_.scene();

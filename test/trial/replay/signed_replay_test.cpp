@@ -55,7 +55,7 @@ class SignedReplay : public ::testing::Test {
     const logs::IndexedLog log(plain());
     logs::LogWriter writer(with_signatures());
     const auto ring = std::make_shared<const bus::auth::Keyring>(bus::auth::load_keyring(keys()));
-    Authenticator speaks(
+    Authenticator sender(
         ring, {scenario::SecurityMode::kRequire, scenario::TrialMode::kSimulation, false});
     Authenticator elsewhere(ring,
                             {scenario::SecurityMode::kRequire, scenario::TrialMode::kLive, false});
@@ -77,7 +77,7 @@ class SignedReplay : public ::testing::Test {
         ++forged_;
       }
       Bytes data(event->data.begin(), event->data.end());
-      speaks.seal(event->channel, "", event->time, data);
+      sender.seal(event->channel, "", event->time, data);
       writer.write(event->time, event->channel, data);
       ++events_;
     }

@@ -55,19 +55,20 @@ TEST(RoverWire, RoundTripsAnyContent) {
   std::uniform_real_distribution<float> share(0.0F, 1.0F);
   const auto u32 = [&random] { return static_cast<std::uint32_t>(random()); };
   for (int i = 0; i < 10'000; ++i) {
-    const Command said{
+    const Command sent_command{
         u32(),          std::max(1U, u32()), u32(), std::bit_cast<std::int64_t>(random()),
         number(random), number(random),      u32()};
     Command command;
-    ASSERT_EQ(decode(encode(said), command), Verdict::kAccepted);
-    ASSERT_EQ(command, said);
-    const Telemetry told{u32(),          u32(),          u32(),
-                         u32(),          u32(),          std::bit_cast<std::int64_t>(random()),
-                         number(random), number(random), share(random),
-                         u32(),          u32()};
+    ASSERT_EQ(decode(encode(sent_command), command), Verdict::kAccepted);
+    ASSERT_EQ(command, sent_command);
+    const Telemetry sent_telemetry{
+        u32(),          u32(),          u32(),
+        u32(),          u32(),          std::bit_cast<std::int64_t>(random()),
+        number(random), number(random), share(random),
+        u32(),          u32()};
     Telemetry telemetry;
-    ASSERT_EQ(decode(encode(told), telemetry), Verdict::kAccepted);
-    ASSERT_EQ(telemetry, told);
+    ASSERT_EQ(decode(encode(sent_telemetry), telemetry), Verdict::kAccepted);
+    ASSERT_EQ(telemetry, sent_telemetry);
   }
 }
 
@@ -99,16 +100,16 @@ TEST(RoverWire, ReportsTheFirstFault) {
   EXPECT_EQ(decode(encode(endless), out), Verdict::kValue);
   Telemetry full = worked_telemetry();
   full.battery_share = 1.01F;
-  Telemetry told;
-  EXPECT_EQ(decode(encode(full), told), Verdict::kValue);
+  Telemetry decoded;
+  EXPECT_EQ(decode(encode(full), decoded), Verdict::kValue);
 }
 
 TEST(RoverWire, RefusesInvalidNumbers) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Command received;
-  Telemetry told;
-  EXPECT_EQ(decode(kWorkedCommand, told), Verdict::kKind) << "telemetry instead of a command";
+  Telemetry decoded;
+  EXPECT_EQ(decode(kWorkedCommand, decoded), Verdict::kKind) << "telemetry instead of a command";
   for (const float bad : {kNan, kInfinity, -kInfinity}) {
     Command command = worked_command();
     command.speed_mps = bad;
@@ -118,21 +119,21 @@ TEST(RoverWire, RefusesInvalidNumbers) {
     EXPECT_EQ(decode(encode(command), received), Verdict::kValue) << bad;
     Telemetry telemetry = worked_telemetry();
     telemetry.speed_mps = bad;
-    EXPECT_EQ(decode(encode(telemetry), told), Verdict::kValue) << bad;
+    EXPECT_EQ(decode(encode(telemetry), decoded), Verdict::kValue) << bad;
     telemetry = worked_telemetry();
     telemetry.yaw_rate_radps = bad;
-    EXPECT_EQ(decode(encode(telemetry), told), Verdict::kValue) << bad;
+    EXPECT_EQ(decode(encode(telemetry), decoded), Verdict::kValue) << bad;
     telemetry = worked_telemetry();
     telemetry.battery_share = bad;
-    EXPECT_EQ(decode(encode(telemetry), told), Verdict::kValue) << bad;
+    EXPECT_EQ(decode(encode(telemetry), decoded), Verdict::kValue) << bad;
   }
   EXPECT_EQ(received, Command{}) << "changed only if accepted";
-  EXPECT_EQ(told, Telemetry{});
+  EXPECT_EQ(decoded, Telemetry{});
   for (const float share : {-0.001F, 0.0F, 0.5F, 1.0F, 1.001F}) {
     Telemetry telemetry = worked_telemetry();
     telemetry.battery_share = share;
     telemetry.session = 0;  // 0: no driver is in control
-    EXPECT_EQ(decode(encode(telemetry), told),
+    EXPECT_EQ(decode(encode(telemetry), decoded),
               share < 0.0F || share > 1.0F ? Verdict::kValue : Verdict::kAccepted)
         << share;
   }
@@ -278,7 +279,7 @@ TEST(RoverLink, IgnoresCommandsOfAnotherDriver) {
 /// A rover that receives the commands of one driver.
 class RoverRules : public ::testing::Test {
  protected:
-  void say(Command command) {
+  void receive_command(Command command) {
     command.time_us = to_utime(now);
     rover.receive(encode(command), now);
   }
@@ -296,7 +297,7 @@ class RoverRules : public ::testing::Test {
 
 TEST_F(RoverRules, WatchdogStopsTheRover) {
   for (std::uint32_t i = 1; i <= 50; ++i) {
-    say(drive(i));
+    receive_command(drive(i));
     run(0.02);
   }
   EXPECT_NEAR(rover.state().speed_mps, 0.5, 1e-9);
@@ -307,42 +308,42 @@ TEST_F(RoverRules, WatchdogStopsTheRover) {
 }
 
 TEST_F(RoverRules, RefusesOldAndForeignCommands) {
-  say(drive(5));
-  say(drive(5));
-  say(drive(4));
+  receive_command(drive(5));
+  receive_command(drive(5));
+  receive_command(drive(4));
   Command other = drive(100);
   other.session = 12;
-  say(other);
+  receive_command(other);
   other.robot = 2;
-  say(other);
+  receive_command(other);
   EXPECT_EQ(rover.refused(), 4);
   run(kWatchdogS + 0.02);
   other.robot = 1;
-  say(other);
+  receive_command(other);
   EXPECT_EQ(rover.refused(), 4) << "after the first driver's silence, another driver may send";
 }
 
 TEST_F(RoverRules, AcceptsAnyEmergencyStopAndReleaseByTheDriver) {
-  say(drive(5));
+  receive_command(drive(5));
   Command stop = drive(1);
   stop.session = 12;
   stop.flags = kEmergencyStop;
-  say(stop);
+  receive_command(stop);
   EXPECT_TRUE(rover.is_stopped());
-  say(drive(6));
+  receive_command(drive(6));
   run(0.1);
   EXPECT_EQ(rover.state().speed_mps, 0.0);
   stop.sequence = 2;
   stop.flags = kReleaseStop;
-  say(stop);
+  receive_command(stop);
   EXPECT_TRUE(rover.is_stopped());
   Command release = drive(7);
   release.flags = kReleaseStop | kDrive;
-  say(release);
+  receive_command(release);
   EXPECT_TRUE(rover.is_stopped()) << "not while driving is requested";
   release.sequence = 8;
   release.flags = kReleaseStop;
-  say(release);
+  receive_command(release);
   EXPECT_FALSE(rover.is_stopped());
 }
 

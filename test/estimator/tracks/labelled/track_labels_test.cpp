@@ -315,10 +315,10 @@ TEST(SetTracks, ReplacesAllTracksAndSkipsInvalidOnes) {
   models::TargetBelief none = belief(kOld + 3, at_m(3, 0, 1.0), 3);
   none.information.matrix.setZero();
   const models::Gaussian in_space{Eigen::Vector3d(2, 0, 0), Eigen::Matrix3d::Identity()};
-  const std::vector<models::TargetBelief> said = {belief(kOld, at_m(1, 0, 0.1), 1), none,
-                                                  belief(kOld + 1, in_space, 2),
-                                                  belief(kOld + 2, at_m(2, 0, 0.2), 4)};
-  set_tracks(tracks, said, 2);
+  const std::vector<models::TargetBelief> received_beliefs = {belief(kOld, at_m(1, 0, 0.1), 1),
+                                                              none, belief(kOld + 1, in_space, 2),
+                                                              belief(kOld + 2, at_m(2, 0, 0.2), 4)};
+  set_tracks(tracks, received_beliefs, 2);
   EXPECT_EQ(labels_of(tracks), (std::vector{kOld, kOld + 2}));
   EXPECT_EQ(tracks[0].existence, 0.9);
   EXPECT_EQ(tracks[1].last_seen, instant(4));

@@ -139,14 +139,14 @@ struct Team {
     const std::vector<models::RobotMeasurement> looks = scene.looks(k);
     std::vector<models::RobotBelief> next;
     for (std::size_t i = 0; i < kRobots; ++i) {
-      test::Received heard =
+      test::Received received =
           test::received_by(i, looks, beliefs, [&](std::size_t j) { return hears(k, i, j); });
       if (!is_told_beliefs) {
-        heard.beliefs.clear();
+        received.beliefs.clear();
       }
-      std::shuffle(heard.looks.begin(), heard.looks.end(), scene.rng());
+      std::shuffle(received.looks.begin(), received.looks.end(), scene.rng());
       next.push_back(
-          take_step(robots[i], instant(k), Scene::place(k, i), heard.looks, heard.beliefs));
+          take_step(robots[i], instant(k), Scene::place(k, i), received.looks, received.beliefs));
     }
     beliefs = next;
   }
@@ -267,10 +267,10 @@ TEST(UnnamedTeam, ReportsExistenceProbabilities) {
         EXPECT_GT(component.weight, 0.0);
         EXPECT_LE(component.weight, 1.0);
       }
-      const models::Gaussian told = *models::to_gaussian(belief.targets[i].information);
+      const models::Gaussian published = *models::to_gaussian(belief.targets[i].information);
       const models::Gaussian together = moments(target.components);
-      EXPECT_TRUE(is_near(together.mean, told.mean, 1e-6));
-      EXPECT_TRUE(is_near(together.covariance, told.covariance, 1e-6));
+      EXPECT_TRUE(is_near(together.mean, published.mean, 1e-6));
+      EXPECT_TRUE(is_near(together.covariance, published.covariance, 1e-6));
     }
   }
 }
@@ -341,21 +341,21 @@ TEST(UnnamedTeam, AllocatesNothing) {
   Scene scene(8);
   DistributedFilter filter(spec_of(0));
   DistributedFilter teammate(spec_of(1));
-  models::RobotBelief heard;
+  models::RobotBelief huge;
   std::size_t allocations = 0;
   for (int k = 1; k <= 60; ++k) {
     const auto looks = scene.looks(k);
     const std::vector<const models::RobotMeasurement*> pointers = {&looks[0], &looks[1], &looks[2]};
-    const std::vector<const models::RobotBelief*> beliefs = {&heard};
+    const std::vector<const models::RobotBelief*> beliefs = {&huge};
     StepInput input{instant(k), Scene::place(k, 0), pointers, {}};
     if (k > 1) {
-      heard.last_seen_utime.clear();  // a grid would allocate
+      huge.last_seen_utime.clear();  // a grid would allocate
       input.beliefs = beliefs;
     }
     const vantage::test::AllocationCounter counter;
     filter.advance(input);
     allocations += k > 1 ? counter.count() : 0;
-    heard = take_step(teammate, instant(k), Scene::place(k, 1), {looks[1]});
+    huge = take_step(teammate, instant(k), Scene::place(k, 1), {looks[1]});
   }
   EXPECT_EQ(allocations, 0U);
 }
@@ -363,17 +363,17 @@ TEST(UnnamedTeam, AllocatesNothing) {
 // A track received in the middle of a step is predicted to its end. The prediction uses the elapsed
 // time, and the time between the target's last observation and the sending of the track.
 TEST(UnnamedTeam, PropagatesReceivedTracksToItsTime) {
-  const auto variance_m2 = [](const models::TargetModel& model, Time told_at, Time last_seen) {
+  const auto variance_m2 = [](const models::TargetModel& model, Time sent_at, Time last_seen) {
     FilterSpec spec = spec_of(0);
     spec.estimator.target_model = model;
     DistributedFilter filter(spec);
     take_step(filter, instant(0), at(0, 0), {});
-    models::RobotBelief told = test::prior(
-        told_at, {{Eigen::Vector2d(1.0, 2.0), 0.04 * models::StateMatrix::Identity(2, 2)}});
-    told.robot = "Q2";
-    told.targets[0].target_id = models::kTrackLabelMin + 7;
-    told.targets[0].last_seen = last_seen;
-    const models::RobotBelief own = take_step(filter, instant(2), at(0, 0), {}, {told});
+    models::RobotBelief received = test::prior(
+        sent_at, {{Eigen::Vector2d(1.0, 2.0), 0.04 * models::StateMatrix::Identity(2, 2)}});
+    received.robot = "Q2";
+    received.targets[0].target_id = models::kTrackLabelMin + 7;
+    received.targets[0].last_seen = last_seen;
+    const models::RobotBelief own = take_step(filter, instant(2), at(0, 0), {}, {received});
     EXPECT_EQ(labels_of(own), std::vector{models::kTrackLabelMin + 7});
     EXPECT_EQ(own.targets.at(0).last_seen, last_seen);
     const models::Gaussian belief = *models::to_gaussian(own.targets.at(0).information);

@@ -118,13 +118,13 @@ TEST(MixtureOfAFilter, ContainsUnseenWideTargets) {
   ASSERT_EQ(mixture.targets.size(), 1U);
   EXPECT_EQ(mixture.targets[0].target_id, 0);
   EXPECT_EQ(mixture.targets[0].existence, 1.0);
-  const Gaussian told = known(filter, 0);
-  EXPECT_TRUE(is_near(moments(mixture.targets[0].components).mean, told.mean, 1e-6));
+  const Gaussian published = known(filter, 0);
+  EXPECT_TRUE(is_near(moments(mixture.targets[0].components).mean, published.mean, 1e-6));
   EXPECT_GT(mixture.targets[0].components.size(), 2U);
   for (const Component& part : mixture.targets[0].components) {
-    EXPECT_LT(largest_sigma_m(part), 0.75 * largest_sigma_m({1.0, told}));
+    EXPECT_LT(largest_sigma_m(part), 0.75 * largest_sigma_m({1.0, published}));
   }
-  const Eigen::Vector2d truth_m = told.mean.head<2>();
+  const Eigen::Vector2d truth_m = published.mean.head<2>();
   const models::Viewpoint from = at(truth_m.x() - 5.0, truth_m.y(), 0.0);
   models::RobotMeasurement look = test::look_of("Q1", 41, from);
   look.detections.push_back({0, test::seen(from, truth_m)});

@@ -310,15 +310,15 @@ TEST(SamplesOfAFilter, AreIndependentOfLateArrival) {
       return look_of("Q2", step, at(kNearACorner.mean(0) + 1.0, kNearACorner.mean(1) - 6.0, 1.6));
     };
     take_step(timely, instant(k), from, {look_of("Q1", k, from), of_teammate(k)});
-    std::vector<models::RobotMeasurement> heard = {look_of("Q1", k, from)};
+    std::vector<models::RobotMeasurement> received = {look_of("Q1", k, from)};
     if (k > 2) {
-      heard.push_back(of_teammate(k - 2));
+      received.push_back(of_teammate(k - 2));
     }
     if (k == 6) {
-      heard.push_back(of_teammate(5));
-      heard.push_back(of_teammate(6));
+      received.push_back(of_teammate(5));
+      received.push_back(of_teammate(6));
     }
-    take_step(late, instant(k), from, heard);
+    take_step(late, instant(k), from, received);
   }
   EXPECT_GT(late.counters().late_measurements, 0);
   EXPECT_EQ(late.track(0).information.matrix, timely.track(0).information.matrix);
@@ -330,14 +330,14 @@ TEST(SamplesOfAFilter, AreReplacedOnlyByANewerTeammatesObservation) {
     DistributedFilter filter = knows(kNearACorner);
     for (int k = 1; k <= 12; ++k) {
       const models::Viewpoint from = beside(kNearACorner, k);
-      std::vector<models::RobotBelief> heard;
+      std::vector<models::RobotBelief> received;
       if (k == 12 && theirs) {
-        heard.push_back(test::prior(instant(12), {*theirs}));
-        heard.back().robot = "Q2";
-        heard.back().viewpoint = from;
-        heard.back().targets[0].last_seen = last_seen;
+        received.push_back(test::prior(instant(12), {*theirs}));
+        received.back().robot = "Q2";
+        received.back().viewpoint = from;
+        received.back().targets[0].last_seen = last_seen;
       }
-      take_step(filter, instant(k), from, {look_of("Q1", k, from)}, heard);
+      take_step(filter, instant(k), from, {look_of("Q1", k, from)}, received);
     }
     return known(filter, 0);
   };
@@ -427,15 +427,16 @@ TEST(Samples, DuplicatesWhenLessThanHalfAreEffective) {
 TEST(Samples, AreUpdatedFromThirtyTwoSupportingSamples) {
   const models::SensorModel sensor = test::far_sighted(models::SensorKind::kPosition);
   Gaussian belief{Eigen::Vector4d(3.0, -4.0, 0.2, -0.1), Eigen::Matrix4d::Identity()};
-  for (const auto& [speak, is_used] : {std::pair(32.0 * 1.4, true), std::pair(32.0 / 1.4, false)}) {
-    const double x_m2 = 1.0 / std::sqrt(1.0 - speak / Samples::kCount) - 1.0;
+  for (const auto& [supporting, is_used] :
+       {std::pair(32.0 * 1.4, true), std::pair(32.0 / 1.4, false)}) {
+    const double x_m2 = 1.0 / std::sqrt(1.0 - supporting / Samples::kCount) - 1.0;
     for (int k = 0; k < 8; ++k) {
       const double angle_rad = 0.25 * kPi * k;
       const Eigen::Vector2d z_m(3.0 + 0.1 * std::cos(angle_rad), -4.0 + 0.1 * std::sin(angle_rad));
       Samples samples = samples_of(belief);
       EXPECT_EQ(samples.measure(sensor, at(0, 0), {z_m, x_m2 * Eigen::Matrix2d::Identity()}, 0.0),
                 is_used)
-          << speak << " " << k;
+          << supporting << " " << k;
     }
   }
 }

@@ -301,19 +301,19 @@ TEST(TargetCollisionsOfAFilter, ApplyToATeammatesBeliefOfTheLastStep) {
   // A belief that is sent before the meeting and predicted without it would be too certain and
   // would dominate the fusion.
   DistributedFilter alone = knows_two(0.2);
-  DistributedFilter told = knows_two(0.2);
+  DistributedFilter informed = knows_two(0.2);
   for (int step = 1; step <= 4; ++step) {
-    models::RobotBelief of_before = told.belief();
+    models::RobotBelief of_before = informed.belief();
     of_before.robot = "Q2";
     models::RobotBelief of_now = test::prior(instant(step), {});
     of_now.robot = "Q3";
     take_step(alone, instant(step), at(0, 0), {});
-    take_step(told, instant(step), at(0, 0), {}, {of_before, of_now});
+    take_step(informed, instant(step), at(0, 0), {}, {of_before, of_now});
   }
   EXPECT_GT(known(alone, 0).covariance(2, 2), 0.1);
   for (const int target : {0, 1}) {
-    EXPECT_EQ(known(told, target).mean, known(alone, target).mean);
-    EXPECT_EQ(known(told, target).covariance, known(alone, target).covariance);
+    EXPECT_EQ(known(informed, target).mean, known(alone, target).mean);
+    EXPECT_EQ(known(informed, target).covariance, known(alone, target).covariance);
   }
 }
 
