@@ -96,17 +96,17 @@ def run_for(line, span_s, folder, environment, source):
                           text=True, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT) as process:
         try:
-            said, _ = process.communicate(timeout=span_s)
+            output_text, _ = process.communicate(timeout=span_s)
         except subprocess.TimeoutExpired:
             process.send_signal(signal.SIGINT)
             try:
-                said, _ = process.communicate(timeout=END_TIMEOUT_S)
+                output_text, _ = process.communicate(timeout=END_TIMEOUT_S)
             except subprocess.TimeoutExpired:
                 process.kill()
                 return [f"'{line}' does not end at Ctrl-C:\n{process.communicate()[0]}"]
         if process.returncode in (0, 77):
             return []
-        return [f"'{line}': exit code {process.returncode}:\n{said}"]
+        return [f"'{line}': exit code {process.returncode}:\n{output_text}"]
 
 
 def run(block, binaries, source):

@@ -137,11 +137,11 @@ def trials(vantage, folder):
 def sample(vantage, folder):
     """Returns the results of the log tools for the sample log."""
     (folder / "sample.lcmlog").write_bytes(lzma.decompress((ROOT / "logs/sample/lab_60s.lcmlog.xz").read_bytes()))
-    said = {}
+    outputs = {}
     for title, options in LOOKS.items():
         text = run([vantage.resolve(), "log", title.partition(",")[0], "sample.lcmlog", *options], cwd=folder)
-        said[title] = json.loads(text) if "--json" in options else text.splitlines()
-    return said | {"messages": messages(vantage, folder / "sample.lcmlog", folder / "sample")}
+        outputs[title] = json.loads(text) if "--json" in options else text.splitlines()
+    return outputs | {"messages": messages(vantage, folder / "sample.lcmlog", folder / "sample")}
 
 
 def experiments(vantage, folder):

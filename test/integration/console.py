@@ -49,7 +49,7 @@ def speak():
         time.sleep(0.1)
 
 
-def heard(until):
+def received_orders(until):
     """Returns the different orders received until `until(orders)` is true, and those already queued then."""
     out, is_last = [], False
     receiver.settimeout(0.05)
@@ -86,7 +86,7 @@ def typed(keys):
     pid, terminal = pty.fork()
     if pid == 0:
         os.execv(binary, [binary, "console", "--url", URL])
-    heard(lambda out: "beat" in out)
+    received_orders(lambda out: "beat" in out)
 
     def press(out):
         while select.select([terminal], [], [], 0)[0]:
@@ -95,7 +95,7 @@ def typed(keys):
             os.write(terminal, keys.pop(0))
         return "estop" in out or time.monotonic() > give_up
 
-    out = heard(press)
+    out = received_orders(press)
     os.write(terminal, b"q")
     while True:
         try:
@@ -162,7 +162,7 @@ def check_terminal(keys, is_full, words, stops):
         if stops:
             program.press(b" ")
             give_up = time.monotonic() + PATIENCE_S
-            out = heard(lambda out: "estop" in out or time.monotonic() > give_up)
+            out = received_orders(lambda out: "estop" in out or time.monotonic() > give_up)
             assert "estop" in out, (keys, out)
     finally:
         program.end(signal.SIGKILL)
@@ -175,7 +175,7 @@ def piped(text):
                                stdout=subprocess.DEVNULL, text=True)
     console.stdin.write(text)
     console.stdin.close()
-    out = heard(lambda _: console.poll() is not None)
+    out = received_orders(lambda _: console.poll() is not None)
     return [words for words in out if words != "beat"], console.returncode
 
 

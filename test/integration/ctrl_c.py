@@ -34,13 +34,13 @@ class Terminal:
         self.pid, self.fd = pty.fork()
         if self.pid == 0:
             os.execv(words[0], words)
-        self.said = ""
+        self.screen_text = ""
 
-    def hear(self, timeout_s):
+    def read_output(self, timeout_s):
         """Reads output; returns False once the program has closed the terminal."""
         if select.select([self.fd], [], [], timeout_s)[0]:
             try:
-                self.said += os.read(self.fd, 65536).decode(errors="replace")
+                self.screen_text += os.read(self.fd, 65536).decode(errors="replace")
             except OSError:
                 return False
         return True
@@ -48,7 +48,7 @@ class Terminal:
     def until(self, holds, what):
         give_up = time.monotonic() + PATIENCE_S
         while not holds():
-            assert self.hear(0.1) and time.monotonic() < give_up, f"no {what}:\n{self.said}"
+            assert self.read_output(0.1) and time.monotonic() < give_up, f"no {what}:\n{self.screen_text}"
 
     def press(self, key):
         os.write(self.fd, key)
@@ -56,7 +56,7 @@ class Terminal:
     def end(self, key=None, holds=lambda: False):
         """Returns the exit code; presses the key again and again while `holds`."""
         next_key = time.monotonic() + KEY_PERIOD_S
-        while self.hear(0.02):
+        while self.read_output(0.02):
             if holds() and time.monotonic() >= next_key:
                 self.press(key)
                 next_key += KEY_PERIOD_S
@@ -64,7 +64,7 @@ class Terminal:
 
     def lines(self):
         """Returns the lines that are readable on the screen, from the last table on."""
-        last = self.said.rsplit("\x1b[J", 1)[-1]
+        last = self.screen_text.rsplit("\x1b[J", 1)[-1]
         shown = [re.split(r"\r\x1b\[K|\x1b\[K", line)[-1] for line in last.split("\n")]
         return [line.strip("\r") for line in shown]
 
@@ -105,11 +105,11 @@ def trial(binaries, scenario, folder, extra, hold=None, is_slow_disk=False):
         up.until(lambda: time.monotonic() >= go_on, "supervisor that waits for its logger")
         os.kill(held, signal.SIGCONT)
     code = up.end(CTRL_C, lambda: hold == PLANNER and command_of(held))
-    assert "^C" in up.said, "the terminal does not echo"
+    assert "^C" in up.screen_text, "the terminal does not echo"
     assert not [child for child in started if command_of(child)], "processes are still running"
     # On a busy machine, a process may need more than its 1.2 s to end; this is also reported.
-    is_slow = "did not end when requested" in up.said
-    assert code == (1 if (hold and not is_slow_disk) or is_slow else 0), f"exit code {code}:\n{up.said}"
+    is_slow = "did not end when requested" in up.screen_text
+    assert code == (1 if (hold and not is_slow_disk) or is_slow else 0), f"exit code {code}:\n{up.screen_text}"
     check = subprocess.run([binaries / "vantage", "log", "check", log], capture_output=True,
                            text=True)
     assert check.returncode == 0, check.stdout + check.stderr

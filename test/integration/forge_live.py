@@ -28,7 +28,7 @@ receiver, sender = receiver_and_sender()
 receiver.settimeout(1.0)
 
 
-def heard():
+def received_messages():
     """Yields (channel, bytes) of each whole short message of others; (None, b"") at least once per second."""
     while True:
         try:
@@ -65,20 +65,20 @@ def kinds(channel):
             command_t if channel == "COMMAND" else plan_t)
 
 
-said, changes, lifted = {}, [], set()
+newest_states, changes, lifted = {}, [], set()
 start = time.monotonic()
 give_up = start + WAIT_S
-for channel, payload in heard():
+for channel, payload in received_messages():
     if channel and channel.startswith("VEHICLE_"):
         status = vehicle_t.decode(payload)
         words = (status.state, *status.reasons)
-        if said.get(status.robot) != words:
+        if newest_states.get(status.robot) != words:
             changes.append(f"{time.monotonic() - start:7.2f} s {status.robot}: {words}")
-        said[status.robot] = words
+        newest_states[status.robot] = words
         lifted.update([status.robot] if status.state != IDLE else [])
         if status.state == IDLE and status.robot in lifted:
             give_up = 0.0  # a vehicle that has landed stays down
-    if len(said) > 1 and all(state == FOLLOW for state, *_ in said.values()):
+    if len(newest_states) > 1 and all(state == FOLLOW for state, *_ in newest_states.values()):
         break
     if time.monotonic() > give_up:
         print("forge_live: not all follow:", *changes, sep="\n  ", file=sys.stderr)
@@ -86,7 +86,7 @@ for channel, payload in heard():
 
 begin = time.time()
 kinds_forged = set()
-for channel, payload in heard():
+for channel, payload in received_messages():
     since_s = time.time() - begin
     if since_s > SPAN_S:
         break

@@ -58,14 +58,14 @@ def forge():
                 sent[each] += 1
 
 
-stranger = threading.Thread(target=forge)
-stranger.start()
+attacker = threading.Thread(target=forge)
+attacker.start()
 try:
     up = subprocess.run([binary, "up", scenario, "--no-log", "--json", "--duration-s", "10"],
                         capture_output=True, text=True, timeout=120)
 finally:
     is_over = True
-    stranger.join()
+    attacker.join()
 print(f"forged_health: {sum(sent.values())} forged messages of {len(sent)} processes")
 assert {"SIM", "PLANNER_Q1", "ESTIMATOR_Q1"} <= set(sent), sorted(sent)
 assert min(sent[each] for each in ("SIM", "PLANNER_Q1", "ESTIMATOR_Q1")) > 100, sent

@@ -126,9 +126,9 @@ class Trial:
         if event == "duration":
             words += ["--duration-s", str(arguments.duration_s)]
         self.begin = time.monotonic()
-        self.said = open(f"{folder}/up.err", "w+", encoding="utf-8")
+        self.errors = open(f"{folder}/up.err", "w+", encoding="utf-8")
         self.report = open(f"{folder}/up.json", "w+", encoding="utf-8")
-        self.up = subprocess.Popen(words, stdout=self.report, stderr=self.said)
+        self.up = subprocess.Popen(words, stdout=self.report, stderr=self.errors)
         self.console = subprocess.Popen([arguments.binaries + "/vantage", "console", "--url", URL], text=True,
                                         stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)
 
@@ -270,7 +270,7 @@ class Trial:
             for pid in processes():
                 os.kill(pid, signal.SIGKILL)
             self.witness.close()
-            self.said.close()
+            self.errors.close()
             self.report.close()
 
 

@@ -170,11 +170,11 @@ def main():
         refused = subprocess.run([f"{binaries}/vantage", "view", "--operate", "--bind", "0.0.0.0", "--port", "0", "--url", URL],
                                  capture_output=True, text=True, check=False)
         assert refused.returncode != 0 and "--host NAME" in refused.stderr, refused
-        with open(f"{folder}/view.out", "w", encoding="utf-8") as out, open(f"{folder}/up.err", "w", encoding="utf-8") as said:
+        with open(f"{folder}/view.out", "w", encoding="utf-8") as out, open(f"{folder}/up.err", "w", encoding="utf-8") as errors:
             view = subprocess.Popen([f"{binaries}/vantage", "view", "--operate", "--scenario", str(signed), "--url", URL,
                                      "--port", "0"], stdout=out)
             up = subprocess.Popen([f"{binaries}/vantage", "up", str(signed), "--url", URL, "--no-log", "--json", "--ignore-load"],
-                                  stdout=said, stderr=said)
+                                  stdout=errors, stderr=errors)
             try:
                 host, key = until(lambda: re.findall(r"http://([\d.:]+)/#operate=([0-9a-f]{32})",
                                                      pathlib.Path(f"{folder}/view.out").read_text(encoding="utf-8")), "address")[0]

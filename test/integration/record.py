@@ -94,11 +94,11 @@ class Recorder:
 
     def start(self):
         """Returns once the recorder receives messages."""
-        def heard():
-            assert self.process.poll() is None, self.said()
+        def has_received():
+            assert self.process.poll() is None, self.printed()
             self.sender.publish("KNOCK", b"")
             return os.path.exists(self.log) and os.path.getsize(self.log) > 0
-        until(heard, "sign of hearing")
+        until(has_received, "first recorded message")
         return self
 
     def is_waiting(self):
@@ -106,7 +106,7 @@ class Recorder:
         stats = pathlib.Path(f"/proc/{self.process.pid}/task").glob("*/stat")
         return all(stat.read_text().rpartition(")")[2].split()[0] == "S" for stat in stats)
 
-    def said(self):
+    def printed(self):
         self.errors.seek(0)
         return self.errors.read()
 
@@ -124,7 +124,7 @@ def test_signals_end_it_with_a_complete_log():
         recorder = Recorder(FOLDER / f"{how.name}.lcmlog").start()
         for i in range(100):
             recorder.sender.publish("TICK", struct.pack(">I", i))
-        assert recorder.end(how) == 0, (how, recorder.said())
+        assert recorder.end(how) == 0, (how, recorder.printed())
         assert of(recorder.log, "TICK") == [("TICK", struct.pack(">I", i)) for i in range(100)], how
         numbers = [number for number, *_ in events(recorder.log)]
         assert numbers == list(range(len(numbers)))
@@ -199,15 +199,15 @@ def test_full_disk_is_reported_at_once_and_leaves_a_complete_log():
     recorder = Recorder(disk / "a.lcmlog", "--free-mib", "0").start()
     (disk / "else").write_bytes(bytes(700_000))
     sent = 0
-    while "LOG NOT WRITTEN" not in recorder.said():
+    while "LOG NOT WRITTEN" not in recorder.printed():
         recorder.sender.publish("TICK", struct.pack(">I", sent) + bytes(2000))
         sent += 1
         assert sent < 100_000
         time.sleep(0.001)
-    assert f"LOG NOT WRITTEN: {recorder.log}: cannot be written: No space left on device" in recorder.said()
+    assert f"LOG NOT WRITTEN: {recorder.log}: cannot be written: No space left on device" in recorder.printed()
     until(refused, "word of it on HEALTH_RECORDER")
     (disk / "else").unlink()
-    until(lambda: "the log is written again; number of lost events: 0" in recorder.said(), "writing again")
+    until(lambda: "the log is written again; number of lost events: 0" in recorder.printed(), "writing again")
     assert recorder.end() == 1, "exit code 0 although the log was not written"
     ticks = of(recorder.log, "TICK")
     assert [struct.unpack(">I", data[:4])[0] for _, data in ticks] == list(range(sent)), "events were lost"
@@ -216,22 +216,22 @@ def test_full_disk_is_reported_at_once_and_leaves_a_complete_log():
 def test_log_ends_with_a_complete_event_if_the_disk_stays_full():
     disk = small_disk("stays_full", "size=256k")
     recorder = Recorder(disk / "a.lcmlog", "--free-mib", "0").start()
-    while "LOG NOT WRITTEN" not in recorder.said():
+    while "LOG NOT WRITTEN" not in recorder.printed():
         recorder.sender.publish("TICK", bytes(3000))
         time.sleep(0.001)
     assert recorder.end(signal.SIGTERM) == 1
     assert len(of(recorder.log, "TICK")) > 20
-    assert "events were lost" in recorder.said(), recorder.said()
+    assert "events were lost" in recorder.printed(), recorder.printed()
 
 
 def test_file_size_limit_is_reported_as_a_write_error():
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
     recorder = Recorder(FOLDER / "limit.lcmlog", before=limit).start()
-    while "LOG NOT WRITTEN" not in recorder.said():
+    while "LOG NOT WRITTEN" not in recorder.printed():
         recorder.sender.publish("TICK", bytes(3000))
         time.sleep(0.001)
-    assert "File too large" in recorder.said()
+    assert "File too large" in recorder.printed()
     assert recorder.end() == 1
     assert 190_000 < os.path.getsize(recorder.log) <= 200_000 and of(recorder.log, "TICK")
 
@@ -239,15 +239,15 @@ def test_file_size_limit_is_reported_as_a_write_error():
 def test_unwritable_paths_are_refused_at_the_start():
     disk = small_disk("read_only", "size=1m,ro")
     recorder = Recorder(disk / "a.lcmlog", "--free-mib", "0")
-    assert recorder.process.wait(PATIENCE_S) == 2 and "Read-only file system" in recorder.said()
+    assert recorder.process.wait(PATIENCE_S) == 2 and "Read-only file system" in recorder.printed()
     taken = FOLDER / "taken.lcmlog"
     taken.write_bytes(b"a flight of last year")
     recorder = Recorder(taken)
     assert recorder.process.wait(PATIENCE_S) == 2
-    assert f"{taken}: exists already" in recorder.said(), recorder.said()
+    assert f"{taken}: exists already" in recorder.printed(), recorder.printed()
     assert taken.read_bytes() == b"a flight of last year"
     recorder = Recorder(FOLDER / "huge.lcmlog", "--free-mib", "1000000000")
-    assert recorder.process.wait(PATIENCE_S) == 2 and "MiB are free on its disk" in recorder.said()
+    assert recorder.process.wait(PATIENCE_S) == 2 and "MiB are free on its disk" in recorder.printed()
     assert not (FOLDER / "huge.lcmlog").exists()
 
 
@@ -286,7 +286,7 @@ def test_survives_datagrams_that_end_lcm_logger():
             until(lambda: os.path.getsize(recorder.log) >= sum(map(len, good)),
                   "good messages in the log")
     assert recorder.end() == 1, "forged first fragments were not counted as incomplete messages"
-    assert "parts of them never arrived" in recorder.said(), recorder.said()
+    assert "parts of them never arrived" in recorder.printed(), recorder.printed()
     assert [data for _, data in of(recorder.log, "GOOD")] == good
     # Shows that one such datagram ends lcm-logger.
     stock = Recorder(FOLDER / "stock.lcmlog",
@@ -346,7 +346,7 @@ def test_large_messages_are_recorded_or_reported():
     for count in range(1, 6):
         paced(recorder.sender, "CAMERA", picture)
         until(lambda: os.path.getsize(recorder.log) >= count * len(picture), f"picture {count} in the log")
-    assert recorder.end() == 0, recorder.said()
+    assert recorder.end() == 0, recorder.printed()
     assert of(recorder.log, "CAMERA") == 5 * [("CAMERA", picture)]
     for options, code in ([], 1), (["--without", "CAMERA"], 0):
         log = FOLDER / f"small{code}.lcmlog"
@@ -355,9 +355,9 @@ def test_large_messages_are_recorded_or_reported():
         paced(small.sender, "CAMERA", picture)
         small.sender.publish("TICK", b"after it")
         until(lambda: of(small.log, "TICK"), "what was sent after it")
-        assert small.end() == code, small.said()
+        assert small.end() == code, small.printed()
         words = "CAMERA: 1 messages are not in the log: they have up to 6200000 bytes, more than max_message_size 4000000"
-        assert (words in small.said()) == (code == 1), small.said()
+        assert (words in small.printed()) == (code == 1), small.printed()
 
 
 def test_incomplete_message_is_reported():
@@ -366,8 +366,8 @@ def test_incomplete_message_is_reported():
     # The incomplete message is dropped one second after its newest fragment.
     lacks = b"transport.incomplete_messages\0"
     until(lambda: any(lacks in data for _, data in of(recorder.log, "HEALTH_RECORDER")), "count of it")
-    assert recorder.end() == 1, recorder.said()
-    assert "1 messages are not in the log: parts of them never arrived" in recorder.said(), recorder.said()
+    assert recorder.end() == 1, recorder.printed()
+    assert "1 messages are not in the log: parts of them never arrived" in recorder.printed(), recorder.printed()
 
 
 def test_files_continue_each_other():
@@ -385,7 +385,7 @@ def test_files_continue_each_other():
     while recorder.process.poll() is None:
         recorder.sender.publish("TICK", bytes(9_000))
         time.sleep(0.001)
-    assert recorder.process.returncode == 1 and "the limit of 1048576 bytes is reached" in recorder.said()
+    assert recorder.process.returncode == 1 and "the limit of 1048576 bytes is reached" in recorder.printed()
     assert of(recorder.log, "TICK")
 
 

@@ -67,8 +67,8 @@ subprocess.run([binary, "keys", "new", folder / "keys"], check=True, stdout=subp
 signed = folder / "signed.yaml"
 signed.write_text(pathlib.Path(scenario).read_text() +
                   f"\nsecurity: {{mode: require, keys: {folder}/keys}}\n")
-stranger = threading.Thread(target=forge)
-stranger.start()
+attacker = threading.Thread(target=forge)
+attacker.start()
 try:
     up = subprocess.Popen([binary, "up", signed, "--no-log", "--json", "--duration-s", "6"],
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -89,7 +89,7 @@ try:
     meter.join()
 finally:
     is_over = True
-    stranger.join()
+    attacker.join()
 assert up.returncode == 0, (up.returncode, errors)
 result = json.loads(out)
 assert result["collisions"] == 0, result["collisions"]

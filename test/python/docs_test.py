@@ -29,9 +29,9 @@ class Page(unittest.TestCase):
                 for block in blocks:
                     # Keeps the line numbers of the page, so that a traceback states the line of the page.
                     code = "\n" * text[:block.start(1)].count("\n") + block[1]
-                    with contextlib.redirect_stdout(io.StringIO()) as said:
+                    with contextlib.redirect_stdout(io.StringIO()) as printed:
                         exec(compile(code, PAGE, "exec"), names)
-                    self.assertNotIn("nan", said.getvalue())
+                    self.assertNotIn("nan", printed.getvalue())
             finally:
                 os.chdir(here)
 

@@ -22,14 +22,14 @@ except ImportError:
 def bytes_of(name, seed, steps=60):
     env = vantage.env.make(name)
     random = numpy.random.default_rng(5)
-    told = [env.reset(seed=seed)[0].tobytes()]
+    trace = [env.reset(seed=seed)[0].tobytes()]
     for _ in range(steps):
         actions = random.integers(env._tasks.actions, size=env.robots)
         observation, reward, _, is_over, _ = env.step(actions if env.robots > 1 else actions[0])
-        told += [observation.tobytes(), reward]
+        trace += [observation.tobytes(), reward]
         if is_over:
-            told.append(env.reset()[0].tobytes())
-    return told
+            trace.append(env.reset()[0].tobytes())
+    return trace
 
 
 class Seeds(unittest.TestCase):
@@ -62,18 +62,18 @@ class Seeds(unittest.TestCase):
 
     def test_vector_is_independent_of_its_threads(self):
         for name in ("ResilientTracking", "TeamMapping"):
-            told = []
+            traces = []
             for threads in (1, 2, 5):
                 env = vantage.env.make_vector(name, 7, threads, episode_steps=20)
                 random = numpy.random.default_rng(2)
-                said = [env.reset(seed=4)[0].tobytes()]
+                trace = [env.reset(seed=4)[0].tobytes()]
                 for _ in range(50):  # more than two episodes
                     observations, rewards, _, truncated, _ = env.step(
                         random.integers(env._tasks.actions, size=env.action_space.shape))
-                    said += [observations.tobytes(), rewards.tobytes(), truncated.tobytes()]
-                told.append(said)
-            self.assertEqual(told[0], told[1])
-            self.assertEqual(told[0], told[2])
+                    trace += [observations.tobytes(), rewards.tobytes(), truncated.tobytes()]
+                traces.append(trace)
+            self.assertEqual(traces[0], traces[1])
+            self.assertEqual(traces[0], traces[2])
 
     def test_vector_equals_single_environments(self):
         vector = vantage.env.make_vector("TargetTracking", 3, 2)

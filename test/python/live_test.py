@@ -58,10 +58,10 @@ class Started:
 class Live(unittest.TestCase):
     def test_carries_any_type_and_bytes(self):
         sender, receiver = live.Bus(URL), live.Bus(URL)
-        heard, raw, large = [], [], []
-        receiver.subscribe("MEASUREMENT_*", vantage_lcm.measurement_t, lambda *said: heard.append(said))
-        receiver.subscribe("MINE", None, lambda *said: raw.append(said))
-        receiver.subscribe("LARGE", None, lambda *said: large.append(said))
+        received, raw, large = [], [], []
+        receiver.subscribe("MEASUREMENT_*", vantage_lcm.measurement_t, lambda *message_parts: received.append(message_parts))
+        receiver.subscribe("MINE", None, lambda *message_parts: raw.append(message_parts))
+        receiver.subscribe("LARGE", None, lambda *message_parts: large.append(message_parts))
         for _ in range(3):
             self.assertTrue(sender.publish("MEASUREMENT_Q1", measurement()))
         sender.publish("MINE", b"\x00\xff")
@@ -69,15 +69,15 @@ class Live(unittest.TestCase):
         self.assertTrue(until(receiver, lambda: large))
         self.assertEqual(raw, [("MINE", b"\x00\xff")])
         self.assertEqual(large, [("LARGE", bytes(300_000))])
-        self.assertEqual([name for name, _ in heard], ["MEASUREMENT_Q1"] * 3)
-        self.assertEqual([each.sequence for _, each in heard], [0, 1, 2])
-        self.assertEqual(len({each.run_id for _, each in heard}), 1)
-        self.assertLess(abs(heard[0][1].utime - receiver.utime), 60e6)
-        self.assertEqual(list(heard[0][1].detections[0].z), [1.0, 0.5])
+        self.assertEqual([name for name, _ in received], ["MEASUREMENT_Q1"] * 3)
+        self.assertEqual([each.sequence for _, each in received], [0, 1, 2])
+        self.assertEqual(len({each.run_id for _, each in received}), 1)
+        self.assertLess(abs(received[0][1].utime - receiver.utime), 60e6)
+        self.assertEqual(list(received[0][1].detections[0].z), [1.0, 0.5])
 
     def test_counts_undecodable_messages_and_raises_handler_errors(self):
         sender, receiver = live.Bus(URL), live.Bus(URL)
-        receiver.subscribe("BELIEF_Q1", vantage_lcm.belief_t, lambda *said: self.fail("decoded"))
+        receiver.subscribe("BELIEF_Q1", vantage_lcm.belief_t, lambda *message_parts: self.fail("decoded"))
         receiver.subscribe("BAD", None, lambda channel, data: 1 / 0)
         sender.publish("BELIEF_Q1", b"no belief")
         sender.publish("BELIEF_Q1", measurement())
@@ -106,9 +106,9 @@ class Live(unittest.TestCase):
             bus = live.Bus(URL)
             self.assertTrue(until(bus, lambda: bus.publish("MEASUREMENT_Q7", measurement("Q7"))
                                   and log.exists() and b"MEASUREMENT_Q7" in log.read_bytes()))
-        said = vantage.Log(log)["MEASUREMENT_Q7"]
-        self.assertEqual(said.type, "measurement_t")
-        self.assertEqual(set(said["detections.z"]), {1.0, 0.5})
+        recorded = vantage.Log(log)["MEASUREMENT_Q7"]
+        self.assertEqual(recorded.type, "measurement_t")
+        self.assertEqual(set(recorded["detections.z"]), {1.0, 0.5})
 
 
 class Stack(unittest.TestCase):
@@ -144,13 +144,13 @@ class Stack(unittest.TestCase):
         self.assertEqual([each.target_id for each in beliefs[-1].targets], [3])
         scenario = vantage.Scenario.parse(lab + f"security: {{mode: require, keys: {keys}}}\n")
         member, stranger = live.Bus(scenario=scenario), live.Bus(URL)
-        heard = []
-        member.subscribe("MEASUREMENT_Q1", vantage_lcm.measurement_t, lambda *said: heard.append(said))
+        received = []
+        member.subscribe("MEASUREMENT_Q1", vantage_lcm.measurement_t, lambda *message_parts: received.append(message_parts))
         stranger.publish("MEASUREMENT_Q1", measurement())
         self.assertTrue(until(member, lambda: member.counters.get("MEASUREMENT_Q1.unsigned") == 1))
         member.publish("MEASUREMENT_Q1", measurement())
-        self.assertTrue(until(member, lambda: heard))
-        self.assertEqual(len(heard), 1)
+        self.assertTrue(until(member, lambda: received))
+        self.assertEqual(len(received), 1)
 
 
 if __name__ == "__main__":

@@ -28,10 +28,10 @@ class Log(unittest.TestCase):
         cls.folder.cleanup()
 
     def test_channels_equal_those_of_the_command(self):
-        said, _ = command("log", "info", self.path)
+        printed, _ = command("log", "info", self.path)
         self.assertIn("PLAN_Q1", self.log)
         for name, channel in self.log.channels.items():
-            self.assertIn(name, said)
+            self.assertIn(name, printed)
             self.assertEqual(len(self.log[name].log_utime), channel.messages)
             self.assertEqual(self.log[name].refused, 0)
 

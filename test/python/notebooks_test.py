@@ -37,12 +37,12 @@ class Notebooks(unittest.TestCase):
         for path in NOTEBOOKS:
             with self.subTest(path.name):
                 names = {"__name__": "__main__"}
-                with contextlib.redirect_stdout(io.StringIO()) as said:
+                with contextlib.redirect_stdout(io.StringIO()) as printed:
                     for cell in json.loads(path.read_text())["cells"]:
                         if cell["cell_type"] == "code":
                             exec(compile("".join(cell["source"]), path.name, "exec"), names)
-                self.assertNotIn("nan", said.getvalue())
-                self.assertGreater(len(said.getvalue().splitlines()), 0)
+                self.assertNotIn("nan", printed.getvalue())
+                self.assertGreater(len(printed.getvalue().splitlines()), 0)
 
     def test_are_valid_and_contain_no_output(self):
         for path in NOTEBOOKS:

@@ -174,10 +174,10 @@ class Refusal(unittest.TestCase):
                 path = os.path.join(folder, "problem.json")
                 with open(path, "w", encoding="utf-8") as file:
                     file.write(text)
-                _, said = command("plan", path, code=2)
+                _, error_text = command("plan", path, code=2)
                 with self.assertRaises(vantage.StartupError) as of_file:
                     vantage.Problem(path)
-                self.assertIn(str(of_file.exception), said)
+                self.assertIn(str(of_file.exception), error_text)
                 with self.assertRaises(vantage.StartupError) as of_text:
                     vantage.Problem.parse(text, path)
                 self.assertEqual(str(of_text.exception), str(of_file.exception))

@@ -33,8 +33,8 @@ def is_property(function):
 def docstring_arguments(function):
     """Parses pybind11's signature in the docstring: positional names, keyword-only names, whether any more are
     allowed."""
-    said = inspect.getdoc(function).splitlines()[0]
-    inside = said[said.index("("):said.rindex(") ->")]
+    signature = inspect.getdoc(function).splitlines()[0]
+    inside = signature[signature.index("("):signature.rindex(") ->")]
     positional, _, keyword = inside.partition(", *, ")
     names = [re.findall(r"(?:^|[(, ])(\w+): ", part) for part in (positional, keyword)]
     return [name for name in names[0] if name != "self"], names[1], "**" in inside

@@ -46,10 +46,10 @@ class Scenario(unittest.TestCase):
                 path = os.path.join(folder, "lab.yaml")
                 with open(path, "w", encoding="utf-8") as file:
                     file.write(LAB.read_text().replace(*change))
-                _, said = command("trial", path, code=2)
+                _, error_text = command("trial", path, code=2)
                 with self.assertRaises(vantage.StartupError) as refusal:
                     vantage.Scenario(path)
-                self.assertIn(str(refusal.exception), said)
+                self.assertIn(str(refusal.exception), error_text)
                 self.assertRegex(str(refusal.exception), r"lab\.yaml:\d+: ")
 
     def test_refusal_of_a_dict_states_the_line(self):
