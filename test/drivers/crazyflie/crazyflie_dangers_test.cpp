@@ -1,5 +1,5 @@
-// Dangerous reactions of the firmware, which the emulated vehicle reproduces. The driver must not
-// cause any of them.
+// Tests dangerous reactions of the firmware, which the emulated vehicle reproduces. The driver must
+// not cause any of them.
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-// MAVLink messages of the driver, compared with the protocol.
+// Compares the MAVLink messages of the driver with the protocol.
 
 #include "drivers/quadrotor/autopilot_link.hpp"
 

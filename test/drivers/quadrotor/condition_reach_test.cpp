@@ -1,5 +1,5 @@
-// Each row of the quadrotor's condition table can be triggered by external inputs: MAVLink bytes,
-// mocap frames, plans, commands, and the state of the process.
+// Tests that each row of the quadrotor's condition table can be triggered by external inputs:
+// MAVLink bytes, mocap frames, plans, commands, and the state of the process.
 
 #include <algorithm>
 #include <functional>

@@ -1,5 +1,5 @@
-// Faults between a driver and a flying vehicle: poses of another body, a one-way link, a restarted
-// driver, pilots, and delayed commands.
+// Tests faults between a driver and a flying vehicle: poses of another body, a one-way link, a
+// restarted driver, pilots, and delayed commands.
 
 #include <algorithm>
 #include <functional>

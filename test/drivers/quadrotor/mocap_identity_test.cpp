@@ -1,5 +1,5 @@
-// Poses of another body, and poses with another clock: their effects on a vehicle in flight and on
-// its autopilot.
+// Tests the effects of poses of another body, and of poses with another clock, on a vehicle in
+// flight and on its autopilot.
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-// Requests for parameters, their repetition, and the evaluation of replies.
+// Tests requests for parameters, their repetition, and the evaluation of replies.
 
 #include "drivers/quadrotor/parameter_check.hpp"
 

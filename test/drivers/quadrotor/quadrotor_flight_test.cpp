@@ -1,4 +1,4 @@
-// Flights of the driver with emulated autopilots of both dialects in virtual time.
+// Tests flights of the driver with emulated autopilots of both dialects in virtual time.
 
 #include <algorithm>
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Reaction of the driver to the parameters and the battery of its autopilot before arming and in
-// flight.
+// Tests the reaction of the driver to the parameters and the battery of its autopilot before arming
+// and in flight.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Driver and emulated rover, connected by a real loopback socket, in virtual time.
+// Tests a driver and an emulated rover, connected by a real loopback socket, in virtual time.
 
 #include "sim/rover/rover_endpoint.hpp"
 

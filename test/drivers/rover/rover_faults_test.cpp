@@ -1,5 +1,5 @@
-// Faults of a rover that follows a plan at 0.5 m/s, in virtual time: time until the rover stops,
-// its state, and the end of the fault. The expected times are those of docs/guide/rovers.md.
+// Tests faults of a rover that follows a plan at 0.5 m/s, in virtual time: time until the rover
+// stops, its state, and the end of the fault. The expected times are those of docs/guide/rovers.md.
 
 #include <algorithm>
 #include <functional>

@@ -1,4 +1,4 @@
-// Conditions that forbid arming and taking off, and the handling of orders while they are
+// Tests the conditions that forbid arming and taking off, and the handling of orders while they are
 // forbidden.
 
 #include <cmath>

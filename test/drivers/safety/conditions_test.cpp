@@ -9,7 +9,8 @@
 
 #include "test/drivers/safety/flight_bench.hpp"
 
-// For each row of the table that compares a number with a limit: values on both sides of the limit.
+// Tests values on both sides of the limit, for each row of the table that compares a number with a
+// limit.
 
 namespace vantage::drivers {
 namespace {
@@ -144,8 +145,8 @@ TEST(ConditionRow, CountHoldsAtItsLimitAndAbove) {
   EXPECT_TRUE(holds("plans refused", &In::plans_refused, 1));
 }
 
-// Rows that need several facts: "no pose" with "near the floor" or "outside"; no plan, or a plan
-// that ended long ago.
+// Tests the rows that need several facts: "no pose" with "near the floor" or "outside"; no plan, or
+// a plan that ended long ago.
 TEST(ConditionRow, RequiresAllOfItsFacts) {
   const SafetyLimits l = limits();
   SafetyInputs in;

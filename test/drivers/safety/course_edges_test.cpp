@@ -1,4 +1,4 @@
-// Set-points of a course at its start and end instants, compared with closed forms.
+// Compares the set-points of a course at its start and end instants with closed forms.
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,5 @@
-// Fault 36 (emergency stop) outside the catalogue: during take-off and among a flood of messages.
+// Tests fault 36 (emergency stop) outside the catalogue: during take-off and among a flood of
+// messages.
 
 #include <algorithm>
 #include <cstdint>

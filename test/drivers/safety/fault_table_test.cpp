@@ -23,8 +23,8 @@ std::string case_name(const std::string& name) {
 
 class FaultTable : public testing::TestWithParam<std::size_t> {};
 
-// Single faults: each stage is reached within its time limit, with the reason and final state of
-// the table and without a violation.
+// Tests single faults: each stage is reached within its time limit, with the reason and final state
+// of the table and without a violation.
 TEST_P(FaultTable, EachFaultCausesTheExpectedReactionInTime) {
   const Fault& fault = fault_catalogue()[GetParam()];
   const Fault* const one[] = {&fault};

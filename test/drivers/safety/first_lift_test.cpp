@@ -1,4 +1,4 @@
-// Flight safety must verify, on the ground or within the first 0.3 m of the lift, that the
+// Tests that flight safety verifies, on the ground or within the first 0.3 m of the lift, that the
 // commanded vehicle is the body that mocap shows.
 
 #include <algorithm>

@@ -233,7 +233,7 @@ TEST_F(FleetBodies, AreAcceptedAfterFiftyPosesElsewhere) {
 }
 
 // The measured velocity of a teammate is delayed. The velocity of its plan is therefore assumed
-// from one reaction time before the plan sets off, so that this vehicle brakes in time.
+// from one reaction time before the plan starts to move, so that this vehicle brakes in time.
 TEST_F(FleetBodies, AreAssumedToMoveOneReactionTimeBeforeTheirPlanStarts) {
   const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
   const double seen_s = test::last_accepted(1.5, 0.0, 1e-7, [&](double t_s) {

@@ -1,4 +1,4 @@
-// First lift, its supervision, and the climb. Set-points are checked to the centimetre.
+// Tests the first lift, its supervision, and the climb. Set-points are checked to the centimetre.
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-// Commands, accepted poses and status of the guard in the air. The body moves exactly as the test
-// sets it.
+// Tests commands, accepted poses and status of the guard in the air. The body moves exactly as the
+// test sets it.
 
 #include <algorithm>
 #include <string>

@@ -1,4 +1,4 @@
-// Detection of a vehicle that is in the air without an order of this guard.
+// Tests the detection of a vehicle that is in the air without an order of this guard.
 
 #include <ostream>
 #include <string>

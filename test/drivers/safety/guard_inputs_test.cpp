@@ -1,4 +1,5 @@
-// Inputs that the guard computes at a tick from the received messages, as returned by inputs().
+// Tests the inputs that the guard computes at a tick from the received messages, as returned by
+// inputs().
 
 #include <cmath>
 
@@ -236,7 +237,7 @@ TEST(GuardInputs, CountMissingInputsFromTheStart) {
   EXPECT_EQ(mute.in().telemetry_age_s, kNever);
 }
 
-// Ages of the received inputs. The age of the battery value counts in flight only.
+// Tests the ages of the received inputs. The age of the battery value counts in flight only.
 TEST(GuardInputs, MeasureAges) {
   OneVehicle one({0.3, 0.05, 1.5});
   one.report.is_in_our_mode = false;

@@ -1,5 +1,5 @@
-// Landings: landing position, descent speed, and waiting for bodies below. Several tests perform
-// two flights with the same guard.
+// Tests landings: landing position, descent speed, and waiting for bodies below. Several tests
+// perform two flights with the same guard.
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// Landings of a vehicle that is not seen, or that has an autopilot without a position.
+// Tests landings of a vehicle that is not seen, or that has an autopilot without a position.
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
-// Responses of the guard to commands on the ground and in the air, and the wait of a take-off for
-// its turn.
+// Tests the responses of the guard to commands on the ground and in the air, and the wait of a
+// take-off for its turn.
 
 #include <limits>
 #include <string>

@@ -1,5 +1,5 @@
-// Stops: along the plan while the vehicle tracks it, otherwise straight. Also tests the actions
-// that begin at a change of state.
+// Tests stops: along the plan while the vehicle tracks it, otherwise straight. Also tests the
+// actions that begin at a change of state.
 
 #include <cmath>
 

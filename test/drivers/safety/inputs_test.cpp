@@ -1,5 +1,5 @@
-// Inputs of the ladder computed from messages. On the ground they are compared with closed forms,
-// in a first lift with the true state of the bench.
+// Tests the inputs of the ladder that are computed from messages. On the ground they are compared
+// with closed forms, in a first lift with the true state of the bench.
 
 #include "drivers/safety/inputs.hpp"
 

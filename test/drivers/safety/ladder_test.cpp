@@ -154,8 +154,8 @@ TEST_F(StepLadder, WaitsForTheOperatorEachTime) {
   }
 }
 
-// Orders on the ground: the conditions that forbid them, their time limit, and that a new order
-// starts a new time limit.
+// Tests orders on the ground: the conditions that forbid them, their time limit, and that a new
+// order starts a new time limit.
 TEST_F(StepLadder, DropsAnOrderAfterTheTimeLimit) {
   d.in.autopilot_armed = false;
   for (int time = 0; time < 2; ++time) {

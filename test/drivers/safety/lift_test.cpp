@@ -1,4 +1,4 @@
-// The first lift, tested without a simulated flight.
+// Tests the first lift without a simulated flight.
 
 #include "drivers/safety/lift.hpp"
 

@@ -1,4 +1,4 @@
-// A vehicle node on a bus on which a program of another software version publishes.
+// Tests a vehicle node on a bus on which a program of another software version publishes.
 
 #include <algorithm>
 

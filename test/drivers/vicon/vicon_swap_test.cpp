@@ -1,4 +1,4 @@
-// Mocap swaps the names of two bodies, which can happen when it loses both.
+// Tests flights in which mocap swaps the names of two bodies, which can happen when it loses both.
 
 #include <cmath>
 

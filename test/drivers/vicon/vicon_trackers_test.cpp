@@ -1,4 +1,4 @@
-// A VRPN server with trackers that report at different times and rates, in virtual time.
+// Tests a VRPN server with trackers that report at different times and rates, in virtual time.
 
 #include <cmath>
 #include <string>
