@@ -131,7 +131,7 @@ TEST_P(AtLimits, EqualsBruteForceInThePlane) {
                              {"left", 0.5, [](SensorModel& sensor) { sensor.fov_rad = 0.94; }},
                              {"right", -0.5, [](SensorModel& sensor) { sensor.fov_rad = 0.94; }}};
   if (GetParam() == SensorKind::kCamera) {
-    // Depth along the optical axis, which is tilted by 60° below body x.
+    // The depth is measured along the optical axis, which is tilted by 60° below body x.
     const double depth_m = 3.0 * std::cos(0.3) * 0.5 + 3.0 * std::sqrt(0.75);
     cases.push_back(
         {"depth", 0.3, [=](SensorModel& sensor) { sensor.depth_min_m = depth_m + 0.03; }});
