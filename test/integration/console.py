@@ -4,7 +4,7 @@
 
 At a terminal: arrows, Home, End, F2 and Delete are not orders, although each sequence ends in the letter
 of an order; SPACE stops all vehicles whatever is selected; a robot is selected by its name. A terminal that
-is stopped by Ctrl-S, or that nothing reads, ends neither the heartbeat nor the emergency stop, nor the
+is stopped by Ctrl-S, or whose output is not read, ends neither the heartbeat nor the emergency stop, nor the
 heartbeat of `vantage up SCENARIO --fly`; Ctrl-Z and Ctrl-\\ do nothing. From a pipe: orders for a robot
 that was not received yet are sent to that robot, in their order; a line that is not an order, or that names
 an unknown robot, gives exit code 1. TYPES is the folder of the .lcm files. To be run in its own network.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """external_check.py LOG REPORT [--held-up]: checks how the answers in a flight of external.sh were used.
 
---held-up: the machine kept processes waiting, so late plans are not the planners' fault.
+--held-up: the host delayed processes, so late plans are not the planners' fault.
 """
 import json
 import sys

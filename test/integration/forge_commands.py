@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """forge_commands.py SECONDS: attacks a flight's COMMAND channel without a key.
 
-Receives the operator's own datagrams and sends them again: with a sequence number that nothing exceeds,
-with a stamp of yesterday or of tomorrow, as an order to land or stop, under the operator's run id and
-another one. Orders with a current stamp are left out: without authentication they cannot be
+Receives the operator's own datagrams and sends them again: with a huge sequence number, with a
+stamp of yesterday or of tomorrow, as an order to land or stop, under the operator's run id and another
+one. Orders with a current stamp are left out: without authentication they cannot be
 distinguished from the operator's. To be run in its own network.
 """
 

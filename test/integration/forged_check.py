@@ -4,8 +4,8 @@
 Reads the log of the flight: what the vehicles did in the span (none may land, be killed or hold for
 more than a second), and what their drivers refused. Prints it; exit code 0: nothing changed. hil_check
 checks for collisions.
---signed: each kind of forgery must have been refused. --held-up: the machine kept processes waiting, so
-these are not judged: holding, late plans, a landing because a stream was silent (SILENCES), and its end.
+--signed: each kind of forgery must have been refused. --held-up: the host delayed processes, so these
+are not judged: holding, late plans, a landing because a stream was silent (SILENCES), and its end.
 """
 
 import collections

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""forged_health.py BIN_DIR SCENARIO TYPES: runs SCENARIO without `security` while a stranger publishes
+"""forged_health.py BIN_DIR SCENARIO TYPES: runs SCENARIO without `security` while another program publishes
 HEALTH in the name of every process: with another run id, stamped 1.9 s ahead, and with impossible states
 and counts. No process is killed or restarted, and the trial ends well. To be run in its own network.
 """

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""stranger.py BIN_DIR SCENARIO TYPES: runs SCENARIO with `security: require` while a stranger without
-keys publishes in the name of another supervisor and another vehicle, reports collisions, and sends names
-that contain escape sequences. The trial starts and ends well, does not count forged collisions, and
-reports their number; its terminal receives none of the stranger's escape sequences, and the memory of
-`vantage up` does not grow. To be run in its own network.
+"""stranger.py BIN_DIR SCENARIO TYPES: runs SCENARIO with `security: require` while another
+program without keys publishes in the name of another supervisor and another vehicle, reports collisions,
+and sends names that contain escape sequences. The trial starts and ends well, does not count forged
+collisions, and reports their number; its terminal receives none of the forged escape sequences, and the
+memory of `vantage up` does not grow. To be run in its own network.
 """
 
 import json
@@ -37,7 +37,7 @@ def stamped(message, number):
 
 
 def forge():
-    """Sends the stranger's messages until the test is over."""
+    """Sends the forged messages until the test is over."""
     number = 0
     while not is_over:
         host = stamped(host_t(), number)
