@@ -1,4 +1,4 @@
-// Moments and likelihoods of a motion fit, in closed form.
+// Compares moments and likelihoods of a motion fit with closed forms.
 
 #include <cmath>
 #include <string>
