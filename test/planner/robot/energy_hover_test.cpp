@@ -1,5 +1,5 @@
-// Conditions under which hovering robots that weigh information gain against energy turn towards
-// free space.
+// Tests the conditions under which hovering robots that weigh information gain against energy turn
+// towards free space.
 
 #include <algorithm>
 #include <utility>
