@@ -1,4 +1,4 @@
-// Device connections of vantage-sim: system numbers, rates and latencies.
+// Tests device connections of vantage-sim: system numbers, rates and latencies.
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,5 @@
-// Position, as seen by the simulated world, of a vehicle flown by real firmware in its own time.
+// Tests the position, as seen by the simulated world, of a vehicle flown by real firmware in its
+// own time.
 
 #include "sim/app/wire_firmware.hpp"
 

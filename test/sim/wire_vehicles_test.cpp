@@ -1,4 +1,4 @@
-// Robots simulated at the other end of a device connection: their kinds, limits and counters.
+// Tests robots simulated at the other end of a device connection: their kinds, limits and counters.
 
 #include <algorithm>
 #include <cmath>

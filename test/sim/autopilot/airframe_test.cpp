@@ -1,4 +1,4 @@
-// Airframe and pose estimate of an emulated vehicle, compared with closed forms.
+// Compares the airframe and the pose estimate of an emulated vehicle with closed forms.
 
 #include "sim/autopilot/airframe.hpp"
 

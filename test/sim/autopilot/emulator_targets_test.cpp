@@ -1,4 +1,4 @@
-// Set-points, clocks, origins and long texts of an emulated autopilot.
+// Tests set-points, clocks, origins and long texts of an emulated autopilot.
 
 #include <algorithm>
 #include <cmath>

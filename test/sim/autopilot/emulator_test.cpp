@@ -1,4 +1,4 @@
-// Emulated autopilots compared with measurements of real ones.
+// Compares emulated autopilots with measurements of real ones.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// Emulated flight controllers: arming, response to set-points, and failsafes. Poses are exact, and
-// the air is calm.
+// Tests emulated flight controllers: arming, response to set-points, and failsafes. Poses are
+// exact, and the air is calm.
 
 #include "sim/autopilot/flight_controller.hpp"
 

@@ -1,4 +1,4 @@
-// Forces and motion of a simulated quadrotor, compared with closed forms.
+// Compares forces and motion of a simulated quadrotor with closed forms.
 
 #include <algorithm>
 #include <cmath>

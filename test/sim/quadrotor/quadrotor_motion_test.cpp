@@ -1,5 +1,5 @@
-// Response of a simulated quadrotor without wind, compared with closed forms. This reveals a wrong
-// factor or a one-sided error, which the tolerances of a complete flight would hide.
+// Compares the response of a simulated quadrotor without wind with closed forms. This reveals a
+// wrong factor or a one-sided error, which the tolerances of a complete flight would hide.
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// Motion and stopping of rovers, compared with closed forms.
+// Compares motion and stopping of rovers with closed forms.
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// Start positions of targets, and motion of targets that drift or drive.
+// Tests start positions of targets, and motion of targets that drift or drive.
 
 #include <algorithm>
 #include <cmath>

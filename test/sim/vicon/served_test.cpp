@@ -1,5 +1,5 @@
-// Data that clients receive over sockets from the emulated server and its program. Times have only
-// those limits that a busy machine cannot violate.
+// Tests the data that clients receive over sockets from the emulated server and its program. Times
+// have only those limits that a busy machine cannot violate.
 
 #include <algorithm>
 #include <array>

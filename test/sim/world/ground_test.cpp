@@ -1,4 +1,4 @@
-// Targets on the ground, the cameras, and the time steps of the world.
+// Tests targets on the ground, the cameras, and the time steps of the world.
 
 #include "sim/world/ground.hpp"
 
