@@ -1,8 +1,8 @@
 #!/bin/bash
 # setup_once.sh SOURCE_DIR: checks that `tools/setup --once` calls npm only once for the same
 # package files if npm could not fetch them, and reports what is missing; tools/setup asks again.
-# Runs on a copy, with stand-ins for npm, which never fetches, and for Debian's programs, which have
-# everything.
+# Runs on a copy. In place of npm, a script fails each time; in place of dpkg-query, a script reports
+# every package as installed.
 set -euo pipefail
 source=$1
 dir=$(mktemp -d)

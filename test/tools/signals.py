@@ -169,7 +169,8 @@ def main():
         flight = subprocess.run(["xz", "-dkc", sample], capture_output=True, check=True).stdout
         (folder / "flight.lcmlog").write_bytes(flight)
 
-        # A search of a day prints its best plan. (It prepares its memory within 4 s of CPU time.)
+        # A search with a budget of one day prints its best plan. (It prepares its memory within 4 s
+        # of CPU time.)
         for which in (signal.SIGINT, signal.SIGTERM):
             code, said, _ = interrupted(
                 [vantage, "plan", problem, "--budget-s", "86400", "--algorithm", "beam", "--json"],
