@@ -1,4 +1,4 @@
-// Values and names in parameter messages, as encoded by each of the two autopilots.
+// Tests values and names in parameter messages, as encoded by each of the two autopilots.
 
 #include <bit>
 #include <cmath>
