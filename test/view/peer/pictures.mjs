@@ -25,8 +25,8 @@ function crowd() {
   return fly("crowd", `${folder}/crowd.yaml`, 20);
 }
 
-/** Five robots that watch over a camp of buildings and trees: what experiments/surveillance/camp_world has, flown by the stack, one of
-    them jammed. */
+/** Five robots in the camp of buildings and trees of experiments/surveillance/camp_world, flown by the stack; one of them is
+    jammed. */
 function camp() {
   const text = readFileSync(`${source}/experiments/surveillance/camp_world.cpp`, "utf8");
   const rows = (name) => [...text.match(new RegExp(`${name} = \\{\\{([^;]*)\\}\\};`))[1].matchAll(/\{([\d., ]+)\}/g)].map(([, row]) => row.split(",").map(Number));
