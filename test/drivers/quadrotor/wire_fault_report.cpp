@@ -32,15 +32,15 @@ constexpr const char* kFailsafe = "the autopilot's own failsafe lands it";
 
 constexpr Difference kDifferences[] = {
     {"two bodies swapped for 0.3 s", kFiltered, "pose stale", nullptr, FlightState::kFollow},
-    {"two bodies swapped for good", kFiltered, "pose stale"},
-    {"two bodies of one name", "the mocap driver keeps to the body that goes on", nullptr, nullptr,
-     FlightState::kFollow, std::nullopt, false},
+    {"two bodies swapped permanently", kFiltered, "pose stale"},
+    {"two bodies with one name", "the mocap driver keeps to the body that goes on", nullptr,
+     nullptr, FlightState::kFollow, std::nullopt, false},
     {"outlier of 1 m in one frame", kFiltered, nullptr, "vicon.poses_outlying"},
-    {"jump of 1 m for good", kFiltered, "pose stale"},
+    {"permanent jump of 1 m", kFiltered, "pose stale"},
     {"flipped in one frame", kFiltered, nullptr, "vicon.poses_flipped"},
-    {"flipped for good", kFiltered, "pose stale"},
-    {"no number", kFiltered, "pose stale"},
-    {"millimetres for metres", kFiltered, "pose stale"},
+    {"flipped permanently", kFiltered, "pose stale"},
+    {"not a number", kFiltered, "pose stale"},
+    {"millimetres instead of metres", kFiltered, "pose stale"},
     {"frame mirrored in flight", kFiltered, "pose stale"},
     {"rate falls to 8 Hz", "at the ticks of 10 ms no pose is older than 0.10 s", "pose aging",
      nullptr, FlightState::kFollow, std::nullopt, false},
@@ -75,7 +75,7 @@ const Difference* difference_of(const Fault& fault) {
 // quaternions of VRPN can (vicon_test).
 bool is_wire_fault(const Fault& fault) {
   const std::string name = fault.name;
-  return !fault.trusts_plans && name != "no rotation" && name != "no unit rotation";
+  return !fault.trusts_plans && name != "not a rotation" && name != "quaternion not normalised";
 }
 
 Fault on_the_wire(Fault fault, AutopilotDialect dialect) {

@@ -14,16 +14,16 @@ namespace {
 
 // Names of the faults for which Fault::needs_undisturbed_flight is set.
 constexpr const char* kNeedQuiet[] = {"head-on at 2 m/s",
-                                      "planner that keeps flying at a teammate",
-                                      "pushed aside by a hand",
-                                      "driven at the fence",
-                                      "driven through the fence",
+                                      "planner that repeatedly plans towards a teammate",
+                                      "pushed aside by hand",
+                                      "pushed towards the fence",
+                                      "pushed through the fence",
                                       "estimate 0.5 m off",
                                       "estimate 1.5 m off",
                                       "stuck while moving",
                                       "stuck while hovering",
-                                      "a still body bears its name",
-                                      "the autopilot feels another motion"};
+                                      "a stationary body has its name",
+                                      "the autopilot reports another motion"};
 
 }  // namespace
 

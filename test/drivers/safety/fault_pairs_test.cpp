@@ -14,7 +14,7 @@ constexpr double kFloorS = 10.0;     // s; a stage with at least this time limit
 constexpr std::size_t kOneIn = 4;    // by default, one in this number of pairs is flown
 constexpr std::size_t kSample = 11;  // seed that selects the flown pairs
 
-constexpr const char* kSecondStationFault = "first station lost, a second beats on";
+constexpr const char* kSecondStationFault = "first station lost, a second sends heartbeats";
 
 // Names of two faults, in either order, and the reason why a check is skipped.
 struct Exception {
@@ -25,27 +25,27 @@ struct Exception {
 
 // Pairs that no vehicle can survive: nothing is checked.
 constexpr Exception kNoneSurvives[] = {
-    {"driven at the fence", "driven through the fence",
+    {"pushed towards the fence", "pushed through the fence",
      "the pushes follow one another: 0.75 s at 1.3 m/s and more, and 0.65 m to the fence"},
-    {"driven through the fence", "attitude beyond 60°", "motors off, it goes on as it was pushed"},
+    {"pushed through the fence", "attitude beyond 60°", "motors off, it goes on as it was pushed"},
 };
 
 // Pairs in which one fault hides the other: violations are checked, but the reaction to each fault
 // is not.
 constexpr Exception kOneHidesTheOther[] = {
-    {"only bad plans from then on", "stopped leader wakes up",
+    {"only bad plans from now on", "stopped planner continues",
      "the second planner's plans are good"},
-    {"every plan after its deadline", "stopped leader wakes up",
+    {"every plan after its deadline", "stopped planner continues",
      "the second planner's plans are in time"},
-    {"operator station lost", "second station beats beside the first",
+    {"operator station lost", "second station sends heartbeats too",
      "the second station takes charge"},
     {"operator station lost", kSecondStationFault, "the second station takes charge"},
-    {"operator silent for 2 s", "second station beats beside the first",
-     "the second station takes charge and says follow"},
+    {"operator silent for 2 s", "second station sends heartbeats too",
+     "the second station takes control and sends follow"},
     {"latency 5 to 155 ms", "mocap clock drifts by 1 %",
      "a clock that gains 1 % hides a tenth of a second of latency within ten seconds"},
-    {"planner that keeps flying at a teammate", "gust", "blown aside, they meet later"},
-    {"driven through the fence", "jitter of 50 ms",
+    {"planner that repeatedly plans towards a teammate", "gust", "blown aside, they meet later"},
+    {"pushed through the fence", "jitter of 50 ms",
      "held for the jitter already, it stops before the fence"},
     {"outage 0.5 s", "own process stops for 0.4 s",
      "most of the outage is over before the process sees anything"},

@@ -13,7 +13,7 @@ std::vector<Fault> operator_faults() {
                     sets(&RoomKnobs::operator_silent, true),
                     ends(kIdle, {{kHold, 1.0 + kTicks}, {kLand, 3.0 + kTicks}}, "operator lost"))),
       for_all(fault(
-          17, "first station lost, a second beats on", "it says follow, too",
+          17, "first station lost, a second sends heartbeats", "it also sends follow",
           both(sets(&RoomKnobs::operator_silent, true), sets(&RoomKnobs::second_station, true)),
           ends(kFollow, {{kHold, 1.0 + kTicks}}, "operator quiet"))),
       for_all(fault(36, "emergency stop", "", sends_command(OperatorAction::kEmergencyStop),
@@ -30,10 +30,10 @@ std::vector<Fault> operator_faults() {
                     at(0.0, sets(&RoomKnobs::second_command, OperatorAction::kEmergencyStop)),
                     ends(kKilled, {{kKilled, kTicks}}, "emergency stop"))),
       for_all(
-          fault(36, "second station beats beside the first", "and says follow and arm",
+          fault(36, "second station sends heartbeats too", "and sends follow and arm",
                 both(sets(&RoomKnobs::second_station, true), sets(&RoomKnobs::second_arms, true)),
                 flies_on_counting("command.refused"))),
-      for_all(fault(36, "operator says land", "", sends_command(OperatorAction::kLand),
+      for_all(fault(36, "operator sends land", "", sends_command(OperatorAction::kLand),
                     ends(kIdle, {{kLand, kTicks}}))),
   };
 }

@@ -16,7 +16,7 @@ Act caps_battery(double share) {
 
 std::vector<Fault> vehicle_faults() {
   return {
-      fault(29, "estimator fails", "the autopilot says its estimate is not good",
+      fault(29, "estimator fails", "the autopilot reports that its estimate is unreliable",
             sets(&VehicleKnobs::estimator_bad, true),
             ends(kIdle, {{kHold, 0.2 + kTicks}, {kLand, 1.0 + kTicks}}, "estimator failed")),
       fault(29, "estimate 0.5 m off", "", sets(&VehicleKnobs::estimate_offset_m, 0.5),
@@ -26,7 +26,7 @@ std::vector<Fault> vehicle_faults() {
       fault(32, "gust", "3 m/s² for 0.5 s, across",
             lasting(0.5, sets(&VehicleKnobs::push_mps2, {0.0, -3.0, 0.0})), flies_on()),
       fault(
-          32, "pushed aside by a hand", "1 m/s for 1 s, along the lane",
+          32, "pushed aside by hand", "1 m/s for 1 s, along the lane",
           [](FlightBench& bench, double since_s) {
             if (since_s < 1.0) {
               q1(bench).runaway_mps = {bench.vehicle("Q1").heads_east ? -1.5 : 1.5, 0.0, 0.0};
@@ -34,7 +34,7 @@ std::vector<Fault> vehicle_faults() {
           },
           ends(kFollow, {{kHold, 0.8}}, "tracking")),
       fault(
-          33, "driven at the fence", "1.6 m/s until it holds",
+          33, "pushed towards the fence", "1.6 m/s until it is in HOLD",
           [](FlightBench& bench, double since_s) {
             if (since_s < 0.9 && bench.vehicle("Q1").out.state == kFollow) {
               q1(bench).runaway_mps = {0.0, -1.6, 0.0};
@@ -42,7 +42,7 @@ std::vector<Fault> vehicle_faults() {
           },
           ends(kFollow, {{kHold, 0.7}}, "fence ahead")),
       fault(
-          33, "driven through the fence", "1.4 m/s until 0.05 m before it",
+          33, "pushed through the fence", "1.4 m/s until 0.05 m before the fence",
           [](FlightBench& bench, double since_s) {
             if (since_s < 0.8 && bench.vehicle("Q1").position_m.y() > -1.9) {
               q1(bench).runaway_mps = {0.0, -1.4, 0.0};
@@ -56,23 +56,24 @@ std::vector<Fault> vehicle_faults() {
       fault(34, "voltage sags for 1 s", "10 % under load", lasting(1.0, caps_battery(0.10)),
             flies_on()),
       fault(34, "battery low", "20 %", caps_battery(0.20), flies_on_with_reason("battery low")),
-      fault(34, "battery silent", "no word of it", sets(&VehicleKnobs::battery_silent, true),
+      fault(34, "battery silent", "no battery messages", sets(&VehicleKnobs::battery_silent, true),
             ends(kIdle, {{kLand, 10.0 + kTicks}}, "battery silent")),
-      fault(35, "motor lost", "the autopilot says so", sets(&VehicleKnobs::motor_failed, true),
+      fault(35, "motor lost", "the autopilot reports it", sets(&VehicleKnobs::motor_failed, true),
             ends(kIdle, {{kLand, kTicks}}, "motor")),
       fault(35, "attitude beyond 60°", "", sets(&VehicleKnobs::tilt_rad, 1.3),
             ends(kKilled, {{kKilled, 0.1 + kTicks}}, "tilt")),
-      fault(37, "link cut for 1.2 s", "nothing either way",
+      fault(37, "link cut for 1.2 s", "no bytes in either direction",
             lasting(1.2, sets(&VehicleKnobs::link_cut, true)),
             ends(kFollow, {{kHold, 0.5 + kTicks}}, "telemetry stale")),
-      fault(37, "link cut for good", "nothing either way", sets(&VehicleKnobs::link_cut, true),
+      fault(37, "link cut permanently", "no bytes in either direction",
+            sets(&VehicleKnobs::link_cut, true),
             ends(kLand, {{kHold, 0.5 + kTicks}, {kLand, 3.0 + kTicks}}, "autopilot lost")),
-      fault(37, "telemetry stops", "heartbeats go on", sets(&VehicleKnobs::telemetry_cut, true),
+      fault(37, "telemetry stops", "heartbeats continue", sets(&VehicleKnobs::telemetry_cut, true),
             ends(kHold, {{kHold, 0.5 + kTicks}}, "telemetry stale")),
-      fault(37, "pilot takes over", "the autopilot leaves our mode",
+      fault(37, "pilot takes over", "the autopilot leaves the driver's mode",
             sets(&VehicleKnobs::mode_left, true),
             ends(kHold, {{kHold, 0.5 + kTicks}}, "autopilot disobeys")),
-      fault(38, "driver asked to end", "SIGTERM", sets(&VehicleKnobs::is_ending, true),
+      fault(38, "driver requested to end", "SIGTERM", sets(&VehicleKnobs::is_ending, true),
             ends(kIdle, {{kLand, kTicks}}, "ending")),
       delaying(0.04, fault(45, "own process stalls for 40 ms", "",
                            lasting(0.04, sets(&VehicleKnobs::is_stalled, true)), flies_on())),
