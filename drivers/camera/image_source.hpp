@@ -20,7 +20,7 @@ struct CapturedImage {
 };
 
 struct SourceCounts {
-  std::int64_t undecodable = 0;    ///< files that are no complete image
+  std::int64_t undecodable = 0;    ///< incomplete or unreadable images
   std::int64_t unstamped = 0;      ///< images without a usable time
   std::int64_t lost = 0;           ///< images that the device or the queue dropped
   std::int64_t interruptions = 0;  ///< times at which the device or folder disappeared

@@ -27,7 +27,7 @@ constexpr double kFocalMaxPixels = 1e5;
 constexpr double kCoefficientMax = 1e3;
 constexpr int kImageSideMin = 32;
 
-/// Returns the value under `key` of a mapping; nullopt if it is absent or `parent` is no mapping.
+/// Returns the value under `key` of a mapping; nullopt if it is absent or `parent` is not a mapping.
 std::optional<Value> value_under(const Value& parent, std::string_view key) {
   const Node& node = *parent.node;
   const std::size_t entries = node.kind == Node::Kind::kMapping ? node.entry_count() : 0;

@@ -43,7 +43,7 @@ TEST(UdpmLink, CountsDatagramsDroppedByTheSocket) {
 
 // During a flood, handle() returns before it has handled all waiting messages: a handler that takes
 // 1 ms is not called for each of them in one call.
-// The kernel counts filtered datagrams as dropped; they are no losses.
+// The kernel counts filtered datagrams as dropped; they are not losses.
 TEST(UdpmLink, ReceivesOnlyFilteredChannels) {
   bus::udpm::MulticastSocket socket(bus::parse_udpm(bus::parse_url(test::kUrl)));
   const std::vector<std::string_view> patterns{"WANTED"};

@@ -242,7 +242,7 @@ TEST(DelayedFlight, CountsProcessorTimeOfTheRequestedSpan) {
   EXPECT_EQ(used(9.0, 9.0), 0.0);
 }
 
-// Waits caused by the flight's own processes are no excuse. A wait caused by other programs at
+// Waits caused by the flight's own processes are not an excuse. A wait caused by other programs at
 // another time is an excuse.
 TEST(DelayedFlight, IsNotExcusedIfItsProcessesCausedTheWait) {
   const auto record = [](std::int64_t sim_runs_us, std::int64_t waits_later_us) {

@@ -23,7 +23,7 @@ export async function open(width, height, scheme, draw, prepare, is_ready = show
   page.on("pageerror", (error) => complaints.push(String(error)));
   page.on("requestfailed", (request) => {
     const why = request.failure()?.errorText;
-    // Requests that are aborted because the page is closed are no failures.
+    // Requests that are aborted because the page is closed are not failures.
     if (why !== "net::ERR_ABORTED") complaints.push(`${request.url()} failed: ${why}`);
   });
   page.on("request", (request) => /^(data|blob):/.test(request.url()) || request.url().startsWith(url) || complaints.push(`asks for ${request.url()}`));
