@@ -2,6 +2,7 @@
 # replay.sh BIN_DIR SCENARIO SECONDS: flies SCENARIO with one process per node and lcm-logger, and kills all
 # processes. Then replays the log with lcm-logplayer into one new estimator and one new planner, and
 # compares their output. Runs in its own network: in_network.sh replay.sh …
+# PLANNER, ESTIMATOR: other programs for the replay, such as those of build/arm64/bin.
 . "$(dirname "$0")/up_support.sh"
 seconds=$3
 robot=Q2
@@ -12,9 +13,9 @@ cat "$dir/up.json"; echo
 grep -q '"messages_lost": *0[,}]' "$dir/up.json" || { echo "messages were lost"; exit 1; }
 
 lcm-logger -q -f -c 'REPLAY_(BELIEF|PLAN)_.*' --lcm-url="$url" "$dir/again.lcmlog" & logger=$!
-"$bin/vantage-estimator" --scenario "$scenario" --robot "$robot" --url "$url" --replay \
+"${ESTIMATOR:-$bin/vantage-estimator}" --scenario "$scenario" --robot "$robot" --url "$url" --replay \
   --publish-prefix REPLAY_ & estimator=$!
-"$bin/vantage-planner" --scenario "$scenario" --robot "$robot" --url "$url" --replay \
+"${PLANNER:-$bin/vantage-planner}" --scenario "$scenario" --robot "$robot" --url "$url" --replay \
   --publish-prefix REPLAY_ & planner=$!
 # A process has joined the multicast group when the kernel lists its socket on the port; waits for all
 # three.
