@@ -80,7 +80,7 @@ std::string ChildExit::describe() const {
 }
 
 Result<Child> Child::start(const std::vector<std::string>& arguments, const ChildOptions& options) {
-  require(!arguments.empty(), "a process to start needs a name");
+  require(!arguments.empty(), "the name of the process to start is missing");
   std::vector<const char*> pointers;
   for (const std::string& argument : arguments) {
     pointers.push_back(argument.c_str());

@@ -19,11 +19,11 @@ inline constexpr int kUnaligned = Eigen::ColMajor | Eigen::DontAlign;
 using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 // Vectors of two and three doubles have a fixed layout unless Eigen's options change it.
-static_assert(alignof(Eigen::Vector2d) == 16 && alignof(Eigen::Vector3d) == 8 &&
-                  !Eigen::Matrix3d::IsRowMajor,
-              "vantage's libraries use Eigen's default alignment and column-major "
-              "storage: compile without EIGEN_DONT_ALIGN, EIGEN_MAX_STATIC_ALIGN_BYTES=0, "
-              "EIGEN_DONT_VECTORIZE alone and EIGEN_DEFAULT_TO_ROW_MAJOR");
+static_assert(
+    alignof(Eigen::Vector2d) == 16 && alignof(Eigen::Vector3d) == 8 && !Eigen::Matrix3d::IsRowMajor,
+    "vantage's libraries use Eigen's default alignment and column-major "
+    "storage: compile without EIGEN_DONT_ALIGN, EIGEN_MAX_STATIC_ALIGN_BYTES=0 and "
+    "EIGEN_DEFAULT_TO_ROW_MAJOR, and use EIGEN_DONT_VECTORIZE only with an alignment of 16 bytes");
 static_assert(sizeof(std::vector<int>) == 3 * sizeof(int*),
               "vantage's libraries use standard containers without debug mode: compile without "
               "_GLIBCXX_DEBUG");

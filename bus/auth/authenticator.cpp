@@ -300,10 +300,10 @@ std::vector<std::string> security_faults(const scenario::Scenario& scenario) {
     return faults;
   }
   if (has_too_many_vehicles(scenario)) {
-    faults.push_back(
-        fmt::format("robots: {1} vehicles, but a signed command reaches at most {0}; use fewer "
-                    "vehicles, or simulate them without drivers (device: direct)",
-                    kEchoesMax, scenario.robots.size()));
+    faults.push_back(fmt::format(
+        "robots: the scenario has {1} vehicles, but a signed command can address at most {0}; use "
+        "fewer vehicles, or simulate them without drivers (device: direct)",
+        kEchoesMax, scenario.robots.size()));
   }
   try {
     const Keyring keyring = load_keyring(scenario.security.keys);

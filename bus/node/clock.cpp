@@ -38,8 +38,9 @@ std::optional<Duration> offset_from_environment() {
   }
   if (offset_us < kOffsetMin_us || offset_us > kOffsetMax_us) {
     throw StartupError(std::string(SteadyClock::kOffsetVariable) + " is " + text +
-                       ", and must be from " + std::to_string(kOffsetMin_us) + " to " +
-                       std::to_string(kOffsetMax_us) + ": unset it, or restart the programs");
+                       ", but must be from " + std::to_string(kOffsetMin_us) + " to " +
+                       std::to_string(kOffsetMax_us) +
+                       "; unset the variable, or restart the programs");
   }
   return Duration{offset_us};
 }

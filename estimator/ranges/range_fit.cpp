@@ -132,7 +132,7 @@ class Search {
       }
     }
     require(!best.noise.empty(),
-            "no calibration fits the ranges: the likelihood is not finite for any of them");
+            "no calibration fits the ranges: the likelihood is not finite for any calibration");
     refine(part_, best, kRounds);
     return best;
   }

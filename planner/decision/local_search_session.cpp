@@ -97,7 +97,8 @@ LocalSearchSession::LocalSearchSession(SessionSetup setup) : setup_(std::move(se
 void LocalSearchSession::begin_from_committed(const std::vector<models::TeamChoice>& committed) {
   for (const models::TeamChoice& choice : committed) {
     const int robot = index_of(choice.robot);
-    require(robot >= 0 && robot != setup_.robot, "local search: only teammates may be committed");
+    require(robot >= 0 && robot != setup_.robot,
+            "local search: committed choices must belong to teammates");
   }
   models::TeamProposal& start = held_.emplace();
   start.stamp.time = setup_.activation;

@@ -312,11 +312,10 @@ void check_plans(Mapping& top, const Scenario& scenario) {
     const double plan_s = planner.horizon_steps * planner.step_s +
                           robot.limits.speed_max_mps / robot.limits.brake_mps2;
     if (plan_s > models::kFlownDurationMax_s - kRounding_s) {
-      top.refuse(
-          "planner",
-          fmt::format("horizon_steps · step_s plus the longest stop of {}, {:.4g} s, must be "
-                      "below {} s if a robot's device is wire or real",
-                      robot.name, plan_s, models::kFlownDurationMax_s));
+      top.refuse("planner",
+                 fmt::format("horizon_steps · step_s plus the longest stop of {} ({:.4g} s) must "
+                             "be below {} s if a robot's device is wire or real",
+                             robot.name, plan_s, models::kFlownDurationMax_s));
     }
   }
 }

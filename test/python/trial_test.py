@@ -184,7 +184,7 @@ class OwnSensor(unittest.TestCase):
         trials = []
         trial = vantage.Trial(short(), sensors={"Q1": lambda *_: trials[0].step() or []})
         trials.append(trial)
-        with self.assertRaisesRegex(vantage.UsageError, "is being stepped"):
+        with self.assertRaisesRegex(vantage.UsageError, "is already being stepped"):
             trial.run()
         trials.clear()
 

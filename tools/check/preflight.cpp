@@ -90,8 +90,8 @@ void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
       const double apart_m = (a_m - lift(other.start, other.height_m).translation_m).norm();
       if (apart_m < scenario.planner.separation_m) {
         faults.push_back(
-            fmt::format("robots {} and {}: their starts are {:.2f} m apart, must be at least "
-                        "planner.separation_m, {:g} m",
+            fmt::format("robots {} and {}: their starts are {:.2f} m apart, but must be at least "
+                        "planner.separation_m ({:g} m) apart",
                         robot.name, other.name, apart_m, scenario.planner.separation_m));
       }
     }
@@ -269,9 +269,9 @@ void note_late_plans(const Scenario& scenario, std::vector<std::string>& notes) 
   }
   if (scenario.planner.publish_margin_s < early_s) {
     notes.push_back(fmt::format(
-        "the last robot of a round deviates from its plan about twice as far: plans are published "
-        "{:g} s before they begin, but vehicles start to change their motion {:.2f} s before; set "
-        "planner.publish_margin_s to {:.2f} or more",
+        "the robot that plans last in a round deviates from its plan about twice as far as the "
+        "others: plans are published {:g} s before they begin, but a vehicle starts to change its "
+        "motion {:.2f} s before its plan begins; set planner.publish_margin_s to {:.2f} or more",
         scenario.planner.publish_margin_s, early_s, early_s));
   }
 }

@@ -287,10 +287,10 @@ void note_team(const Scenario& scenario, Notes& notes) {
 void note_attacks(const Scenario& scenario, Notes& notes) {
   for (std::size_t i = 0; i < scenario.attacks.size(); ++i) {
     if (scenario.attacks[i].from_s >= scenario.duration_s) {
-      notes.push_back(fmt::format(
-          "attacks[{}].from_s {:g}: not before the end of the trial, duration_s {:g}, so it never "
-          "happens",
-          i, scenario.attacks[i].from_s, scenario.duration_s));
+      notes.push_back(
+          fmt::format("attacks[{}].from_s {:g}: not before the end of the trial, duration_s {:g}, "
+                      "so the attack never happens",
+                      i, scenario.attacks[i].from_s, scenario.duration_s));
     }
   }
 }

@@ -90,7 +90,7 @@ void add_plan_command(CLI::App& root, Runner& chosen) {
       ->capture_default_str();
   command
       ->add_option("--delta", arguments->request.options.delta_m,
-                   "distance at which two poses count as crossing when nodes are pruned, m")
+                   "maximum distance at which two poses count as crossing when nodes are pruned, m")
       ->check(non_negative_number())
       ->capture_default_str();
   command->add_option("--weight", arguments->request.options.weight, "weight of the heuristic, ≥ 1")

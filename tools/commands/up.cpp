@@ -128,8 +128,8 @@ int run(const UpArguments& arguments) {
 void add_restart_options(CLI::App& command, RestartPolicy& restarts) {
   command
       .add_option("--restarts-max", restarts.restarts_max,
-                  "restarts of one process within --restart-window-s; a process that fails more "
-                  "often is not restarted again")
+                  "maximum number of restarts of one process within --restart-window-s; a process "
+                  "that fails more often is not restarted")
       ->check(non_negative_number())
       ->capture_default_str();
   command

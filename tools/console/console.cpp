@@ -338,7 +338,7 @@ std::vector<std::string> OrderSender::vehicle_table(Time now, const std::string&
     if (const auto stale = authenticator_->stale_ahead(now)) {
       out.push_back(fmt::format(
           "! vehicle statuses refused: {:.1f} s ahead of this station's clock; a log is "
-          "played, or the clocks differ (such vehicles handle only hold, land and "
+          "played, or the clocks differ (vehicles with refused statuses obey only hold, land and "
           "emergency stop)",
           to_seconds(*stale)));
     }

@@ -64,7 +64,7 @@ bool Station::may_send(OperatorAction action) const {
 const char* explain(Station::Role role) {
   switch (role) {
     case Station::Role::kListening:
-      return "listening for other stations; until then only hold, land and emergency stop are sent";
+      return "listening for other stations; meanwhile only hold, land and emergency stop are sent";
     case Station::Role::kInCharge:
       return "this station is in charge";
     case Station::Role::kSecond:

@@ -99,7 +99,7 @@ std::vector<std::string> describe_damage(const logs::LogSurvey& survey) {
   };
   count(survey.scan.doubtful, "events whose data may be cut off");
   count(survey.numbers_missing, "event numbers missing");
-  count(survey.number_restarts, "jumps back of the event number");
+  count(survey.number_restarts, "decreases of the event number");
   if (survey.times_backward > 0) {
     out.push_back(fmt::format("{} events are earlier than the event before them, by up to {:.6f} s",
                               survey.times_backward, to_seconds(survey.backward_max)));

@@ -45,7 +45,7 @@ void print(const scenario::Scenario& scenario, const logs::LogAnalysis& analysis
     print_line(line);
   }
   if (analysis.sets) {
-    print_line(fmt::format("as a set, per robot: OSPA {:.3f} m, {:.2f} swaps per minute",
+    print_line(fmt::format("targets as a set, per robot: OSPA {:.3f} m, {:.2f} swaps per minute",
                            analysis.sets->ospa_m, analysis.sets->swaps_per_min));
   }
   print_line("");

@@ -150,7 +150,7 @@ TEST(ScenarioRules, PrimitivesKeepNumberAndSpeedLimits) {
   for (const std::string turn : {"1.75", "-1.75"}) {
     EXPECT_EQ(one("0", turn),
               "f:6: robots[0].primitives: yaw_rate_radps must be at most "
-              "limits.yaw_rate_max_radps, 1.5, in either direction; is " +
+              "limits.yaw_rate_max_radps (1.5) in either direction, but is " +
                   turn);
   }
 }

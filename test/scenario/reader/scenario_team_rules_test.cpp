@@ -151,14 +151,14 @@ TEST(ScenarioRules, PlansOutlastTheDriversLimits) {
        {"wire", "real, autopilot: {dialect: px4, url: \"udp://:1\", key_file: k, system_id: 1}"}) {
     EXPECT_EQ(with(device, "63", "0.5"), "taken");
     EXPECT_EQ(with(device, "64", "0.5"),
-              "f:8: planner: horizon_steps must be at most 63 if a robot's device is wire or "
-              "real, the longest plan that its driver accepts; is 64");
+              "f:8: planner: horizon_steps must be at most 63, the longest plan that a driver "
+              "accepts, if a robot's device is wire or real; is 64");
   }
   EXPECT_EQ(with("direct", "64", "0.5"), "taken");
   EXPECT_EQ(with("wire", "39", "1.4871"), "taken") << "57.997 s, and 2 s";
   EXPECT_EQ(with("direct", "39", "1.4872"), "taken");
   EXPECT_EQ(with("wire", "39", "1.4872"),
-            "f:8: planner: horizon_steps · step_s plus the longest stop of B, 60 s, must be below "
+            "f:8: planner: horizon_steps · step_s plus the longest stop of B (60 s) must be below "
             "60 s if a robot's device is wire or real");
 }
 

@@ -207,7 +207,7 @@ const BadEdit kBadEdits[] = {
     {R"("obstacles": [[)", "\"obstacles\": [\n@[1, 2, 1, 3], [", "map.obstacles[0]: must be [xmin, ymin, xmax, ymax] with xmin < xmax and ymin < ymax, is [1, 2, 1, 3]"},
     {R"("obstacles": [[)", "\"obstacles\": [[1, 2,\n@\"x\", 3], [", "map.obstacles[0][2]: must be a plain number, is the text 'x'"},
     {R"("x": 0.0)", R"(@"x": 20)", "robot: must be inside the map, outside every obstacle, and not on an edge of the map or of an obstacle; is at [20, -0.5]"},
-    {R"("x": 0.0, "y": -0.5)", R"(@"x": 2.5, "y": 2.0)", "robot: must be inside the map and outside every obstacle"},
+    {R"("x": 0.0, "y": -0.5)", R"(@"x": 2.5, "y": 2.0)", "robot: must be inside the map, outside every obstacle"},
     {R"(, "y": -0.5)", "@", "robot: missing required key y"},
     {R"("yaw": 0.4)", R"(@"yaw": null)", "robot.yaw: has no value"},
     {R"("tau": 0.5)", R"(@"tau": 0)", "tau: must be above 0 and at most 3600, is 0"},
