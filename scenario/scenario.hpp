@@ -126,8 +126,8 @@ struct TargetTruthSpec {
 struct EstimatorSpec {
   Publisher publisher = Publisher::kVantage;  ///< publisher of BELIEF, MIXTURE and MAP
   models::TargetModel target_model;
-  double prior_position_sigma_m = 1.0;  ///< 1σ of a target's prior at its first detection, in
-                                        ///< directions that the sensor does not measure
+  /// 1σ of a target's prior at its first detection, in directions that the sensor does not measure
+  double prior_position_sigma_m = 1.0;
   double prior_velocity_sigma_mps = 0.5;
   /// Prior of an undetected target. The entropy of this prior is counted until the target is
   /// discovered.

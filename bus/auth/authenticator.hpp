@@ -52,8 +52,8 @@ class Authenticator {
   struct Judged {
     bool may_pass = false;
     Bytes payload;
-    Refusal echo = Refusal::kNone;  ///< for an accepted command: result of comparing its echo
-                                    ///< with this vehicle's nonce
+    /// for an accepted command: result of comparing its echo with this vehicle's nonce
+    Refusal echo = Refusal::kNone;
   };
   /// Unverified content of a command.
   struct CommandClaim {

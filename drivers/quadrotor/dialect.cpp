@@ -35,8 +35,8 @@ DialectTraits px4() {
   out.name = "PX4";
   out.autopilot_id = wire::mavlink::autopilot::kPx4;
   out.own_system_id = 254;
-  out.own_type = wire::mavlink::type::kGroundStation;  // PX4 sends the reason of a refusal only to
-                                                       // ground stations
+  // PX4 sends the reason of a refusal only to ground stations
+  out.own_type = wire::mavlink::type::kGroundStation;
   out.follow_mode = px4_mode(6);
   out.land_mode = px4_mode(4, 6);
   out.wants_proof_of_life = true;

@@ -64,8 +64,8 @@ class OperatorAuthority {
 
  private:
   static constexpr std::size_t kStationsMax = 8;
-  static constexpr std::int64_t kLostMax = 100;  ///< maximum loss of messages while a clock is
-                                                 ///< set
+  /// maximum loss of messages while a clock is set
+  static constexpr std::int64_t kLostMax = 100;
 
   /// Station that has sent a heartbeat in this session.
   struct Station {

@@ -27,9 +27,9 @@ struct AutopilotReport {
   Quaternion world_from_body = Quaternion::Identity();  ///< estimate of the autopilot
   double yaw_rate_radps = 0.0;                          ///< rad/s; by its gyroscopes
   bool is_flown_by_hand = false;                        ///< a pilot controls the vehicle
-  bool is_in_our_mode = false;                          ///< the autopilot is in the mode that
-                                                        ///< accepts set-points
-  bool is_landing_itself = false;                       ///< the autopilot is in its landing mode
+  /// the autopilot is in the mode that accepts set-points
+  bool is_in_our_mode = false;
+  bool is_landing_itself = false;  ///< the autopilot is in its landing mode
 };
 
 /// Phase of the flight in which the motion of a vehicle is checked.

@@ -91,8 +91,8 @@ CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, T
     return core_.is_ours(command) ? CommandVerdict::kNotInCharge : CommandVerdict::kOtherRobot;
   }
   if (command.action == OperatorAction::kTakeOff) {
-    take_off_.queue().on_take_off(command.robot);  // commands to every robot count, since robots
-                                                   // lift one by one
+    // commands to every robot count, since robots lift one by one
+    take_off_.queue().on_take_off(command.robot);
   }
   if (const auto verdict = core_.execute_if_stateless(command)) {
     return *verdict;

@@ -40,8 +40,8 @@ struct GuardOutput {
   bool is_sinking =
       false;  ///< true: the vehicle descends at its landing spot, and no body is below it
   bool changed = false;  ///< state, reasons or the status of a command changed
-  Reasons reasons;       ///< in the air: acting conditions; on the ground: conditions that
-                         ///< forbid arming or taking off
+  /// in the air: acting conditions; on the ground: conditions that forbid arming or taking off
+  Reasons reasons;
 };
 
 /// Flight safety of one flying vehicle. It receives all messages, checks them, and computes at each

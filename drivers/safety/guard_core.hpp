@@ -31,9 +31,9 @@ inline constexpr double kMovingMps = 0.1;  ///< m/s; a vehicle with a faster com
 enum class [[nodiscard]] CommandVerdict{
     kObeyed,  ///< obeyed, or pending until it can be obeyed; the status shows which
     kOtherRobot,
-    kNotInCharge,  ///< sent by a station not in charge, which may only send hold, land and
-                   ///< emergency stop
-    kRefused,      ///< not possible in this state
+    /// sent by a station not in charge, which may only send hold, land and emergency stop
+    kNotInCharge,
+    kRefused,  ///< not possible in this state
 };
 
 /// Properties that differ between vehicle types.

@@ -22,8 +22,8 @@ struct Surroundings {
   double fence_centre_m = kNever;  ///< m; from the vehicle's centre to bounds and ceiling
   double fence_stop_m = kNever;    ///< m; minimum distance along the braking path
   double obstacle_stop_m = kNever;
-  double separation_now_m = kNever;  ///< m; centre distance to the nearest body, minus its
-                                     ///< uncertainty and its excess radius
+  /// m; centre distance to the nearest body, minus its uncertainty and its excess radius
+  double separation_now_m = kNever;
   /// m; minimum distance while this vehicle brakes and the others brake or continue
   double separation_stop_m = kNever;
   bool yields = false;  ///< the nearest body is a vehicle with priority
@@ -51,10 +51,10 @@ struct SafetyInputs : Surroundings {
   bool is_pose_distrusted = false;  ///< a condition that distrusts poses has acted in this flight
   double sink_error_m = 0.0;        ///< m above the commanded height during a descent in the air
   double body_tilt_rad = 0.0;       ///< rad; angle of the body z axis to the vertical, by mocap
-  double start_off_m = 0.0;         ///< m; distance from the scenario's start, before the first
-                                    ///< flight
-  double start_turn_rad = 0.0;      ///< rad; yaw difference from that start, before the first
-                                    ///< flight
+  /// m; distance from the scenario's start, before the first flight
+  double start_off_m = 0.0;
+  /// rad; yaw difference from that start, before the first flight
+  double start_turn_rad = 0.0;
 
   // Inputs about the plan.
   bool has_plan = true;        ///< the course follows a checked plan
@@ -72,15 +72,16 @@ struct SafetyInputs : Surroundings {
   bool is_lift_blocked = false;  ///< true: another vehicle is lifting, or must lift before this one
   double no_rise_s = 0.0;        ///< s; time since the take-off command; 0 once the body has risen
   double proof_pending_s = 0.0;  ///< s; time in the hover of the first lift
-  double other_risen_m = 0.0;    ///< m; rise of another robot's body while this vehicle has not
-                                 ///< risen
+  /// m; rise of another robot's body while this vehicle has not risen
+  double other_risen_m = 0.0;
   /// m; horizontal distance from the path of the first lift, now or after reaction_s
   double lift_deviation_m = 0.0;
   double lift_climb_error_mps = 0.0;  ///< m/s; mocap minus autopilot, in the first lift
   double lift_turn_error_radps = 0.0;
   double unordered_rise_m = 0.0;  ///< m; rise while armed without a take-off command
-  double near_m = kNever;         ///< m; minimum horizontal distance to a body within
-                                  ///< take_off_prediction_s; without stationary robots
+  /// m; minimum horizontal distance to a body within take_off_prediction_s; without stationary
+  /// robots
+  double near_m = kNever;
   bool is_found_flying = false;   ///< armed and in the air without a command of this driver
   bool is_found_landing = false;  ///< as is_found_flying, with the autopilot in its landing mode
 

@@ -15,9 +15,9 @@ constexpr double kClimbsMps = 0.05;
 constexpr double kTurnSlackS = 6.0;     // s; additional time for the start of the motors
 constexpr double kReportAgeMaxS = 0.5;  // s; vehicles report at 10 Hz
 constexpr double kTurnDelayS = 0.15;
-constexpr double kShownShare = 0.3;              // required share of a commanded step or turn
-constexpr double kProofHeightToleranceM = 0.06;  // m below the hover height, where the verification
-                                                 // starts
+constexpr double kShownShare = 0.3;  // required share of a commanded step or turn
+// m below the hover height, where the verification starts
+constexpr double kProofHeightToleranceM = 0.06;
 
 }  // namespace
 

@@ -116,8 +116,8 @@ class Lift {
   double rest_yaw_rad_ = 0.0;
   Eigen::Vector3d step_m_ = Eigen::Vector3d::Zero();
   double height_m_ = 0.0;
-  Eigen::Vector3d proof_from_m_ = Eigen::Vector3d::Zero();  ///< m; position at which the
-                                                            ///< verification began
+  /// m; position at which the verification began
+  Eigen::Vector3d proof_from_m_ = Eigen::Vector3d::Zero();
   double proof_from_yaw_rad_ = 0.0;
 };
 

@@ -100,8 +100,8 @@ struct SafetyLimits {
   double lift_height_m = 0.2;  ///< m above the ground position; hover height of the first lift
   double lift_done_m = 0.3;    ///< m; the next vehicle may lift when this vehicle has risen more
   double lift_risen_m = 0.1;
-  double lift_wait_s = 6.0;  ///< s; maximum time from take-off to lift_risen_m, with the start of
-                             ///< the motors
+  /// s; maximum time from take-off to lift_risen_m, with the start of the motors
+  double lift_wait_s = 6.0;
   /// s; longest motor idling while another vehicle lifts; autopilots stop idle motors after 10 s
   double lift_idle_s = 5.0;
   double lift_proof_s = 8.0;  ///< s; maximum hover in the first lift until step and turn are seen

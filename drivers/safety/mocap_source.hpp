@@ -32,9 +32,10 @@ class MocapSource {
 
   /// Decision about a frame.
   enum class [[nodiscard]] Standing{
-      kAccepted,   ///< frame of the source
-      kCandidate,  ///< frame of a run that may become the source: use it only if its pose of the
-                   ///< vehicle is accepted
+      kAccepted,  ///< frame of the source
+      /// frame of a run that may become the source: use it only if its pose of the vehicle is
+      /// accepted
+      kCandidate,
       kRefused,
   };
 
@@ -57,8 +58,8 @@ class MocapSource {
   std::int64_t number_ = 0;                ///< number of the source's newest frame
   Duration ahead_{};                       ///< lag of the local clock behind the source's clock
   std::optional<Time> other_received_at_;  ///< time of the last frame of another source
-  std::optional<Time> other_time_received_at_;  ///< time of the last frame refused because of its
-                                                ///< stamp
+  /// time of the last frame refused because of its stamp
+  std::optional<Time> other_time_received_at_;
   std::int64_t others_refused_ = 0;
   std::int64_t other_time_ = 0;
   std::int64_t takeovers_ = 0;

@@ -22,9 +22,9 @@ struct FrameCounts {
   std::int64_t frames_late = 0;      ///< dropped: arrived after a newer frame
   std::int64_t frames_queued = 0;  ///< dropped: waited longer than kQueuedMax while a queue emptied
   std::int64_t frames_waited = 0;  ///< published, but waited longer than kQueuedMax
-  std::int64_t server_restarts = 0;    ///< restarts of the frame numbers
-  std::int64_t latencies_refused = 0;  ///< latencies not finite, negative or above
-                                       ///< kLatencyPossible_s
+  std::int64_t server_restarts = 0;  ///< restarts of the frame numbers
+  /// latencies not finite, negative or above kLatencyPossible_s
+  std::int64_t latencies_refused = 0;
   std::int64_t poses_zero = 0;
   std::int64_t poses_refused = 0;  ///< not finite, not a rotation, or an impossibly large position
   std::int64_t poses_stuck = 0;

@@ -23,8 +23,8 @@ enum class Verdict {
 struct GateSettings {
   double speed_max_mps = 10.0;   ///< m/s; 0: poses are not checked
   double turn_max_radps = 20.0;  ///< rad/s; 0: attitudes are not checked
-  double jump_margin_m = 0.15;  ///< m; added to the distance at maximum speed, for noise and frames
-                                ///< that arrive in bursts
+  /// m; added to the distance at maximum speed, for noise and frames that arrive in bursts
+  double jump_margin_m = 0.15;
   double turn_margin_rad = 0.5;    ///< rad; allowance for the attitude
   Duration lost_after{1'000'000};  ///< a body unseen for longer may be at any position
   /// Largest distance from the constant-velocity prediction for any gap, m. It is less than half of

@@ -115,8 +115,8 @@ void SocketLink::open_datagram(Moment now) {
     sender_ = sender.value().sin_addr.s_addr;
   }
   socket_.reset(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  set_option(socket_.fd(), SOL_SOCKET, SO_REUSEADDR, 1);  // other processes may also receive a
-                                                          // broadcast
+  // other processes may also receive a broadcast
+  set_option(socket_.fd(), SOL_SOCKET, SO_REUSEADDR, 1);
   enlarge_receive_buffer(socket_.fd());
   const sockaddr_in address = address_of(INADDR_ANY, driver_.port());
   if (bind(socket_.fd(), as_sockaddr(address), sizeof address) != 0) {

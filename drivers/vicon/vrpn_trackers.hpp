@@ -50,9 +50,9 @@ class VrpnTrackers {
     int reports = 0;
     std::array<std::int64_t, kSteps> steps_us{};  ///< µs; newest intervals between its reports
     std::size_t steps = 0;                        ///< number of stored intervals
-    int apart = 0;                                ///< consecutive reports not at the leader's
-                                                  ///< instants
-    int together = 0;                             ///< consecutive reports at the leader's instants
+    /// consecutive reports not at the leader's instants
+    int apart = 0;
+    int together = 0;  ///< consecutive reports at the leader's instants
     bool is_held = false;
 
     /// Returns the median of the newest intervals, µs; 0 if too few are stored.

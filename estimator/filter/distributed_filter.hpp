@@ -20,9 +20,9 @@ namespace vantage::estimator {
 
 /// Input of one step. Pointers must be valid during the call only.
 struct StepInput {
-  Time time{};                                 ///< t; later than the time of the previous step
-  std::optional<models::Viewpoint> viewpoint;  ///< viewpoint of this robot at t; absent: the
-                                               ///< viewpoint of the previous step is used
+  Time time{};  ///< t; later than the time of the previous step
+  /// viewpoint of this robot at t; absent: the viewpoint of the previous step is used
+  std::optional<models::Viewpoint> viewpoint;
   /// Observations of this robot and of teammates, made at any instants ≤ t. Observations of a robot
   /// that is not in FilterSpec::team are used as this robot's own.
   std::span<const models::RobotMeasurement* const> measurements;

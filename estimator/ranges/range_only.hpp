@@ -22,8 +22,9 @@ struct RangeOnlySpec {
   double weight_min = 1e-4;       ///< hypotheses of smaller weight are dropped
   /// Distance below which two hypotheses are merged, in σ of the hypotheses or of a range.
   double merge_distance_sigma = 0.5;
-  int restart_window = 30;  ///< number of ranges in a window; the filter restarts if most ranges of
-                            ///< a window match no hypothesis
+  /// number of ranges in a window; the filter restarts if most ranges of a window match no
+  /// hypothesis
+  int restart_window = 30;
 };
 
 /// One hypothesis of a Gaussian sum for a beacon's position.

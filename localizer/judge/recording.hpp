@@ -29,8 +29,8 @@ class TruePath {
 
 /// Sightings of one frame of a sensor.
 struct SightingFrame {
-  Time stamp{};  ///< time as reported; `sightings` contain the same time, not yet corrected for the
-                 ///< latency
+  /// time as reported; `sightings` contain the same time, not yet corrected for the latency
+  Time stamp{};
   std::vector<models::Sighting> sightings;
 };
 

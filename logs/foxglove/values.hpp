@@ -61,8 +61,9 @@ enum class LogLevel { kDebug = 1, kInfo = 2, kWarning = 3, kError = 4, kFatal = 
 struct Event {
   Time time{};
   LogLevel level = LogLevel::kInfo;
-  std::string kind;  ///< collision, near_miss, late, fallback, attack, safety, health, scenario,
-                     ///< two_publishers, found, lost
+  /// collision, near_miss, late, fallback, attack, safety, health, scenario, two_publishers, found,
+  /// lost
+  std::string kind;
   std::string text;
 };
 

@@ -99,9 +99,9 @@ struct RobotBelief {
   int degree = 0;                     ///< number of neighbours in communication range at this step
   std::vector<TargetBelief> targets;  ///< discovered targets, by ascending target_id
   GridGeometry grid;
-  std::vector<std::int64_t> last_seen_utime;  ///< time at which each cell was last seen;
-                                              ///< VisibilityGrid::kNeverSeen: never
-  std::vector<InputRef> inputs;               ///< inputs of this step in the order of use
+  /// time at which each cell was last seen; VisibilityGrid::kNeverSeen: never
+  std::vector<std::int64_t> last_seen_utime;
+  std::vector<InputRef> inputs;  ///< inputs of this step in the order of use
 };
 
 /// The belief of one target as a mixture, when one Gaussian is not sufficient.

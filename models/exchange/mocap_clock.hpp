@@ -42,12 +42,12 @@ class MocapClock {
   bool has_frame_ = false;
   std::int64_t run_id_ = 0;
   Time stamp_{};
-  Time publisher_arrival_{};  ///< time at which the publisher received the frame, by the clock that
-                              ///< stamps frames
+  /// time at which the publisher received the frame, by the clock that stamps frames
+  Time publisher_arrival_{};
   Time arrival_{};
   std::int64_t number_ = 0;
-  Duration period_{};  ///< time between the stamps of consecutive frames; 0 until two frames by the
-                       ///< same clock arrived
+  /// time between the stamps of consecutive frames; 0 until two frames by the same clock arrived
+  Duration period_{};
   Duration offset_{};  ///< clock of `arrival` minus clock of the stamp
   Duration latency_{};
 };

@@ -66,8 +66,8 @@ std::vector<Measurement> sample_clutter(const SensorModel& sensor, const Viewpoi
   if (clutter_per_look <= 0.0) {
     return alarms;
   }
-  constexpr int kTriesMax = 1000;  // maximum number of tries per false alarm; then the false alarm
-                                   // is dropped (very small view)
+  // maximum number of tries per false alarm; then the false alarm is dropped (very small view)
+  constexpr int kTriesMax = 1000;
   const int count = draw_poisson(clutter_per_look, rng);
   const double least_m2 = sensor.range_min_m * sensor.range_min_m;
   const double most_m2 = sensor.range_max_m * sensor.range_max_m;

@@ -50,12 +50,13 @@ struct RangeCalibration {
 /// three coordinates. Angles are in the horizontal plane.
 struct SensorModel {
   SensorKind kind = SensorKind::kRangeBearing;  ///< determines which other fields are used
-  double range_max_m = 10.0;    ///< targets at this range or beyond are not measured
-  double range_min_m = 0.0;     ///< nearer targets are not measured; for a bearing sensor: > 0 and
-                                ///< a horizontal distance, because bearings are singular at 0
-  double fov_rad = 2.0 * kPi;   ///< full angle φ; targets with |bearing| ≥ φ/2 are not seen
-                                ///< (except with a full circle)
-  double range_sigma_m = 0.15;  ///< 1σ of a range
+  double range_max_m = 10.0;  ///< targets at this range or beyond are not measured
+  /// nearer targets are not measured; for a bearing sensor: > 0 and a horizontal distance, because
+  /// bearings are singular at 0
+  double range_min_m = 0.0;
+  /// full angle φ; targets with |bearing| ≥ φ/2 are not seen (except with a full circle)
+  double fov_rad = 2.0 * kPi;
+  double range_sigma_m = 0.15;              ///< 1σ of a range
   double bearing_sigma_rad = radians(5.0);  ///< 1σ of a bearing
   double position_sigma_m = 0.1;            ///< 1σ of each coordinate of a position
   double pixel_sigma = 1.0;                 ///< 1σ of each image coordinate
@@ -77,9 +78,9 @@ struct SensorModel {
 
 /// One measurement of one target.
 struct Measurement {
-  MeasurementVector z;  ///< position: target in the body frame, m; range: m; bearing: rad from
-                        ///< body x; range-bearing: (m, rad); camera: image coordinates, pixels;
-                        ///< range-rate: (m, m/s)
+  /// position: target in the body frame, m; range: m; bearing: rad from body x; range-bearing: (m,
+  /// rad); camera: image coordinates, pixels; range-rate: (m, m/s)
+  MeasurementVector z;
   MeasurementMatrix V;  ///< covariance of z
 };
 

@@ -33,8 +33,9 @@ struct DampedOscillator {
 struct TargetModel {
   TargetKind kind = TargetKind::kRandomWalk;
   int position_dim = 2;  ///< 2 or 3; models with a velocity are planar
-  double q = 0.0;  ///< process noise: m²/s for a random walk, m²/s³ for a double integrator, m² for
-                   ///< growing uncertainty; other kinds do not use it
+  /// process noise: m²/s for a random walk, m²/s³ for a double integrator, m² for growing
+  /// uncertainty; other kinds do not use it
+  double q = 0.0;
   DampedOscillator oscillator = {};  ///< damped oscillator only
 
   bool operator==(const TargetModel&) const = default;

@@ -9,8 +9,8 @@ namespace vantage::planner {
 
 /// Options of coordinate descent.
 struct DescentOptions {
-  std::vector<int> order;  ///< order in which robots choose; empty: 0, 1, …; robots that are not
-                           ///< listed get no candidate
+  /// order in which robots choose; empty: 0, 1, …; robots that are not listed get no candidate
+  std::vector<int> order;
   int rounds_max =
       1;  ///< maximum number of rounds; the search ends earlier after a round without change
   /// True: tries candidates by descending individual value and stops at the first with a value

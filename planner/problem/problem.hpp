@@ -58,9 +58,9 @@ struct SearchProblem {
   /// before the last.
   TerminalValue terminal;
 
-  const models::World* world = nullptr;          ///< null: unbounded and empty
-  const models::DistanceField* field = nullptr;  ///< distance field of `world`; null: the results
-                                                 ///< are the same, but the search is slower
+  const models::World* world = nullptr;  ///< null: unbounded and empty
+  /// distance field of `world`; null: the results are the same, but the search is slower
+  const models::DistanceField* field = nullptr;
   double clearance_m =
       0.0;  ///< m; radius of the disc around the robot that must be free of obstacles
   bool obstacles_block_sight = true;  ///< false: sensors see over or through obstacles

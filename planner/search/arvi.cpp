@@ -136,8 +136,8 @@ ReducedValueIteration::Progress ReducedValueIteration::expand_level(int t, bool 
   const bool is_last = t == problem_->horizon_steps;
   fresh_.clear();
   for (NodeId parent = parents.unexpanded; parent != kNoNode; parent = parents.unexpanded) {
-    ++result_.work_nodes;  // counted before each deadline check, so that every check sees a
-                           // different count
+    // counted before each deadline check, so that every check sees a different count
+    ++result_.work_nodes;
     if (expired()) {
       return Progress::kDeadline;
     }

@@ -237,8 +237,8 @@ BestFirstSearch::Progress BestFirstSearch::evaluate_sequence(NodeId id) {
 
 // long: one expansion; its parts share half of the state.
 BestFirstSearch::Progress BestFirstSearch::step() {
-  ++result_.work_nodes;  // counted before each deadline check, so that every check sees a different
-                         // count
+  // counted before each deadline check, so that every check sees a different count
+  ++result_.work_nodes;
   if (expired()) {
     return Progress::kDeadline;
   }

@@ -17,8 +17,8 @@ namespace vantage::planner {
 
 enum class BestFirst {
   kAStar,  ///< expands the node of least g + h first, until no open node can improve the plan
-  kWeightedAStar,  ///< expands the node of least g' + w h' first, until the plan is within factor w
-                   ///< of the optimum
+  /// expands the node of least g' + w h' first, until the plan is within factor w of the optimum
+  kWeightedAStar,
   kAegis,  ///< as kWeightedAStar, but without (ε, δ)-dominated nodes and until OPEN is empty
 };
 

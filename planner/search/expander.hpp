@@ -102,9 +102,9 @@ class Expander {
  private:
   /// Information gain of all children of one node, by child.
   struct Gains {
-    alignas(32) double product[kMaxControls];  ///< product of det(I + M P); moved to `sum` as a
-                                               ///< logarithm beyond 1e150
-    alignas(32) double sum[kMaxControls];      ///< sum of gains, nats, or m² for the trace
+    /// product of det(I + M P); moved to `sum` as a logarithm beyond 1e150
+    alignas(32) double product[kMaxControls];
+    alignas(32) double sum[kMaxControls];  ///< sum of gains, nats, or m² for the trace
   };
   bool keep_posterior(Tree& tree, NodeId id, double cos_yaw, double sin_yaw);
   /// Computes the feasible children's controls, poses and views.

@@ -18,8 +18,8 @@ struct Node {
   double cost = 0.0;  ///< accumulated J
   NodeId parent = kNoNode;
   std::uint32_t posterior = 0;  ///< index of its blocks in Tree; 0: not computed yet
-  NodeId next = kNoNode;  ///< used by the search algorithm: link to the next node of the list that
-                          ///< contains this node
+  /// used by the search algorithm: link to the next node of the list that contains this node
+  NodeId next = kNoNode;
   std::int16_t control = -1;  ///< control from the parent to this node
   std::uint8_t depth = 0;
   std::uint8_t state = 0;  ///< flags of the search algorithm

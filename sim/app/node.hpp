@@ -73,13 +73,13 @@ class SimNode : public bus::Node {
   scenario::Scenario scenario_;
   Time start_;
   std::vector<std::unique_ptr<WireVehicle>> wires_;
-  std::unique_ptr<vicon::SocketServer> mocap_server_;  ///< server if mocap is `wire`; null
-                                                       ///< otherwise
+  /// server if mocap is `wire`; null otherwise
+  std::unique_ptr<vicon::SocketServer> mocap_server_;
   WorldSimulation world_;
   std::unique_ptr<SimulatedLocalisation> localisation_;  ///< with localizer.simulation, else null
-  Duration lag_;           ///< delay of the world relative to the clock
-  Duration truth_period_;  ///< period of TRUTH; equal to the mocap period if the driver of a real
-                           ///< mocap uses TRUTH
+  Duration lag_;  ///< delay of the world relative to the clock
+  /// period of TRUTH; equal to the mocap period if the driver of a real mocap uses TRUTH
+  Duration truth_period_;
   Time next_capture_;
   Time next_truth_;
   Time next_status_;

@@ -64,8 +64,8 @@ class Airframe {
   double ground_m_;  ///< m; z of the body when it stands on the ground
   Eigen::Vector3d position_m_;
   Eigen::Vector3d velocity_mps_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d down_body_ = Eigen::Vector3d::UnitZ();  ///< z axis of the body in the local
-                                                          ///< frame; unit vector
+  /// z axis of the body in the local frame; unit vector
+  Eigen::Vector3d down_body_ = Eigen::Vector3d::UnitZ();
   double yaw_rad_;
   double yaw_rate_radps_ = 0.0;
   double thrust_mps2_ = 0.0;

@@ -149,8 +149,8 @@ void AutopilotEmulator::take_odometry(const wire::mavlink::Odometry& odometry) {
                           odometry.reset_counter);
     return;
   }
-  constexpr std::uint8_t kLastFused = 3;  // last fused estimator type: unknown, naive, vision,
-                                          // visual-inertial
+  // last fused estimator type: unknown, naive, vision, visual-inertial
+  constexpr std::uint8_t kLastFused = 3;
   constexpr std::uint8_t kMocap = 6;
   if (odometry.estimator_type > kLastFused) {
     if (odometry.estimator_type != kMocap) {

@@ -13,10 +13,10 @@ constexpr std::uint8_t kAccepted = 0;
 constexpr std::uint8_t kCritical = 2;
 constexpr std::uint8_t kWarning = 4;
 constexpr std::uint8_t kInformation = 6;
-constexpr std::uint16_t kFlagsNotReady = 0x0A5;  // flags for attitude, vertical velocity and
-                                                 // height, without position
-constexpr Duration kTargetGapMax = std::chrono::milliseconds(500);  // set-points must arrive at
-                                                                    // more than 2 Hz
+// flags for attitude, vertical velocity and height, without position
+constexpr std::uint16_t kFlagsNotReady = 0x0A5;
+// set-points must arrive at more than 2 Hz
+constexpr Duration kTargetGapMax = std::chrono::milliseconds(500);
 constexpr Duration kProofOfLife = std::chrono::seconds(1);
 constexpr double kBatteryToArm = 0.10;
 constexpr double kBatteryToFly = 0.03;

@@ -117,9 +117,9 @@ class FlightController {
   std::optional<Time> station_heartbeat_;
   bool is_station_lost_ = false;
   Time station_checked_{};
-  Time descends_at_{};                         ///< start of the descent in landing mode
-  std::optional<Time> targets_since_;          ///< start of the current uninterrupted stream of
-                                               ///< set-points
+  Time descends_at_{};  ///< start of the descent in landing mode
+  /// start of the current uninterrupted stream of set-points
+  std::optional<Time> targets_since_;
   std::optional<Eigen::Vector3d> climb_to_m_;  ///< m; goal of a commanded take-off
   Eigen::Vector3d landing_at_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d shaped_mps_ = Eigen::Vector3d::Zero();

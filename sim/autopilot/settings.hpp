@@ -13,11 +13,11 @@ namespace vantage::sim {
 struct AutopilotSettings {
   // Loss of set-points, heartbeats and poses.
   double setpoint_loss_s = 0.0;
-  bool lands_on_setpoint_loss = false;     ///< false: brakes to a stop and stays in the mode
-  std::optional<double> heartbeat_loss_s;  ///< s; time without a heartbeat of the ground station
-                                           ///< until the vehicle lands
-  std::optional<int> station_id;           ///< system id of the ground station; absent: any station
-  double pose_loss_s = 0.0;                ///< s; time without poses until the position is lost
+  bool lands_on_setpoint_loss = false;  ///< false: brakes to a stop and stays in the mode
+  /// s; time without a heartbeat of the ground station until the vehicle lands
+  std::optional<double> heartbeat_loss_s;
+  std::optional<int> station_id;  ///< system id of the ground station; absent: any station
+  double pose_loss_s = 0.0;       ///< s; time without poses until the position is lost
   bool lands_on_pose_loss = true;
   bool has_barometer = true;  ///< the height estimate remains valid without poses
   // Times on the ground.

@@ -12,10 +12,10 @@ namespace {
 constexpr double kGravityMps2 = 9.81;
 
 struct Mount {
-  double x;     ///< position forward, in arm lengths
-  double y;     ///< position to the left, in arm lengths
-  double spin;  ///< sign of the torque on the body about z; the propeller turns in the opposite
-                ///< direction
+  double x;  ///< position forward, in arm lengths
+  double y;  ///< position to the left, in arm lengths
+  /// sign of the torque on the body about z; the propeller turns in the opposite direction
+  double spin;
 };
 constexpr std::array<Mount, kMotors> kMounts{
     {{1.0, -1.0, -1.0}, {-1.0, 1.0, -1.0}, {1.0, 1.0, 1.0}, {-1.0, -1.0, 1.0}}};

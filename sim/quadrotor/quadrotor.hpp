@@ -27,8 +27,8 @@ struct QuadrotorParameters {
   double height_gain_per_s = 2.0;
   double corner_window_s = 0.12;  ///< s; the controller averages the reference over ± this time
   double command_reserve = 1.3;   ///< ratio of the command limits to the vehicle's limits
-  Eigen::Vector2d wind_mean_mps2 = Eigen::Vector2d::Zero();  ///< m/s²; mean acceleration by the
-                                                             ///< wind
+  /// m/s²; mean acceleration by the wind
+  Eigen::Vector2d wind_mean_mps2 = Eigen::Vector2d::Zero();
   double wind_sigma_mps2 = 0.15;  ///< m/s²; 1σ per axis of the gusts' acceleration, limited to 3σ
   double wind_memory_s = 2.0;
   double endurance_s = 1200.0;  ///< s; flight time from a full to an empty battery

@@ -211,9 +211,8 @@ RoverCommand RoverFleet::desired(Rover& rover) const {
   const double error_rad = wrap_to_pi(std::atan2(to_aim_m.y(), to_aim_m.x()) - pose.yaw_rad);
   const double ahead = std::max(0.0, std::cos(error_rad));
   const double left_m = (rover.path.back() - here_m).norm();
-  const double arrive_mps = std::sqrt(parameters_.brake_mps2 * left_m);  // m/s; allows a stop at
-                                                                         // half the maximum
-                                                                         // deceleration
+  // m/s; allows a stop at half the maximum deceleration
+  const double arrive_mps = std::sqrt(parameters_.brake_mps2 * left_m);
   return {std::min(rover.leg_speed_mps, arrive_mps) * ahead * ahead * ahead,
           std::clamp(kTurnGainPerS * error_rad, -parameters_.yaw_rate_max_radps,
                      parameters_.yaw_rate_max_radps)};

@@ -22,8 +22,8 @@ class ObjectStreamServer {
 
  private:
   ServerSettings settings_;
-  std::map<std::string, wire::vicon::TrackerObject> last_seen_;  ///< last visible pose per body,
-                                                                 ///< for kRepeated
+  /// last visible pose per body, for kRepeated
+  std::map<std::string, wire::vicon::TrackerObject> last_seen_;
   std::vector<std::vector<std::uint8_t>> datagrams_;
 };
 

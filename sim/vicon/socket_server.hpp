@@ -64,9 +64,10 @@ class SocketServer {
 
   ServerSettings settings_;
   int port_ = 0;
-  int listener_ = -1;       ///< TCP socket for connections; −1: none
-  int datagrams_ = -1;      ///< UDP socket: sends an object stream, receives VRPN's connection
-                            ///< requests, or receives and answers NatNet's requests
+  int listener_ = -1;  ///< TCP socket for connections; −1: none
+  /// UDP socket: sends an object stream, receives VRPN's connection requests, or receives and
+  /// answers NatNet's requests
+  int datagrams_ = -1;
   int frames_socket_ = -1;  ///< UDP socket that sends NatNet's frames; −1: `datagrams_`
   ObjectStreamServer object_stream_;
   std::vector<std::unique_ptr<Client>> clients_;

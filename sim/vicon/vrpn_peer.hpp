@@ -32,8 +32,8 @@ class VrpnPeer : public Peer {
   std::map<std::string, std::int32_t> senders_;  ///< sender numbers of the server
   std::map<std::int32_t, std::string> client_senders_;
   std::map<std::int32_t, std::string> client_types_;
-  std::map<std::string, wire::vicon::VrpnPose> last_seen_;  ///< last visible pose per body, for
-                                                            ///< kRepeated
+  /// last visible pose per body, for kRepeated
+  std::map<std::string, wire::vicon::VrpnPose> last_seen_;
 };
 
 }  // namespace vantage::sim::vicon

@@ -28,8 +28,8 @@ namespace vantage::sim {
 class WorldSimulation {
  public:
   static constexpr Duration kStep{5'000};
-  static constexpr double kLowM = 0.9;  ///< m; targets keep away from vehicles below this
-                                        ///< height
+  /// m; targets keep away from vehicles below this height
+  static constexpr double kLowM = 0.9;
   /// m; distance of the targets' centres from a low vehicle
   static constexpr double kKeepOutM = 1.0;
 
@@ -76,8 +76,8 @@ class WorldSimulation {
   Time decided_;
   std::vector<Quadrotor> quadrotors_;
   std::vector<Vehicle*> external_vehicles_;  ///< vehicles of the caller
-  std::vector<Vehicle*> vehicles_;           ///< Quadrotors and the caller's vehicles, in the
-                                             ///< scenario's order of robots
+  /// Quadrotors and the caller's vehicles, in the scenario's order of robots
+  std::vector<Vehicle*> vehicles_;
   Ground ground_;
   MocapCamera camera_;
   models::CollisionMonitor collisions_;

@@ -11,8 +11,8 @@ struct RestartPolicy {
   double backoff_first_s = 0.2;  ///< s; doubled at each end of the process
   double backoff_max_s = 5.0;
   double settled_s = 10.0;  ///< s; a run at least this long resets the back-off
-  int restarts_max = 5;     ///< maximum number of restarts within window_s; after one more end the
-                            ///< process is given up
+  /// maximum number of restarts within window_s; after one more end the process is given up
+  int restarts_max = 5;
   double window_s = 60.0;
 };
 

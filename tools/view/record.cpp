@@ -81,9 +81,8 @@ Child start_browser(const std::string& address, const RecordOptions& options,
         name, "--headless", "--no-first-run", "--mute-audio", "--hide-scrollbars",
         "--disable-extensions", "--disable-background-networking", "--disable-component-update",
         "--disable-sync", "--no-proxy-server", "--force-device-scale-factor=1",
-        "--remote-debugging-port=0",  // without this option the browser ends once the page is
-                                      // loaded
-        "--user-data-dir=" + folder.file("profile"),
+        // without this option the browser ends once the page is loaded
+        "--remote-debugging-port=0", "--user-data-dir=" + folder.file("profile"),
         fmt::format("--window-size={},{}", options.width, options.height)};
     if (::geteuid() == 0) {
       words.emplace_back("--no-sandbox");  // the browser refuses to run sandboxed as root

@@ -31,11 +31,11 @@ constexpr std::uint8_t kGroundStation = 6;
 constexpr std::uint8_t kOnboardController = 18;
 constexpr std::uint8_t kGimbal = 26;
 constexpr std::uint8_t kAdsb = 27;
-constexpr std::uint8_t kFirstAccessory = 30;  ///< first of the types camera, charging station,
-                                              ///< FLARM, servo, ODID
+/// first of the types camera, charging station, FLARM, servo, ODID
+constexpr std::uint8_t kFirstAccessory = 30;
 constexpr std::uint8_t kLastAccessory = 34;
-constexpr std::uint8_t kFirstPart = 36;  ///< first of the types battery, parachute, log, OSD, IMU,
-                                         ///< GPS, winch
+/// first of the types battery, parachute, log, OSD, IMU, GPS, winch
+constexpr std::uint8_t kFirstPart = 36;
 
 /// True if MAV_TYPE `type` is a vehicle; false for a station, a companion computer or a part.
 constexpr bool is_vehicle(std::uint8_t type) {

@@ -68,9 +68,9 @@ std::optional<Packet> decode_packet(Bytes datagram);
 struct Connect {
   std::string name = "NatNetLib";  ///< name of the client, at most 255 bytes
   Version application;
-  Version natnet;     ///< newest version that the client reads
-  Version bitstream;  ///< requested version of frames; zeros: the newest that the server supports;
-                      ///< only since 4.0
+  Version natnet;  ///< newest version that the client reads
+  /// requested version of frames; zeros: the newest that the server supports; only since 4.0
+  Version bitstream;
   bool is_subscriber = false;  ///< requests only subscribed data. Only since 4.0
 };
 

@@ -25,9 +25,9 @@ inline constexpr std::uint32_t kEmergencyStop = 1U << 1U;  ///< maximum braking,
 inline constexpr std::uint32_t kReleaseStop = 1U << 2U;    ///< release a latched emergency stop
 
 /// Bits of Telemetry::flags.
-inline constexpr std::uint32_t kDriving = 1U << 0U;      ///< speeds are obeyed
-inline constexpr std::uint32_t kStopLatched = 1U << 1U;  ///< an emergency stop by command or button
-                                                         ///< is latched
+inline constexpr std::uint32_t kDriving = 1U << 0U;  ///< speeds are obeyed
+/// an emergency stop by command or button is latched
+inline constexpr std::uint32_t kStopLatched = 1U << 1U;
 inline constexpr std::uint32_t kWatchdogOut = 1U << 2U;  ///< no command within kWatchdogS
 inline constexpr std::uint32_t kMotorFailed = 1U << 3U;
 

@@ -18,9 +18,9 @@ namespace vantage::wire::vicon {
 inline constexpr int kObjectStreamPort = 51001;
 inline constexpr std::size_t kObjectHeaderBytes = 5;
 inline constexpr std::size_t kObjectNameBytes = 24;
-inline constexpr std::uint16_t kObjectItemBytes = 72;  ///< bytes; size of name, translation and
-                                                       ///< rotation
-inline constexpr std::size_t kObjectsMax = 255;        ///< maximum number of objects in a datagram
+/// bytes; size of name, translation and rotation
+inline constexpr std::uint16_t kObjectItemBytes = 72;
+inline constexpr std::size_t kObjectsMax = 255;  ///< maximum number of objects in a datagram
 
 /// One tracker object, as encoded in a datagram.
 struct TrackerObject {

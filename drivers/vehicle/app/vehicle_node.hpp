@@ -200,9 +200,9 @@ class VehicleNode : public bus::Node {
   std::int64_t undecoded_ = 0;
   /// latency from a frame's arrival at the stack to its arrival here
   LatencyRecord frame_latency_;
-  LatencyRecord answer_latency_;  ///< latency from a frame's arrival here to the sending of the
-                                  ///< resulting messages
-  LatencyRecord stack_latency_;   ///< sum of both latencies
+  /// latency from a frame's arrival here to the sending of the resulting messages
+  LatencyRecord answer_latency_;
+  LatencyRecord stack_latency_;  ///< sum of both latencies
   std::array<std::uint8_t, 2048> buffer_{};
 };
 

@@ -18,8 +18,8 @@ struct Track {
   bool known = false;
   models::Information information;
   Time last_seen{};  ///< time of the newest measurement, by any robot, that the track contains
-  Time doubted{};    ///< time of the newest measurement that was outside the gate, since the last
-                     ///< used one; 0: none
+  /// time of the newest measurement that was outside the gate, since the last used one; 0: none
+  Time doubted{};
 };
 
 /// True if mean and covariance are equal, without tolerance.
