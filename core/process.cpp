@@ -14,7 +14,7 @@ namespace {
 
 std::atomic<int> stop_count{0};
 std::atomic<int> last_signal{0};
-static_assert(std::atomic<int>::is_always_lock_free, "written from a signal handler");
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler writes these variables");
 
 void on_signal(int signal) {
   last_signal = signal;

@@ -40,7 +40,7 @@ class UdpmTransport : public Transport {
 
  private:
   struct Subscription {
-    std::string pattern;  ///< empty: unused entry
+    std::string pattern;  ///< of channels; empty: the entry is unused
     Handler handler;
   };
   void keep_network();

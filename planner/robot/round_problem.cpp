@@ -61,7 +61,8 @@ constexpr double kComponentWeightMin = 1.0 / 32.0;
 
 // True if a search can process this prior, that is, products of its entries stay finite.
 bool is_searchable(const models::Gaussian& prior) {
-  constexpr double kLargest = 1e30;  // m or m/s, and their squares
+  constexpr double kLargest =
+      1e30;  // limit of means (m, m/s) and of covariances (squares of these)
   return prior.mean.cwiseAbs().maxCoeff() <= kLargest &&
          prior.covariance.cwiseAbs().maxCoeff() <= kLargest &&
          models::log_det(prior.covariance) >=

@@ -14,7 +14,7 @@ struct PoseMetric {
   [[nodiscard]] double squared(const Pose2& a, const Pose2& b) const {
     const double dx = a.x_m - b.x_m;
     const double dy = a.y_m - b.y_m;
-    double turn = a.yaw_rad - b.yaw_rad;  // both in (−π, π]
+    double turn = a.yaw_rad - b.yaw_rad;  // both yaws are in (−π, π]
     turn = turn > kPi ? turn - 2.0 * kPi : turn <= -kPi ? turn + 2.0 * kPi : turn;
     turn *= yaw_weight_m_per_rad;
     return dx * dx + dy * dy + turn * turn;

@@ -179,7 +179,7 @@ void SequencingBound::fill_costs(int i, int depth, const double* block) {
   const int left = steps_left_;
   PackedInformation look;
   look.m[0] = look.m[2] = strength;
-  // Best sums of n measurements at any times.
+  // Computes the best cost after n measurements at any times.
   double summed[256];
   if (by_sum) {
     PointedInformation sum(block);

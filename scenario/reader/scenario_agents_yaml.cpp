@@ -194,7 +194,7 @@ void read_battery(Mapping& from, BatterySpec& battery) {
   from.number("empty_v", battery.empty_v, above_to(0.0, kCellMaxV));
   from.number("full_v", battery.full_v, above_to(0.0, kCellMaxV));
   if (battery.full_v <= battery.empty_v) {
-    from.refuse("full_v", fmt::format("must be above empty_v ({}), but is {}; volts per cell",
+    from.refuse("full_v", fmt::format("must be above empty_v ({}), but is {} volts per cell",
                                       battery.empty_v, battery.full_v));
   }
 }

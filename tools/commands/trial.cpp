@@ -150,8 +150,9 @@ void add_trial_command(CLI::App& root, Runner& chosen) {
   add_scenario_option(*command, arguments->scenario);
   add_override_options(*command, arguments->overrides, &arguments->planners);
   command
-      ->add_option("--seeds", arguments->seeds,
-                   "several seeds, such as 1-10 or 1,4,7-9: one trial each per planner, compared")
+      ->add_option(
+          "--seeds", arguments->seeds,
+          "several seeds, such as 1-10 or 1,4,7-9; compares one trial per seed and planner")
       ->excludes("--seed");
   command->add_option("--jobs", arguments->jobs, "with several trials: number of threads")
       ->check(positive_number())

@@ -26,7 +26,7 @@ inline constexpr std::size_t kPacketBytesMax = std::size_t{1} << 20U;
 enum class PacketType : std::uint32_t {
   kError = 0,    ///< text
   kCommand = 1,  ///< text: a command, or the answer to one
-  kXml = 2,      ///< text: parameters
+  kXml = 2,      ///< parameters as text in XML
   kData = 3,
   kNoMoreData = 4,
   kEvent = 6,  ///< one byte
@@ -63,7 +63,7 @@ struct Body {
   Eigen::Vector3f position_mm = Eigen::Vector3f::Zero();
   Eigen::Matrix3f world_from_body = Eigen::Matrix3f::Identity();  ///< only without Euler angles
   Eigen::Vector3f euler_deg = Eigen::Vector3f::Zero();            ///< only with Euler angles
-  float residual_mm = 0.0F;  ///< only with residual; mean error of the markers
+  float residual_mm = 0.0F;  ///< mean error of the markers; only in packets with residuals
 };
 
 struct Frame {

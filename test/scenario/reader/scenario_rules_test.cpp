@@ -254,10 +254,9 @@ TEST(ScenarioRules, AutopilotUrlsAreSupportedByTheDriver) {
             "'tcp://h:1'");
   EXPECT_EQ(with("dialect: px4"), "f:6: robots[0].autopilot: missing required key url");
   EXPECT_EQ(with("url: \"udp://:1\""), "f:6: robots[0].autopilot: missing required key dialect");
-  EXPECT_EQ(
-      with("dialect: px4, url: \"udp://:1\", battery: {empty_v: 3.5, full_v: 3.5, cells: 2}"),
-      "f:6: robots[0].autopilot.battery.full_v: must be above empty_v (3.5), but is 3.5; volts "
-      "per cell");
+  EXPECT_EQ(with("dialect: px4, url: \"udp://:1\", battery: {empty_v: 3.5, full_v: 3.5, cells: 2}"),
+            "f:6: robots[0].autopilot.battery.full_v: must be above empty_v (3.5), but is 3.5 "
+            "volts per cell");
   EXPECT_EQ(with("dialect: px4, url: \"udp://:1\", battery: {full_v: 4}"),
             "f:6: robots[0].autopilot.battery: missing required key cells");
 }

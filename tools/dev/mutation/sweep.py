@@ -70,7 +70,7 @@ class Sweep:
     """Test programs of some files, each linked with all mutations of these files."""
 
     def __init__(self, shop, sites_of):
-        """Compiles all mutations. `sites_of`: the sites by file."""
+        """Compiles all mutations. `sites_of` contains the sites of each file."""
         self.shop = shop
         self.place = shop.place / "sweep"
         shutil.rmtree(self.place, ignore_errors=True)

@@ -366,7 +366,7 @@ class Workshop:
                 self.sound[test.name] = code == 0
                 self.seconds[test.name] = passes(output).get(test.key, time.monotonic() - begun)
                 if code != 0:
-                    self.say(f"  unmutated: {test.name} fails, and is left out")
+                    self.say(f"  {test.name} fails without a mutation and is left out")
             return self.sound[test.name]
 
     def tests_of(self, program):
@@ -496,7 +496,7 @@ class Workshop:
                 self.sound[test.name] = self.try_script(test) == 0
                 self.seconds[test.name] = time.monotonic() - begun  # upper bound for each of its processes
                 if not self.sound[test.name]:
-                    self.say(f"  unmutated: {test.name} fails, and is left out")
+                    self.say(f"  {test.name} fails without a mutation and is left out")
             return self.sound[test.name]
 
     def compile(self, wanted, made, sources, name, text, options=()):
