@@ -10,8 +10,8 @@ namespace vantage {
 /// Record of durations in a histogram of fixed size, for percentiles. Adding does not allocate.
 class LatencyRecord {
  public:
-  static constexpr std::int64_t kStepUs =
-      10;  ///< width of a bin, which is also the maximum error of percentiles
+  /// width of a bin, which is also the maximum error of percentiles
+  static constexpr std::int64_t kStepUs = 10;
   static constexpr std::size_t kBins = 10'000;
 
   /// Adds a latency. Negative values count as 0; values beyond the last bin are counted in the last

@@ -6,8 +6,8 @@ namespace vantage {
 struct RealTime {
   int fifo_priority = 0;  ///< 1 … 99: SCHED_FIFO for the calling thread; 0: unchanged
   int cpu = -1;           ///< the only CPU of the calling thread; −1: any
-  bool lock_memory =
-      false;  ///< true: all pages are locked in memory, so that no page fault occurs later
+  /// true: all pages are locked in memory, so that no page fault occurs later
+  bool lock_memory = false;
 };
 
 /// Removes "--fifo PRIORITY", "--cpu N" and "--lock-memory" from the arguments and returns their

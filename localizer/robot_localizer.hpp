@@ -89,8 +89,8 @@ class RobotLocalizer {
   /// Newest known motion and sightings of one robot.
   struct Track {
     std::array<Cell, kCells> cells;
-    std::int64_t complete_until =
-        -1;  ///< index of a cell; all cells before it, and their sightings, are known
+    /// index of a cell; all cells before it, and their sightings, are known
+    std::int64_t complete_until = -1;
     std::vector<models::Sighting> sightings;  ///< ascending in time; capacity kSightings
     std::vector<Fix> fixes;                   ///< ascending in time; capacity kFixes
     StartSearch search;
@@ -123,8 +123,8 @@ class RobotLocalizer {
   scenario::LocalizerSpec spec_;
   int robot_;
   CommandedMotion motion_;
-  Eigen::Vector3d partial_ =
-      Eigen::Vector3d::Zero();     ///< displacement so far in the cell of partial_to_
+  /// displacement so far in the cell of partial_to_
+  Eigen::Vector3d partial_ = Eigen::Vector3d::Zero();
   Time partial_to_ = Time::min();  ///< end of the newest increment
   bool is_commanded_ = true;       ///< false: the odometer reports increments
   std::vector<Track> tracks_;

@@ -41,8 +41,8 @@ ExpectedSighting expected_sighting(const scenario::SightingSpec& spec, const Pos
 
 Eigen::Vector2d sighted_point_m(const scenario::SightingSpec& spec, double range_m,
                                 double bearing_rad) {
-  constexpr double kAlongMin =
-      0.1;  // limit, since a depth does not determine the distance across the axis
+  // limit, since a depth does not determine the distance across the axis
+  constexpr double kAlongMin = 0.1;
   const double b = bearing_rad - spec.bearing_offset_rad;
   const double along = spec.range_is_depth ? std::max(std::cos(b - spec.axis_rad), kAlongMin) : 1.0;
   const double d = std::max((range_m - spec.range_offset_m) / (spec.range_scale * along), 0.0);

@@ -45,7 +45,7 @@ int StartSearch::agreeing(const Pose2& world_from_odom) const {
 }
 
 std::optional<PoseBelief> StartSearch::fit(const Pose2& world_from_odom) const {
-  // Weighted least-squares alignment of the agreeing points.
+  // Computes the weighted least-squares alignment of the agreeing points.
   double weight = 0.0;
   Eigen::Vector2d mean_odom_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d mean_world_m = Eigen::Vector2d::Zero();

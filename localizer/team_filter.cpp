@@ -15,7 +15,7 @@ namespace {
 
 using RobotVector = Eigen::Matrix<double, TeamFilter::kRobotDim, 1>;
 using Block = Eigen::Matrix<double, TeamFilter::kRobotDim, TeamFilter::kRobotDim>;
-/// Matrix of a frame without heap memory.
+/// Matrix for the sightings of one frame; it needs no heap memory.
 using FrameMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 2 * kFrameSightingsMax,
                                   2 * kFrameSightingsMax>;
 

@@ -57,8 +57,8 @@ struct OdometryNoiseSpec {
 /// in time.
 struct SightingNoiseSpec {
   double range_sigma_m = 0.0375;  ///< m, at distance 0
-  double range_sigma_per_m =
-      0.0009;  ///< 1/m; this factor times the squared distance is added to the 1σ at distance 0
+  /// 1/m; this factor times the squared distance is added to the 1σ at distance 0
+  double range_sigma_per_m = 0.0009;
   double bearing_sigma_rad = 0.008;        ///< rad, for a distant body
   double across_sigma_m = 0.007;           ///< m; error across the line of sight
   double frame_bearing_sigma_rad = 0.018;  ///< rad; error that all bearings of a frame share

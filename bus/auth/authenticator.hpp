@@ -26,8 +26,8 @@ class Authenticator {
     scenario::SecurityMode mode = scenario::SecurityMode::kRequire;
     scenario::TrialMode trial = scenario::TrialMode::kLive;
     bool is_replay = false;  ///< true: signs all messages as kReplay and accepts all messages
-    bool is_of_log =
-        false;  ///< true: checks signatures but not times, because the messages are recorded
+    /// true: checks signatures but not times, because the messages are recorded
+    bool is_of_log = false;
   };
   /// Time for which a vehicle still accepts its previous nonce after its nonce has changed.
   static constexpr Duration kNonceGrace = std::chrono::seconds(1);

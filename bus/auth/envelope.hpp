@@ -116,10 +116,10 @@ class SignatureBudgets {
     Budget orders;
     Budget stops;
   };
-  static constexpr std::size_t kVerifiedMax =
-      16;  ///< maximum number of senders; a new sender replaces the one that was silent longest
-  static constexpr std::size_t kHostsMax =
-      64;  ///< maximum number of hosts; a new host replaces the one that was silent longest
+  /// maximum number of senders; a new sender replaces the one that was silent longest
+  static constexpr std::size_t kVerifiedMax = 16;
+  /// maximum number of hosts; a new host replaces the one that was silent longest
+  static constexpr std::size_t kHostsMax = 64;
   /// A sender or host with a message within this time is never replaced.
   static constexpr Duration kKeptFor = std::chrono::seconds(3);
 

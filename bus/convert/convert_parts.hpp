@@ -23,8 +23,8 @@ namespace vantage::bus::parts {
 
 inline constexpr std::size_t kTextBytesMax = 256;
 inline constexpr std::size_t kYamlBytesMax = std::size_t{1} << 20U;
-inline constexpr std::size_t kItemsMax =
-    10'000;  ///< maximum number of targets, segments, bodies, inputs and other elements of a list
+/// maximum number of targets, segments, bodies, inputs and other elements of a list
+inline constexpr std::size_t kItemsMax = 10'000;
 inline constexpr std::size_t kCellsMax = 1'000'000;
 /// µs since 1970; latest accepted time, in the year 2286. Differences of two accepted times do not
 /// overflow.
@@ -34,8 +34,8 @@ inline constexpr std::int64_t kUtimeMax = 10'000'000'000'000'000;
 inline constexpr double kPositionMax_m = 1e6;
 inline constexpr double kMotionMax_s = 3600.0;
 inline constexpr double kRateMax = 1e3;
-inline constexpr double kAsymmetryMax =
-    1e-9;  ///< asymmetry of a matrix, relative to its largest entry
+/// asymmetry of a matrix, relative to its largest entry
+inline constexpr double kAsymmetryMax = 1e-9;
 inline constexpr double kQuaternionNormErrorMax = 1e-3;
 
 /// Matrix of up to 4×4 without heap memory, for covariances of measurements and information of

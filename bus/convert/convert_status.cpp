@@ -112,8 +112,8 @@ vantage_lcm::health_t to_wire(const models::ProcessHealth& health) {
   wire.num_counters = count_of(health.counters.size());
   wire.counters.resize(health.counters.size());
   for (std::size_t i = 0; i < health.counters.size(); ++i) {
-    wire.counters[i].name =
-        to_wire_text(health.counters[i].name);  // may contain a channel name from the network
+    // may contain a channel name from the network
+    wire.counters[i].name = to_wire_text(health.counters[i].name);
     wire.counters[i].count = health.counters[i].count;
   }
   wire.loops = health.loops;

@@ -117,8 +117,8 @@ class Bus {
   [[nodiscard]] double handling_s() const { return static_cast<double>(handling_ns_) * 1e-9; }
 
  private:
-  static constexpr std::size_t kStreamsMax =
-      16'384;  ///< maximum number of streams, sufficient for a thousand robots
+  /// maximum number of streams, sufficient for a thousand robots
+  static constexpr std::size_t kStreamsMax = 16'384;
 
   /// One message while it is passed to the matching subscriptions.
   struct Delivery {

@@ -25,8 +25,8 @@ void StreamCounts::add(const StreamCounts& more) {
 }
 
 void StreamMonitor::advance_to(const models::Stamp& stamp, const StreamRules& rules) {
-  const std::int64_t skipped =
-      stamp.sequence - (newest_sequence_ + 1);  // this order of operations avoids overflow
+  // this order of operations avoids overflow
+  const std::int64_t skipped = stamp.sequence - (newest_sequence_ + 1);
   add_saturating(counts_.lost, skipped);
   const auto kept = static_cast<std::int64_t>(kMissingKept);
   if (skipped > kept) {

@@ -17,17 +17,17 @@ struct TransportStats {
   std::int64_t messages_sent = 0;
   std::int64_t messages_received = 0;
   std::int64_t send_errors = 0;
-  std::int64_t malformed_datagrams =
-      0;  ///< datagrams that are not in LCM's format or have inconsistent lengths
+  /// datagrams that are not in LCM's format or have inconsistent lengths
+  std::int64_t malformed_datagrams = 0;
   std::int64_t incomplete_messages = 0;  ///< messages discarded because fragments were missing
   std::int64_t queue_overflows = 0;      ///< old messages dropped to make room for newer ones
-  std::int64_t oversized_messages =
-      0;  ///< messages refused because their announced size exceeds the limit
+  /// messages refused because their announced size exceeds the limit
+  std::int64_t oversized_messages = 0;
   std::int64_t duplicate_fragments = 0;   ///< fragments received twice and ignored
   std::int64_t kernel_drops = 0;          ///< datagrams dropped because the socket buffer was full
   std::int64_t receive_buffer_bytes = 0;  ///< bytes granted by the kernel; 0 without a socket
-  std::int64_t receive_buffer_short_bytes =
-      0;                            ///< bytes requested but not granted (net.core.rmem_max)
+  /// bytes requested but not granted (net.core.rmem_max)
+  std::int64_t receive_buffer_short_bytes = 0;
   std::int64_t network_losses = 0;  ///< number of losses of the route or the network card
 };
 

@@ -16,8 +16,8 @@
 
 namespace vantage::bus::udpm {
 
-inline constexpr std::uint32_t kShortMagic =
-    0x4C433032;  ///< "LC02", the first bytes of a short datagram
+/// "LC02", the first bytes of a short datagram
+inline constexpr std::uint32_t kShortMagic = 0x4C433032;
 inline constexpr std::size_t kChannelBytesMax = 63;
 /// Maximum total size of channel name, NUL and payload of a message in one datagram, bytes.
 inline constexpr std::size_t kShortBytesMax = 65'499;

@@ -9,8 +9,8 @@ namespace {
 /// Overhead of allocator and containers that is added to the memory of each stored message and
 /// piece, bytes.
 constexpr std::size_t kMessageOverheadBytes = 256;
-constexpr std::size_t kPieceOverheadBytes =
-    128;  // sizeof(Piece) is 64; twice that, because the vector grows by doubling
+// sizeof(Piece) is 64; twice that, because the vector grows by doubling
+constexpr std::size_t kPieceOverheadBytes = 128;
 
 /// 1 / kSparedShare of the messages, those with the newest fragments, are not evicted.
 constexpr std::size_t kSparedShare = 8;

@@ -15,8 +15,8 @@ namespace info = wire::crtp::info;
 using models::FlightState;
 
 constexpr double kLeadS = 0.05;  // s; from a set-point to its effect
-constexpr double kAccelerationLeadS =
-    0.08;                            // s; longer than kLeadS, because the vehicle must tilt first
+// s; longer than kLeadS, because the vehicle must tilt first
+constexpr double kAccelerationLeadS = 0.08;
 constexpr double kHandOverM = 0.25;  // m; height below which the vehicle completes a landing
 constexpr double kLowM = 0.05;
 constexpr double kSentMaxS = 0.2;      // s; maximum age of the last sent pose for arming

@@ -11,8 +11,8 @@ namespace crtp = wire::crtp;
 constexpr std::array<std::uint8_t, 3> kSafeLinkRequest{0xFF, 0x05, 0x01};
 constexpr std::uint8_t kNumberBits = 0x0C;
 constexpr std::uint8_t kAcknowledged = 0x01;
-constexpr int kLostMax =
-    100;  // number of lost transmissions after which the vehicle may have restarted
+// number of lost transmissions after which the vehicle may have restarted
+constexpr int kLostMax = 100;
 constexpr std::array<std::uint8_t, 5> kBroadcast{0xFF, 0xE7, 0xE7, 0xE7, 0xE7};
 
 /// True for packets of which only the newest matters: external poses and set-points.

@@ -15,8 +15,8 @@ namespace vantage::drivers {
 /// Newest state reported by the autopilot; passed to the guard whenever a field changes.
 struct AutopilotReport {
   bool armed = false;
-  bool obeys =
-      true;  ///< true: in the mode that accepts set-points, or this mode was not requested yet
+  /// true: in the mode that accepts set-points, or this mode was not requested yet
+  bool obeys = true;
   bool estimator_good = false;
   bool motor_failed = false;
   double tilt_rad = 0.0;

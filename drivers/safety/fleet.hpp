@@ -26,8 +26,8 @@ namespace vantage::drivers {
 class Fleet {
  public:
   static constexpr std::size_t kUnknownBodiesMax = 16;
-  static constexpr double kSilentS =
-      0.5;  ///< s; longest gap between reports of a working driver, which reports at 10 Hz
+  /// s; longest gap between reports of a working driver, which reports at 10 Hz
+  static constexpr double kSilentS = 0.5;
   Fleet(const scenario::Scenario& scenario, const std::string& own_name);
 
   void on_mocap(const models::MocapFrame& frame, const SafetyLimits& limits, Time now);

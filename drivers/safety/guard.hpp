@@ -37,8 +37,8 @@ struct GuardOutput {
   bool wants_armed = false;
   /// m; goal of the current climb: the first lift, then the flight height
   double climb_to_m = 0.0;
-  bool is_sinking =
-      false;  ///< true: the vehicle descends at its landing spot, and no body is below it
+  /// true: the vehicle descends at its landing spot, and no body is below it
+  bool is_sinking = false;
   bool changed = false;  ///< state, reasons or the status of a command changed
   /// in the air: acting conditions; on the ground: conditions that forbid arming or taking off
   Reasons reasons;

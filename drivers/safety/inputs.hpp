@@ -46,8 +46,8 @@ struct SafetyInputs : Surroundings {
   double height_m = 0.0;          ///< m above the ground, by the best available source
   double tracking_error_m = 0.0;  ///< m; 3D distance from the set-point; 0 without a set-point
   double speed_mps = 0.0;         ///< m/s; horizontal speed by mocap
-  bool is_hover_deviating =
-      false;  ///< true: commanded to hover, but the vehicle moves or is off its position
+  /// true: commanded to hover, but the vehicle moves or is off its position
+  bool is_hover_deviating = false;
   bool is_pose_distrusted = false;  ///< a condition that distrusts poses has acted in this flight
   double sink_error_m = 0.0;        ///< m above the commanded height during a descent in the air
   double body_tilt_rad = 0.0;       ///< rad; angle of the body z axis to the vertical, by mocap
@@ -63,9 +63,9 @@ struct SafetyInputs : Surroundings {
   double planner_age_s = 0.0;  ///< s since the last message of the planner that holds the lease
   int plans_late = 0;          ///< number of consecutive late plans
   int plans_refused = 0;       ///< number of consecutive refused plans
-  bool second_planner =
-      false;                 ///< true: a planner without the lease published within the lease time
-  bool map_differs = false;  ///< planner and driver use different scenarios
+  /// true: a planner without the lease published within the lease time
+  bool second_planner = false;
+  bool map_differs = false;             ///< planner and driver use different scenarios
   double other_version_age_s = kNever;  ///< s since the last message of an unknown type
 
   // Inputs about the take-off.
@@ -94,8 +94,8 @@ struct SafetyInputs : Surroundings {
   double telemetry_age_s = 0.0;
   bool estimator_good = true;
   double estimate_error_m = 0.0;  ///< m; 3D distance between autopilot and mocap position
-  double velocity_error_mps =
-      0.0;  ///< m/s; horizontal difference between autopilot and mocap, in flight
+  /// m/s; horizontal difference between autopilot and mocap, in flight
+  double velocity_error_mps = 0.0;
   double attitude_error_rad = 0.0;  ///< rad; difference of the vertical between autopilot and mocap
   double yaw_error_rad = 0.0;       ///< rad; yaw difference between autopilot and mocap
   double tilt_rad = 0.0;

@@ -7,15 +7,15 @@
 namespace vantage::drivers {
 namespace {
 
-constexpr double kShiftPatienceS =
-    6.0;  // s; after this time a landing descends even if the vehicle is not over its spot
-constexpr double kAvoidPatienceS =
-    20.0;  // s; after this time a landing descends even if a body is below
-constexpr double kCommitM =
-    0.35;  // m; a landing that begins below this height does not wait and does not move aside
+// s; after this time a landing descends even if the vehicle is not over its spot
+constexpr double kShiftPatienceS = 6.0;
+// s; after this time a landing descends even if a body is below
+constexpr double kAvoidPatienceS = 20.0;
+// m; a landing that begins below this height does not wait and does not move aside
+constexpr double kCommitM = 0.35;
 constexpr double kOverSpotM = 0.25;
-constexpr double kSetpointBelowMaxM =
-    0.5;  // m; largest distance of the set-point below the vehicle
+// m; largest distance of the set-point below the vehicle
+constexpr double kSetpointBelowMaxM = 0.5;
 // assumed share of the descent rate while no measurement is available
 constexpr double kBlindSinkShare = 0.4;
 

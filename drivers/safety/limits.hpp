@@ -94,8 +94,8 @@ struct SafetyLimits {
   double attitude_error_arm_rad = 0.17;
   double yaw_error_arm_rad = 0.26;  ///< rad; largest yaw difference between mocap and the autopilot
   std::optional<Pose2> start;  ///< start pose in the scenario; the first flight must begin near it
-  double start_off_arm_m =
-      0.5;  ///< m; largest distance from `start` at take-off of the first flight
+  /// m; largest distance from `start` at take-off of the first flight
+  double start_off_arm_m = 0.5;
   double start_turn_arm_rad = 0.3;
   double lift_height_m = 0.2;  ///< m above the ground position; hover height of the first lift
   double lift_done_m = 0.3;    ///< m; the next vehicle may lift when this vehicle has risen more

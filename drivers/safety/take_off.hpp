@@ -47,8 +47,8 @@ class TakeOff {
   LiftQueue queue_;
   Lift lift_;
   bool had_motors_ = false;  ///< motor state at the last tick
-  bool has_flown_ =
-      false;  ///< true: the first lift was completed, or the vehicle was found in the air
+  /// true: the first lift was completed, or the vehicle was found in the air
+  bool has_flown_ = false;
   double unarmed_height_m_ = 0.0;  ///< m; height on the ground before the motors started
   double climb_from_m_ = 0.0;
   Time climb_since_{};

@@ -68,7 +68,8 @@ class FrameClock {
   double tick_s_ = 0.0;    ///< s; tick period in use; 0: unknown
   double stated_s_ = 0.0;  ///< s; tick period stated by the server; 0: not stated
   double drift_ = kDrift;
-  bool is_learned_ = false;  ///< the period is estimated: no or a wrong period is stated
+  /// the period is estimated, because the server states none or a wrong one
+  bool is_learned_ = false;
 
   TickPeriodFit fit_;
   double next_fit_s_ = 0.0;         ///< s; time span of data at which the fit is computed again

@@ -30,8 +30,8 @@ struct FrameCounts {
   std::int64_t poses_stuck = 0;
   std::int64_t poses_outlying = 0;
   std::int64_t poses_flipped = 0;
-  std::int64_t poses_swapped =
-      0;  ///< outliers at the position of another body; they are not counted in poses_outlying
+  /// outliers at the position of another body; they are not counted in poses_outlying
+  std::int64_t poses_swapped = 0;
   std::int64_t poses_unconfirmed = 0;
   /// names that are empty, not UTF-8, or beyond the maximum number
   std::int64_t names_refused = 0;
@@ -81,8 +81,8 @@ class FrameFilter {
     Duration last_listed{};
     bool is_in_frame = false;
     const SeenBody* seen = nullptr;  ///< pose in the current frame; nullptr if it has none
-    bool is_swapped =
-        false;  ///< true: the body's pose is closer to another body's prediction than to its own
+    /// true: the body's pose is closer to another body's prediction than to its own
+    bool is_swapped = false;
   };
 
   [[nodiscard]] bool is_next(std::uint32_t number);

@@ -16,10 +16,11 @@ using FrameSink = std::function<void(const SeenFrame&)>;
 
 /// Counters of a session, since the construction of the driver.
 struct WireCounts {
-  std::int64_t broken_streams = 0;     ///< bytes that do not belong to the protocol
-  std::int64_t broken_blocks = 0;      ///< parts of a frame that could not be read
-  std::int64_t frames_before_set = 0;  ///< frames before the requested content begins
-  std::int64_t unnamed_bodies = 0;     ///< poses of subjects without a description
+  std::int64_t broken_streams = 0;  ///< bytes that do not belong to the protocol
+  std::int64_t broken_blocks = 0;   ///< parts of a frame that could not be read
+  /// frames received before the server sends the requested content
+  std::int64_t frames_before_set = 0;
+  std::int64_t unnamed_bodies = 0;    ///< poses of subjects without a description
   std::int64_t late_blocks = 0;       ///< parts that arrived after their frame was assumed complete
   std::int64_t duplicate_blocks = 0;  ///< repeated parts of a frame
 };

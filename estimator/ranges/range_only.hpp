@@ -71,8 +71,8 @@ class RangeOnlyFilter {
   RangeOnlySpec spec_;
   std::vector<BeaconHypothesis> hypotheses_;
   int window_ = 0;  ///< number of ranges in the current window
-  double inliers_ =
-      0.0;  ///< sum, over the ranges of the window, of the largest β of all hypotheses
+  /// sum, over the ranges of the window, of the largest β of all hypotheses
+  double inliers_ = 0.0;
   std::int64_t refused_ = 0;
   std::int64_t restarts_ = 0;
 };

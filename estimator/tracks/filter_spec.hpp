@@ -54,32 +54,32 @@ FilterSpec filter_spec(const scenario::Scenario& scenario, const std::string& ro
 struct Reconciled {
   std::int64_t relabelled = 0;  ///< tracks of this robot that were given an older label
   std::int64_t adopted = 0;  ///< teammates' tracks that match no track of this robot and were added
-  std::int64_t taken_over =
-      0;  ///< tracks of this robot that were replaced by a teammate's more informative belief
+  /// tracks of this robot that were replaced by a teammate's more informative belief
+  std::int64_t taken_over = 0;
 };
 
 /// Numbers of dropped or unusable inputs since construction.
 struct FilterCounters {
-  std::int64_t steps_out_of_order =
-      0;  ///< steps ignored because their time was not later than that of the previous step
+  /// steps ignored because their time was not later than that of the previous step
+  std::int64_t steps_out_of_order = 0;
   std::int64_t stale_beliefs = 0;         ///< beliefs older than belief_age_max_s
   std::int64_t future_beliefs = 0;        ///< beliefs of an instant after t
   std::int64_t out_of_range_beliefs = 0;  ///< beliefs of teammates beyond communication_range_m
   std::int64_t out_of_range_looks = 0;  ///< observations of teammates beyond communication_range_m
-  std::int64_t repeated_looks =
-      0;  ///< observations of a robot and an instant of which an observation was already used
-  std::int64_t malformed_beliefs =
-      0;                             ///< beliefs in which a target's block has the wrong dimension
+  /// observations of a robot and an instant of which an observation was already used
+  std::int64_t repeated_looks = 0;
+  /// beliefs in which a target's block has the wrong dimension
+  std::int64_t malformed_beliefs = 0;
   std::int64_t grid_mismatches = 0;  ///< beliefs with another grid geometry
-  std::int64_t late_measurements =
-      0;  ///< observations older than the previous step, inserted at their instant
+  /// observations older than the previous step, inserted at their instant
+  std::int64_t late_measurements = 0;
   std::int64_t too_late_measurements = 0;  ///< observations older than the history: dropped
   std::int64_t future_measurements = 0;    ///< observations of an instant after t: dropped
   std::int64_t jammed_looks = 0;
-  std::int64_t malformed_detections =
-      0;  ///< detections of wrong dimension, or second detections of one target
-  std::int64_t surplus_detections =
-      0;  ///< detections without ids beyond the capacity per observation
+  /// detections of wrong dimension, or second detections of one target
+  std::int64_t malformed_detections = 0;
+  /// detections without ids beyond the capacity per observation
+  std::int64_t surplus_detections = 0;
   std::int64_t gated = 0;
   std::int64_t unknown_ids = 0;        ///< ids that are neither a target nor a track label
   std::int64_t undiscoverable = 0;     ///< first detections from which no position can be computed

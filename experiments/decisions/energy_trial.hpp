@@ -41,7 +41,7 @@ EnergyTrial draw_energy_trial(int n, std::uint64_t seed, const EnergyTrialOption
 /// regions.
 /// Source: dissertation 3 D.3, Table 3.1.
 struct HeterogeneousTrialOptions {
-  double price_nats = 0.0;  ///< r, the same for every robot
+  double price_nats = 0.0;  ///< energy price r of every robot
   int horizon_steps = 20;
   EnergyTrialOptions open;
 };

@@ -10,7 +10,7 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr int kTrials = 50;  // as in the dissertation
+constexpr int kTrials = 50;  // number of trials in the dissertation
 constexpr int kHorizonSmoke = 6;
 constexpr int kFlying = 2;  // index of the flying robot
 
@@ -90,7 +90,7 @@ std::vector<std::string> choices_of(const HeterogeneousTrialOptions& options) {
       "The source does not state the values of r. Here: 0 to 0.5 in steps of 0.05.",
       "The figure shows the trial in which DLS exceeds the better order of CD most: an extreme "
       "example, not a typical one.",
-      "Fig. 3.8 of the source shows information against energy, Fig. 3.9 one trial."};
+      "Fig. 3.8 of the source shows information versus energy, and Fig. 3.9 shows one trial."};
 }
 
 }  // namespace

@@ -145,9 +145,9 @@ class Summarised {
                                   better, points, surely_better),
                       "better on average", better == points));
     const Sample pictured = gap_to(kPicturedPrice, method.name);
-    summary.compared.push_back(
-        compare_claim(fmt::format("mean difference of J at r = {}", kPicturedPrice),
-                      mean_text(pictured) + " nats", "> 0 in Fig. 3.9", pictured.mean() > 0.0));
+    summary.compared.push_back(compare_claim(
+        fmt::format("mean difference of J at the energy price r = {}", kPicturedPrice),
+        mean_text(pictured) + " nats", "> 0 in Fig. 3.9", pictured.mean() > 0.0));
   }
 
   [[nodiscard]] std::string line(const std::string& price) const {

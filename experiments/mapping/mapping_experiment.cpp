@@ -249,11 +249,11 @@ Summary summarise(const Tables& tables) {
       "Here: a new plan and new attacks every 4 steps.",
       "The maps of the source have no scale. Here: 16 m, cells of 0.2 m; the map is then nearly "
       "complete at the end, as in the source.",
-      "96 beams per scan, 48 in planning; 95 % probability per cell observation; clamp at 99 %; "
-      "the team starts within 6 m.",
-      "Reward of 0.5 nats per metre towards the nearest frontier at the end of the horizon "
-      "(variant "
-      "no-frontier: none)."};
+      "A scan has 96 beams; planning uses 48 of them. One observation of a cell is correct with 95 "
+      "% probability, and a cell's occupancy is clamped at 99 %. The team starts in a square with "
+      "a side of 6 m.",
+      "The end of a plan is rewarded with 0.5 nats per metre towards the nearest frontier (variant "
+      "no-frontier: no reward)."};
   return summary;
 }
 

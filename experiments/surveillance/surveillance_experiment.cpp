@@ -85,7 +85,7 @@ constexpr std::array<std::pair<Measure, const char*>, 6> kCompared = {
      {kByLandmark, "mean interval, averaged per landmark first"},
      {kAge, "mean time since the last observation"},
      {kRestrictedByLandmark, "time unobserved, restricted mean per landmark"},
-     {kRestricted, "time unobserved, restricted mean over all"}}};
+     {kRestricted, "time unobserved, restricted mean over all landmarks"}}};
 
 WatchSetting setting_of(const WatchCase& of, bool is_smoke) {
   WatchSetting setting = surveillance_setting(of.replan_steps, of.attacks);

@@ -152,14 +152,14 @@ Sweep sweep_of(TeamSweep team, const Extent& extent) {
 }
 
 std::vector<std::string> choices_with(const std::string& own) {
-  return {
-      own,
-      "The figure shows means over the whole trial versus the swept parameter; the source "
-      "shows them over time.",
-      fmt::format("T_ARVI is converted to nodes: {:g} per second, split evenly among the robots.",
-                  kReferenceNodesPerS),
-      "Starts, priors, exploration landmarks and separation are our own choices: see the "
-      "scenario file."};
+  return {own,
+          "The figure shows means over the whole trial versus the swept parameter; the source "
+          "shows them over time.",
+          fmt::format("The time T_ARVI is converted to search nodes: {:g} nodes per second, split "
+                      "evenly among the robots.",
+                      kReferenceNodesPerS),
+          "Starts, priors, exploration landmarks and separation are our own choices: see the "
+          "scenario file."};
 }
 
 }  // namespace

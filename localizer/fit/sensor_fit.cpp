@@ -21,8 +21,8 @@ constexpr double kRangeSigmaM = 0.018;
 constexpr double kRangeSigmaPerM = 0.0013;
 constexpr double kBearingSigmaRad = 0.006;
 constexpr double kOutlierSigma = 6.0;
-constexpr double kNearM =
-    1.5;  // m; bearings of nearer bodies depend on where the code is on the body
+// m; bearings of nearer bodies depend on where the code is on the body
+constexpr double kNearM = 1.5;
 
 double median_of(std::vector<double> values) {
   if (values.empty()) {

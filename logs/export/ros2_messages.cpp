@@ -89,8 +89,8 @@ Message pose_of(const models::RobotBelief& belief, const models::TargetBelief& t
           "geometry_msgs/msg/PoseWithCovarianceStamped", belief.stamp.time, out.bytes()};
 }
 
-constexpr std::int32_t kMarkerLifetime_s =
-    2;  ///< s; after this time the markers of a silent robot disappear
+/// s; after this time the markers of a silent robot disappear
+constexpr std::int32_t kMarkerLifetime_s = 2;
 constexpr std::int32_t kAddMarker = 0;
 constexpr std::int32_t kDeleteAllMarkers = 3;
 constexpr std::int32_t kSphere = 2;

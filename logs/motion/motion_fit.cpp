@@ -187,7 +187,7 @@ models::TargetModel fit_oscillator(const MotionSample& sample) {
       }
       return sum;
     };
-    // Start at the root mean squares of position and velocity, with a damping of 1/s.
+    // The search starts at the root mean squares of position and velocity, with a damping of 1/s.
     const Eigen::Matrix3d mean = moments.front().sum / static_cast<double>(moments.front().samples);
     constexpr double kLeast = 1e-12;  // lower bound of a mean square, for targets that did not move
     const Point start(0.5 * std::log(std::max(mean(1, 1), kLeast)),

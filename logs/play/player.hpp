@@ -28,7 +28,7 @@ std::optional<PlayCommand> parse_play_command(const std::string& text);
 /// Steady clock, replaceable in tests.
 struct PlayTimer {
   std::function<std::int64_t()> now_ns;
-  std::function<void(std::int64_t)> sleep_until_ns;  ///< may return early
+  std::function<void(std::int64_t)> sleep_until_ns;  ///< sleeps until this time; may return early
 };
 /// Returns a timer that uses CLOCK_MONOTONIC. Minimises the timer slack of the calling thread.
 PlayTimer monotonic_timer();

@@ -106,7 +106,7 @@ struct RobotBelief {
 
 /// The belief of one target as a mixture, when one Gaussian is not sufficient.
 struct TargetMixture {
-  int target_id = 0;       ///< as in the belief
+  int target_id = 0;       ///< id of the target in the belief
   double existence = 1.0;  ///< probability that the target exists, in (0, 1]
   Mixture components;      ///< at least one; weights sum to 1
 };

@@ -11,8 +11,8 @@ namespace vantage::models {
 
 /// Properties of a sensor's detections: missed targets, false alarms and target ids.
 struct DetectionModel {
-  double detection_probability =
-      1.0;  ///< probability of detecting a target in view and in line of sight
+  /// probability of detecting a target in view and in line of sight
+  double detection_probability = 1.0;
   double clutter_per_look = 0.0;  ///< mean number of false alarms per measurement
   bool detects_ids = true;        ///< true: each detection has its target's id
 };

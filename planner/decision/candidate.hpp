@@ -59,8 +59,8 @@ struct CandidateOptions {
   /// True: anytime passes starting at (ε, δ) instead of one pass, and leaves ordered by ½ J_T plus
   /// energy cost instead of J_T. Usable candidates then exist whenever the deadline expires.
   bool is_anytime = false;
-  std::size_t leaves_max =
-      kNoLimit;  ///< maximum number of leaves examined, in the order described above
+  /// maximum number of leaves examined, in the order described above
+  std::size_t leaves_max = kNoLimit;
   std::size_t candidates_max = kNoLimit;  ///< maximum number of candidates kept
 
   static constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();

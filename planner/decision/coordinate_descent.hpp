@@ -11,8 +11,8 @@ namespace vantage::planner {
 struct DescentOptions {
   /// order in which robots choose; empty: 0, 1, …; robots that are not listed get no candidate
   std::vector<int> order;
-  int rounds_max =
-      1;  ///< maximum number of rounds; the search ends earlier after a round without change
+  /// maximum number of rounds; the search ends earlier after a round without change
+  int rounds_max = 1;
   /// True: tries candidates by descending individual value and stops at the first with a value
   /// below the best gain found. The result does not change. Ignored unless the information is
   /// submodular.

@@ -12,8 +12,8 @@ namespace vantage::planner {
 struct TeamDecision {
   Choice choice;
   double value = 0.0;  ///< J, nats
-  std::int64_t oracle_calls =
-      0;  ///< number of oracle calls, excluding those for single candidates (TeamOracle::calls())
+  /// number of oracle calls, excluding those for single candidates (TeamOracle::calls())
+  std::int64_t oracle_calls = 0;
   std::int64_t adopted = 0;    ///< adopted changes of the team's solution
   std::int64_t messages = 0;   ///< broadcasts of all robots, including empty proposals
   bool finished = true;        ///< false: the deadline expired first

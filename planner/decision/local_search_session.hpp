@@ -62,8 +62,8 @@ class LocalSearchSession {
   /// when a committed choice belongs to this robot or to an unknown robot
   explicit LocalSearchSession(SessionSetup setup);
   ~LocalSearchSession() = default;
-  LocalSearchSession(const LocalSearchSession&) =
-      delete;  // not copyable, because members refer to setup_
+  // not copyable, because members refer to setup_
+  LocalSearchSession(const LocalSearchSession&) = delete;
   LocalSearchSession& operator=(const LocalSearchSession&) = delete;
   LocalSearchSession(LocalSearchSession&&) = delete;
   LocalSearchSession& operator=(LocalSearchSession&&) = delete;

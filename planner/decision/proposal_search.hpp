@@ -52,8 +52,8 @@ class ProposalSearch {
   std::span<const char> excluded_;
   Choice choice_;
   double value_ = 0.0;
-  int turn_ =
-      0;  ///< index of the deletion: first none (NOP), then this robot's, then those of teammates
+  /// index of the deletion: first none (NOP), then this robot's, then those of teammates
+  int turn_ = 0;
   int drop_robot_ = -1;
   bool is_adding_ = false;
   std::size_t next_addition_ = 0;

@@ -25,8 +25,8 @@ struct MapRoute {
   double gain_nats = 0.0;     ///< information gained in addition to that of the fixed scans
   std::int64_t nodes = 0;     ///< nodes of the search tree
   double value_nats = 0.0;    ///< gain_nats minus the frontier penalty
-  std::int64_t work_nodes =
-      0;  ///< number of examined steps, including steps that are not allowed; unit of node budgets
+  /// number of examined steps, including steps that are not allowed; unit of node budgets
+  std::int64_t work_nodes = 0;
   bool is_cut = false;  ///< true: the deadline expired, so better routes may exist
 };
 

@@ -13,7 +13,7 @@ namespace vantage::planner {
 inline constexpr int kLanes = 4;
 
 using Lanes = double __attribute__((vector_size(32)));
-/// All bits of a lane set (true) or zero (false).
+/// Mask in which all bits of a lane are 1 (true) or 0 (false).
 using LaneMask = std::int64_t __attribute__((vector_size(32)));
 
 inline Lanes broadcast(double value) { return Lanes{value, value, value, value}; }

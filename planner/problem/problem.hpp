@@ -61,8 +61,8 @@ struct SearchProblem {
   const models::World* world = nullptr;  ///< null: unbounded and empty
   /// distance field of `world`; null: the results are the same, but the search is slower
   const models::DistanceField* field = nullptr;
-  double clearance_m =
-      0.0;  ///< m; radius of the disc around the robot that must be free of obstacles
+  /// m; radius of the disc around the robot that must be free of obstacles
+  double clearance_m = 0.0;
   bool obstacles_block_sight = true;  ///< false: sensors see over or through obstacles
 
   /// Committed motion of the teammates. The plan keeps `separation_m` from it in space, or in the

@@ -85,8 +85,8 @@ class SightTable {
     double isotropic_per_m2 = 0.0;  ///< 1/m²; information of a position sensor
     double growth_per_m = 0.0;      ///< 1/m; variance factor is max(floor, r · growth_per_m)
     double variance_floor = 1.0;
-    bool lacks_planar_law =
-        false;  ///< true: the kind has no planar law, so information() is evaluated for each view
+    /// true: the kind has no planar law, so information() is evaluated for each view
+    bool lacks_planar_law = false;
     bool is_directional = true;  ///< false: a position sensor
     bool variance_grows = false;
   };

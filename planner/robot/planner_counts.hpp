@@ -15,13 +15,13 @@ struct PlannerCounts {
   std::int64_t rest_rounds = 0;    ///< rounds in which every motion cost more energy than it gained
   std::int64_t yielded_rounds = 0;  ///< rounds without a search because the slot is shared
   std::int64_t no_pose = 0;         ///< rounds without a known pose
-  std::int64_t unknown_plan =
-      0;  ///< rounds in which the robot flew a plan that was made before a restart
+  /// rounds in which the robot flew a plan that was made before a restart
+  std::int64_t unknown_plan = 0;
   /// Targets that cannot be predicted (e.g. from a clock that was ahead) or are not in the
   /// scenario, and grids of another geometry.
   std::int64_t unusable_beliefs = 0;
-  std::int64_t bodies_dropped =
-      0;  ///< bodies in the way that were ignored because kBodiesMax nearer ones exist
+  /// bodies in the way that were ignored because kBodiesMax nearer ones exist
+  std::int64_t bodies_dropped = 0;
   std::int64_t unusable_maps = 0;    ///< maps with a grid that differs from the scenario's grid
   std::int64_t answers_refused = 0;  ///< answers that are not valid plans (motion_of_answer())
 };

@@ -68,8 +68,8 @@ class RoundSchedule {
   bool is_shared_ = false;  ///< true: a slot can belong to several robots
   int slots_ = 1;           ///< number of slots; if not shared, the number of robots
   int slot_index_ = 0;
-  bool is_exchange_ =
-      false;  ///< true: all robots share the first half of the budget for their exchange
+  /// true: all robots share the first half of the budget for their exchange
+  bool is_exchange_ = false;
   bool has_proposals_ = false;
 };
 

@@ -61,8 +61,8 @@ constexpr double kComponentWeightMin = 1.0 / 32.0;
 
 // True if a search can process this prior, that is, products of its entries stay finite.
 bool is_searchable(const models::Gaussian& prior) {
-  constexpr double kLargest =
-      1e30;  // limit of means (m, m/s) and of covariances (squares of these)
+  // limit of means (m, m/s) and of covariances (squares of these)
+  constexpr double kLargest = 1e30;
   return prior.mean.cwiseAbs().maxCoeff() <= kLargest &&
          prior.covariance.cwiseAbs().maxCoeff() <= kLargest &&
          models::log_det(prior.covariance) >=
@@ -177,8 +177,8 @@ void Builder::add_targets(const models::RobotBelief& belief) {
   const double ahead_s = to_seconds(inputs_.slot.activation - belief.stamp.time);
   const double step_s = scenario_.planner.step_s;
   std::size_t planned = 0;
-  std::size_t room =
-      components_max(scenario_);  // number of components in addition to one per target
+  // number of components in addition to one per target
+  std::size_t room = components_max(scenario_);
   for (const models::TargetBelief& target : belief.targets) {
     const auto gaussian = target.information.vector.size() == model.dim() && ahead_s >= 0.0
                               ? models::to_gaussian(target.information)
@@ -322,7 +322,7 @@ void Builder::add_waiting_positions() {
       height_m = nearest_height_m(spec_.height_m, here_m, robot.height_m);
     } else if (state == models::FlightState::kLand) {
       height_m = nearest_height_m(spec_.height_m, 0.0, here_m);
-    } else if (here_m < 0.5 * robot.height_m) {  // on the ground; may take off
+    } else if (here_m < 0.5 * robot.height_m) {  // the robot is on the ground, but may take off
       round_.search.teammates.push_back(hover_at(place, here_m, inputs_.slot.activation));
     }
     if (has_status) {

@@ -12,8 +12,8 @@
 namespace vantage::planner {
 namespace {
 
-constexpr std::size_t kChunk =
-    128;  // number of candidates between two deadline checks, which takes some µs
+// number of candidates between two deadline checks, which takes some µs
+constexpr std::size_t kChunk = 128;
 constexpr int kPassesMax = 100;
 constexpr unsigned kRegionBits = 2;                 // a region has 4 cells in each of x, y, yaw
 constexpr double kGoldenShare = 0.618033988749895;  // offset; cells of two passes do not align

@@ -22,10 +22,10 @@ struct BeamOptions {
   double shrink = 0.82;      ///< factor by which cell_m and cell_rad change from pass to pass
   double alternation = 0.6;  ///< extra factor of cell_m in every second pass
   double breadth = 0.3;      ///< share of the width for the best nodes of each region
-  double anticipation =
-      0.3;  ///< share of the expected value of a first sighting that is counted before the sighting
-  double persistence =
-      0.5;  ///< share of a depth's information gain that is expected to remain later
+  /// share of the expected value of a first sighting that is counted before the sighting
+  double anticipation = 0.3;
+  /// share of a depth's information gain that is expected to remain later
+  double persistence = 0.5;
 };
 
 /// Refining beam search: passes of a beam with growing width and shrinking diversity cells.

@@ -41,8 +41,8 @@ class CostOrder {
 
  private:
   static constexpr std::size_t kStep = 512;
-  static constexpr std::size_t kFew =
-      160;  ///< up to this number of entries, one step of a few µs sorts all of them
+  /// up to this number of entries, one step of a few µs sorts all of them
+  static constexpr std::size_t kFew = 160;
   static constexpr int kDigitBits = 11;
   static constexpr int kDigits = 6;
   static constexpr std::size_t kRadix = std::size_t{1} << kDigitBits;

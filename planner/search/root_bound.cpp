@@ -65,8 +65,8 @@ RootBound::Answer RootBound::raise(Expander& expander, std::int64_t until_nodes,
     prefix_.reset(*problem_, expander);
     is_raised_ = true;
   }
-  expander.include_terminal_value(
-      false);  // the tree of prefix_ bounds J_T without the terminal value
+  // the tree of prefix_ bounds J_T without the terminal value
+  expander.include_terminal_value(false);
   const auto answer = prefix_.raise(until_nodes, deadline, work_nodes);
   expander.include_terminal_value(true);
   return {answer.cost + terminal_.of_any_plan(), answer.expired};

@@ -113,8 +113,9 @@ class SequencingBound : public PartialBound {
   std::uint32_t meets_[kTargetsMax] = {};
   std::uint8_t steps_between_[kTargetsMax][kTargetsMax] = {};
   std::vector<Stop> stops_;
-  std::vector<double> costs_;  ///< [i][n][k]
-  std::vector<double> rests_;  ///< [i][n][next]
+  std::vector<double> costs_;  ///< [i][n][k]: cost of step k of target i after n measurements
+  /// [i][n][next]: least cost of target i after n measurements, with the next one at step `next`
+  std::vector<double> rests_;
   std::vector<double> onwards_;
   bool schedules_ = false;              ///< no target has process noise or teammates' information
   std::vector<std::uint32_t> regions_;  ///< groups of targets with connected discs

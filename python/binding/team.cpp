@@ -21,8 +21,8 @@ namespace vantage::python {
 namespace {
 
 using Costs = std::map<std::string, double>;
-using TeamCosts =
-    std::variant<Costs, std::vector<Costs>>;  // one entry for all robots, or one entry per robot
+// one entry for all robots, or one entry per robot
+using TeamCosts = std::variant<Costs, std::vector<Costs>>;
 
 planner::EnergyModel energy_of(const Costs& costs) {
   planner::EnergyModel energy;

@@ -12,8 +12,8 @@ namespace vantage::python {
 struct JammerSpec {
   int attacks = 0;        ///< α: number of robots jammed simultaneously
   int period_steps = 25;  ///< steps; duration until other robots are jammed
-  bool is_greedy =
-      true;  ///< true: jam the robots that observed most in the last period; false: random
+  /// true: jam the robots that observed most in the last period; false: random
+  bool is_greedy = true;
 };
 
 /// Contiguous part of an observation.

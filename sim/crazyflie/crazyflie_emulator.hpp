@@ -72,7 +72,8 @@ class CrazyflieEmulator {
     ControlGoal goal;
     bool has_motors = true;  ///< false: the set-point stops the motors
     Time received{};
-    std::optional<Time> valid_until;  ///< set-points have ended
+    /// end of the set-point's validity, once the driver has announced the end of its set-points
+    std::optional<Time> valid_until;
   };
   /// Trajectory of the high-level commander from rest to rest.
   struct Trajectory {

@@ -29,8 +29,8 @@ class PoseMemory {
  private:
   std::optional<Time> newest_;
   Eigen::Vector3d error_m_ = Eigen::Vector3d::Zero();
-  Quaternion turned_ =
-      Quaternion::Identity();  ///< rotation from the true to the estimated attitude
+  /// rotation from the true to the estimated attitude
+  Quaternion turned_ = Quaternion::Identity();
 };
 
 }  // namespace vantage::sim

@@ -38,7 +38,7 @@ const char* use_of(const auth::Key& key) {
   if (key.use == auth::KeyUse::kSigns) {
     return key.can_sign() ? "signs" : "public half only; another host signs with it";
   }
-  return key.use == auth::KeyUse::kNext ? "accepted; signs after rotate --sign"
+  return key.use == auth::KeyUse::kNext ? "accepted; becomes the signing key at `rotate --sign`"
                                         : "accepted; no longer signs";
 }
 

@@ -18,8 +18,8 @@ namespace vantage::tools {
 
 /// Options of an operator station.
 struct StationOptions {
-  bool is_allowed_second =
-      false;  ///< true: wait as a standby while another station is in charge (Station)
+  /// true: wait as a standby while another station is in charge (Station)
+  bool is_allowed_second = false;
   /// Authenticator of the bus, which must outlive the sender; nullptr: messages are not signed.
   const bus::auth::Authenticator* authenticator = nullptr;
 };

@@ -25,8 +25,8 @@ void PoseSource::on_message(const scenario::Ros2PoseInput& input, Bytes cdr,
   const bool is_tree = input.type == scenario::Ros2PoseType::kTransforms;
   for (const StampedPose& pose : *poses) {
     if (pose.frame != world_frame_) {
-      counts_.wrong_frame +=
-          is_tree ? 0 : 1;  // a tree of frames also contains poses relative to other frames
+      // a tree of frames also contains poses relative to other frames
+      counts_.wrong_frame += is_tree ? 0 : 1;
       continue;
     }
     add(is_tree ? pose.child : input.body, pose, now);

@@ -36,8 +36,8 @@ class Watchdog {
  private:
   struct Watched {
     double patience_s = 0.0;
-    bool has_given_sign =
-        false;  ///< true: the process has given a sign; some programs never give one
+    /// true: the process has given a sign; some programs never give one
+    bool has_given_sign = false;
     std::optional<Time> sign;
     std::optional<Time> start;  ///< time of a restart, until the first sign after it
   };

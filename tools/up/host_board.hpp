@@ -44,8 +44,8 @@ class UsageMeter {
 class HostBoard {
  public:
   static constexpr double kSilentAfter_s = 3.0;
-  static constexpr std::size_t kOtherHostsMax =
-      32;  ///< maximum number of hosts outside the scenario
+  /// maximum number of hosts outside the scenario
+  static constexpr std::size_t kOtherHostsMax = 32;
   static constexpr std::size_t kProcessesMax = 1024;  ///< processes stored per report
 
   /// @param own  name of this supervisor's host

@@ -35,8 +35,8 @@ class Client {
   const bool speaks_sdk_;
   /// Subscription ids by channel id; guarded by the Broker.
   std::map<std::uint32_t, std::vector<std::uint32_t>> subscriptions_;
-  std::int64_t drops_reported_ =
-      0;  ///< last reported number of dropped frames; guarded by the Broker
+  /// last reported number of dropped frames; guarded by the Broker
+  std::int64_t drops_reported_ = 0;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

@@ -88,8 +88,8 @@ std::optional<Packet> encode(const HighLevelGoTo& command);
 
 /// Error codes in replies of the high-level commander.
 inline constexpr std::uint8_t kHighLevelOk = 0;
-inline constexpr std::uint8_t kHighLevelRefused =
-    1;  ///< refused by the planner, for example a second landing
+/// refused by the planner, for example a second landing
+inline constexpr std::uint8_t kHighLevelRefused = 1;
 inline constexpr std::uint8_t kHighLevelUnknown = 8;
 inline constexpr std::uint8_t kHighLevelBusy = 16;  ///< the vehicle is not allowed to fly
 struct HighLevelReply {

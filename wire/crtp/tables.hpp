@@ -72,8 +72,8 @@ Packet log_delete(std::uint8_t block);
 
 /// Commands and errors on port kLog, channel 1.
 inline constexpr std::uint8_t kLogDelete = 2;
-inline constexpr std::uint8_t kLogStartTens =
-    3;  ///< period in units of 10 ms, one byte; used by older clients
+/// period in units of 10 ms, one byte; used by older clients
+inline constexpr std::uint8_t kLogStartTens = 3;
 inline constexpr std::uint8_t kLogStop = 4;
 inline constexpr std::uint8_t kLogReset = 5;
 inline constexpr std::uint8_t kLogCreate = 6;

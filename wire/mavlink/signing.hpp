@@ -61,8 +61,8 @@ class Signer {
 
   SigningKey key_;
   std::uint8_t link_id_;
-  std::uint64_t newest_10us_ =
-      0;  ///< newest timestamp sent by this end or accepted from the other end
+  /// newest timestamp sent by this end or accepted from the other end
+  std::uint64_t newest_10us_ = 0;
   std::map<Stream, std::uint64_t> streams_;
 };
 

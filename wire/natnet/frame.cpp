@@ -7,7 +7,8 @@ constexpr std::size_t kRigidBodyBytes = 4 + 12 + 16 + 4 + 2;
 constexpr std::size_t kLabelledMarkerBytes = 4 + 12 + 4 + 2 + 4;
 /// Size of timecode, time since start, three tick counts, flags and end mark.
 constexpr std::size_t kLastBytes = 8 + 8 + 24 + 2 + 4;
-constexpr std::size_t kPrecisionTimeBytes = 8;  ///< follows the tick counts since version 4.1
+/// size of a field after the tick counts, since version 4.1
+constexpr std::size_t kPrecisionTimeBytes = 8;
 constexpr std::uint16_t kTrackedBit = 1;
 
 RigidBody read_body(Reader& from) {

@@ -18,12 +18,12 @@
 
 namespace vantage::wire::sitl {
 
-inline constexpr int kCrazyflieFirmwarePort =
-    19'950;  ///< port of the simulator for firmware instance 0; each further instance adds 1
-inline constexpr int kCrazyflieClientPort =
-    19'850;  ///< port of the simulator for a client of instance 0; each further instance adds 1
-inline constexpr std::uint8_t kCrazyflieHello =
-    0xF3;  ///< only byte of the hello packet and of its answer
+/// port of the simulator for firmware instance 0; each further instance adds 1
+inline constexpr int kCrazyflieFirmwarePort = 19'950;
+/// port of the simulator for a client of instance 0; each further instance adds 1
+inline constexpr int kCrazyflieClientPort = 19'850;
+/// only byte of the hello packet and of its answer
+inline constexpr std::uint8_t kCrazyflieHello = 0xF3;
 inline constexpr std::size_t kCrazyfliePacketMax = 31;
 
 /// True for a packet between firmware and simulator, which no client sends or receives.

@@ -18,8 +18,8 @@
 
 namespace vantage::wire::sitl {
 
-inline constexpr std::uint16_t kJsonPort =
-    9002;  ///< port of instance 0; each further instance adds 10
+/// port of instance 0; each further instance adds 10
+inline constexpr std::uint16_t kJsonPort = 9002;
 
 /// Content of a datagram from the firmware.
 struct ServoOutputs {

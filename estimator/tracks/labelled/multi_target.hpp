@@ -34,10 +34,10 @@ struct MultiTargetSpec {
   models::DetectionModel detection;  ///< default of update()
   double step_s = 0.5;
   int targets = 5;  ///< number of targets in the world, found or not
-  int tracks_max =
-      10;  ///< maximum number of tracks, greater than `targets` because some tracks are false
-  int detections_max =
-      32;  ///< maximum number of detections per observation; further detections are not used
+  /// maximum number of tracks, greater than `targets` because some tracks are false
+  int tracks_max = 10;
+  /// maximum number of detections per observation; further detections are not used
+  int detections_max = 32;
   int components_max = 6;  ///< maximum number of Gaussians per track; 1 for kJpda and kNearest
   Tracker tracker = Tracker::kLabelled;
   /// Gate, in σ: a detection farther than this from a track's prediction is not associated with it.

@@ -85,8 +85,8 @@ constexpr std::size_t kPairsTried = 4;
 /// Random shift of duplicates, as a share of the σ of all samples. Determined by experiment
 /// (docs/decisions/0023).
 constexpr double kSmear = 0.3;
-/// Step through the table of points: odd, so that each point is used once, and large compared with
-/// the number of duplicates of a sample.
+/// Step between the used points of the table. It is odd, so that each point is used once, and
+/// larger than the usual number of duplicates of a sample.
 constexpr std::size_t kSmearStep = 101;
 
 /// Applies a collision that happens after `at_s` to a state that moves against the unit vector

@@ -137,7 +137,7 @@ class Floor {
     const [width, height] = [columns * grid.cell_size.x, rows * grid.cell_size.y];
     const material = new THREE.MeshBasicMaterial({ map: this.texture, transparent: true, depthWrite: false });
     const geometry = new THREE.PlaneGeometry(width, height).translate(width / 2, height / 2, 0);
-    this.matrix = matrix_of(grid).premultiply(new THREE.Matrix4().makeTranslation(0, 0, -0.01)); // 1 cm below items at z = 0
+    this.matrix = matrix_of(grid).premultiply(new THREE.Matrix4().makeTranslation(0, 0, -0.01)); // moves the grid 1 cm below items at z = 0
     this.object = new THREE.Mesh(geometry, material);
     this.object.renderOrder = -1;
     this.object.matrixAutoUpdate = false;
