@@ -248,7 +248,7 @@ TEST(LocalSearchSession, EndsWhenBeliefsDiffer) {
     Team team(problems);
     const Outcome outcome = run(team, {0.1, 0.1, 5}, seed, 3, 1'000'000);
     ASSERT_TRUE(outcome.is_finished) << "seed " << seed;
-    for (const models::TeamProposal& proposal : outcome.proposal) {
+    for (const models::TeamProposal& proposal : outcome.sent) {
       const std::set<std::int64_t> solutions(proposal.history.begin(), proposal.history.end());
       EXPECT_EQ(solutions.size(), proposal.history.size()) << "a solution was repeated";
     }
