@@ -223,8 +223,7 @@ TEST_F(SampleLog, StepsWithoutJumpAndRepeatsRequestedInstant) {
   EXPECT_EQ(ask(viewer.begin), (std::pair(1, true)));
 }
 
-// The rate is twenty poses per second anywhere in the log, and does not include what the server
-// reads for a seek.
+// The rate is twenty poses per second anywhere in the log. Data that a seek reads is not included.
 TEST_F(SampleLog, RateUsesCountsAndTimeOfOneMessage) {
   PlayingViewer viewer(log_of_sample());
   const auto go = [&](Time to) {
@@ -323,7 +322,7 @@ TEST(SeekPreroll, CountsRecordsAndSendsLastOfEachTopic) {
   Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9))});
   SeekPreroll preroll(broker);
   std::vector<int> made;
-  const auto hear_three = [&] {
+  const auto write_three = [&] {
     for (const int value : {1, 2, 3}) {
       if (preroll.wants("/often", Schema::kTeam, false)) {
         made.push_back(value);
@@ -336,14 +335,14 @@ TEST(SeekPreroll, CountsRecordsAndSendsLastOfEachTopic) {
     }
   };
   preroll.count();
-  hear_three();
+  write_three();
   EXPECT_TRUE(made.empty());
   EXPECT_EQ(json::parse(broker.topics_text())["topics"], json::array()) << "no topic was requested";
   preroll.make_last();
-  hear_three();
+  write_three();
   EXPECT_EQ(made, (std::vector{20, 3}));
   preroll.end();
-  hear_three();
+  write_three();
   EXPECT_EQ(made, (std::vector{20, 3, 1, 2, 20, 3})) << "each series again";
   const json counts = json::parse(broker.topics_text());
   for (const json& topic : counts["topics"]) {
@@ -351,8 +350,7 @@ TEST(SeekPreroll, CountsRecordsAndSendsLastOfEachTopic) {
   }
 }
 
-/// A log of 60 s and 24 MB, of which 8 MiB are read when it is opened. Q1 is jammed from the start
-/// to 25 s and Q2 after that; each attack is reported once.
+/// A log of 60 s and 24 MB, of which 8 MiB are read at first. Q1 is jammed until 25 s, then Q2.
 class UnreadLog : public ::testing::Test {
  protected:
   static constexpr std::int64_t kStart_us = 1'000'000'000;
@@ -455,11 +453,10 @@ TEST_F(UnreadLog, IsShownCompletelyAfterItsFirstPass) {
   }
   EXPECT_EQ(states, 1) << "viewers start again there";
   EXPECT_EQ(json::parse(last_attack)["jammed"].dump(), R"(["Q2"])");
-  // The instant is sent again only once.
   view.tick(3 * kSecond_ns);
   client->push(control("{}"));
   for (auto frame = client->wait_pop(); !frame->is_text; frame = client->wait_pop()) {
-    EXPECT_NE(frame->head[0], 5);
+    EXPECT_NE(frame->head[0], 5) << "the instant was sent again already";
   }
   broker.disconnect(client);
 }
@@ -492,11 +489,10 @@ TEST_F(UnreadLog, StartsANewSessionWhenItGrows) {
   EXPECT_NE(infos[0]["sessionId"], before["sessionId"]);
   EXPECT_EQ(infos[0]["dataStartTime"]["sec"], (kStart_us - 5'000'000) / 1'000'000);
   broker.disconnect(client);
-  // A seek to the new beginning of the log is accepted.
   const auto asker = broker.connect(true);
   broker.on_request(*asker, parse_binary(playback_request(1, 1.0F, true, 0, "x")));
   view.tick(0);
-  EXPECT_EQ(jammed(broker), R"(["Q3"])");
+  EXPECT_EQ(jammed(broker), R"(["Q3"])") << "a seek to the new beginning is accepted";
   broker.disconnect(asker);
 }
 
