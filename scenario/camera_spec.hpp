@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/angle.hpp"
 #include "core/pose.hpp"
 #include "models/camera/camera_model.hpp"
 
@@ -31,20 +32,20 @@ struct TagSpec {
 /// Camera of one robot.
 struct CameraSpec {
   std::string robot;
-  /// folder:PATH (images), v4l2:DEVICE, or simulated (only in a trial within one process).
-  std::string source;
+  std::string source;            ///< folder:PATH (images), v4l2:DEVICE or simulated
+  std::string simulated_folder;  ///< folder of the images of a simulated camera, in memory
   /// Path of the calibration file; empty: the scenario contains the calibration, which is then in
   /// `inline_calibration`.
   std::string calibration_file;
   std::optional<models::CameraModel> inline_calibration;
   std::string family = "tag36h11";  ///< family of all tags
   Pose3 body_from_camera;
-  double rate_hz = 0.0;               ///< largest rate of measurements; 0: one per planning step
-  double corner_sigma_pixels = 0.2;   ///< 1σ of each coordinate of a tag's corner
-  double attitude_sigma_rad = 0.002;  ///< 1σ of the camera's attitude in the world, per axis
-  double exposure_s = 0.0;            ///< s; exposure time if the device does not report it
-  double readout_s = 0.0;             ///< s; from the end of the exposure to the device's stamp
-  int hamming_max = 1;                ///< largest number of corrected bits of a tag
+  double rate_hz = 0.0;              ///< largest rate of measurements; 0: one per planning step
+  double corner_sigma_pixels = 0.2;  ///< 1σ of each coordinate of a tag's corner
+  double attitude_sigma_rad = radians(0.1);  ///< 1σ of the camera's attitude in the world, per axis
+  double exposure_s = 0.0;                   ///< s; exposure time if the device does not report it
+  double readout_s = 0.0;  ///< s; from the end of the exposure to the device's stamp
+  int hamming_max = 1;     ///< largest number of corrected bits of a tag
   std::vector<TagSpec> tags;
 };
 

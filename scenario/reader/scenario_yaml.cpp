@@ -350,8 +350,8 @@ void check_velocity(Mapping& top, const Scenario& scenario) {
   }
 }
 
-/// Reads the scenario in `document`, whose mapping is `top`. `localizer`: receives the section of
-/// this name, which the Scenario does not contain; may be null.
+/// Reads the scenario in `document`; `top` is the mapping of `document`. `localizer`: receives the
+/// section of this name, which the Scenario does not contain; may be null.
 void read_scenario(const Value& document, Mapping& top, Scenario& scenario,
                    std::optional<LocalizerSpec>* localizer = nullptr) {
   top.declare({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",

@@ -1,5 +1,3 @@
-#include "scenario/reader/camera_yaml.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,9 +7,11 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "core/check.hpp"
 #include "models/camera/image.hpp"
+#include "scenario/reader/camera_yaml.hpp"
 #include "scenario/reader/localizer_yaml.hpp"
 #include "scenario/reader/text_file.hpp"
 #include "scenario/reader/yaml_document.hpp"
@@ -27,7 +27,7 @@ constexpr double kFocalMaxPixels = 1e5;
 constexpr double kCoefficientMax = 1e3;
 constexpr int kImageSideMin = 32;
 
-/// Returns the value under `key` of a mapping; nullopt if it is absent or `parent` is not a mapping.
+/// Returns the value under `key` of a mapping; nullopt if it is absent or `parent` has no keys.
 std::optional<Value> value_under(const Value& parent, std::string_view key) {
   const Node& node = *parent.node;
   const std::size_t entries = node.kind == Node::Kind::kMapping ? node.entry_count() : 0;
@@ -287,7 +287,7 @@ bool is_camera(const std::vector<Value>& sensor) {
   return !devices.empty() && devices.front().node->text == "camera";
 }
 
-/// Refuses a camera of a robot whose detections come from ROS 2.
+/// Refuses a camera of a robot if the robot's detections come from ROS 2.
 void check_only_detector(const Value& document, const Value& sensor, const std::string& robot) {
   const std::vector<Value> lists = values_under({document}, {"ros2", "detections"});
   for (const Value& input : lists.empty() ? std::vector<Value>() : lists.front().items()) {
@@ -315,6 +315,8 @@ std::vector<CameraSpec> read_cameras(const Value& document, const Scenario& scen
     CameraSpec camera;
     read_mapping(layers, [&](Mapping& from) { read_camera(from, camera); });
     camera.robot = scenario.robots[i].name;
+    camera.simulated_folder =
+        fmt::format("/dev/shm/vantage-camera-{}/{}-{}", ::geteuid(), scenario.name, camera.robot);
     check_only_detector(document, sensor.front(), camera.robot);
     if (const std::vector<Value> lists = values_under(layers, {"tags"}); !lists.empty()) {
       resolve_tags(lists.front(), scenario, localizer, camera.tags);
