@@ -150,8 +150,8 @@ if(VANTAGE_EVERYTHING)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/packaging/man1
     DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime OPTIONAL)
   install(TARGETS
-    vantage vantage-camera vantage-contacts vantage-crazyflie vantage-estimator vantage-localizer
-    vantage-natnet vantage-planner
+    vantage vantage-camera vantage-camera-emulator vantage-contacts vantage-crazyflie
+    vantage-estimator vantage-localizer vantage-natnet vantage-planner
     vantage-qualisys vantage-quadrotor vantage-rover
     vantage-sensor vantage-sim vantage-vicon vantage-vicon-emulator
     RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)

@@ -69,7 +69,7 @@ std::string process_name(const std::string& word, const std::string& robot) {
 
 std::string node_name(std::string process) {
   std::transform(process.begin(), process.end(), process.begin(), [](unsigned char c) {
-    return c == ' ' ? '_' : static_cast<char>(std::toupper(c));
+    return c == ' ' || c == '-' ? '_' : static_cast<char>(std::toupper(c));
   });
   return process;
 }

@@ -9,7 +9,7 @@
 namespace vantage::drivers::camera {
 
 /// Decodes a binary PGM (P5, 8 or 16 bits) or a PNG; colours become grey. An error states why the
-/// bytes are not a complete image of at most kImageSideMax pixels per side.
+/// bytes cannot be decoded; the largest image has kImageSideMax pixels per side.
 Result<models::GrayImage> decode_image(std::span<const std::uint8_t> bytes);
 
 /// Decodes a PNG; an error if the program was built without the PNG library.

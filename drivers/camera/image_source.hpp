@@ -20,7 +20,7 @@ struct CapturedImage {
 };
 
 struct SourceCounts {
-  std::int64_t undecodable = 0;    ///< incomplete or unreadable images
+  std::int64_t undecodable = 0;    ///< files or images that are damaged or incomplete
   std::int64_t unstamped = 0;      ///< images without a usable time
   std::int64_t lost = 0;           ///< images that the device or the queue dropped
   std::int64_t interruptions = 0;  ///< times at which the device or folder disappeared
@@ -44,8 +44,8 @@ class ImageSource {
   [[nodiscard]] virtual std::string status() const = 0;
 };
 
-/// Returns the source of the scenario's camera: a folder or a V4L2 device.
-/// @throws StartupError for the source `simulated`, which only exists in a trial
+/// Returns the source of the scenario's camera: a V4L2 device, a folder, or the folder into which
+/// vantage-camera-emulator writes.
 std::unique_ptr<ImageSource> open_source(const scenario::CameraSpec& spec,
                                          const models::CameraModel& camera);
 

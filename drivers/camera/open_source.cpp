@@ -1,6 +1,5 @@
 #include <string_view>
 
-#include "core/check.hpp"
 #include "drivers/camera/folder_source.hpp"
 #include "drivers/camera/image_source.hpp"
 #include "drivers/camera/v4l2_source.hpp"
@@ -18,9 +17,7 @@ std::unique_ptr<ImageSource> open_source(const scenario::CameraSpec& spec,
   if (source.starts_with(device)) {
     return std::make_unique<V4l2Source>(spec.source.substr(device.size()), camera, spec);
   }
-  throw StartupError("the camera of " + spec.robot + " has the source '" + spec.source +
-                     "', which only `vantage trial` simulates: set source to folder:PATH or "
-                     "v4l2:DEVICE");
+  return std::make_unique<FolderSource>(spec.simulated_folder);
 }
 
 }  // namespace vantage::drivers::camera

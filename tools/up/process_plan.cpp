@@ -207,10 +207,11 @@ std::vector<std::string> robots_with_driver(const scenario::Scenario& scenario) 
 std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
   std::vector<std::string> out;
   for (const scenario::CameraSpec& camera : scenario::cameras_of(scenario)) {
-    if (camera.source == scenario::kSimulatedSource) {
-      out.push_back("the camera of robot " + camera.robot +
-                    " has the source 'simulated', which only `vantage trial` and `vantage demo` "
-                    "simulate: set source to folder:PATH or v4l2:DEVICE");
+    const scenario::RobotSpec& robot = *scenario.find_robot(camera.robot);
+    if (camera.source == scenario::kSimulatedSource && robot.device == DeviceSource::kReal) {
+      out.push_back("robot " + robot.name +
+                    " is real, but its camera is simulated: set source to v4l2:DEVICE or "
+                    "folder:PATH");
     }
   }
   for (const scenario::RobotSpec& robot : scenario.robots) {
@@ -323,6 +324,9 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
   }
   for (const scenario::CameraSpec& camera : scenario::cameras_of(scenario)) {
     if (runs(camera.robot)) {
+      if (camera.source == scenario::kSimulatedSource) {
+        add_for("camera-emulator", camera.robot);
+      }
       add_for("camera", camera.robot);
     }
   }

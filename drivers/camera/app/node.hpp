@@ -54,7 +54,8 @@ class CameraNode : public bus::Node {
   };
 
   void on_frame(const std::shared_ptr<const models::MocapFrame>& received);
-  /// Processes the images that have arrived, then publishes the measurements whose pose is known.
+  /// Processes the images that have arrived, then publishes the measurements of which
+  /// the pose is known.
   void work(Time now);
   void process(const camera::CapturedImage& captured, Time now);
   void publish(const Waiting& seen, Time now);

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "scenario/reader/overrides.hpp"
+
 namespace vantage::tools {
 namespace {
 
@@ -221,6 +223,24 @@ TEST(ProcessPlan, StartsADriverPerWireDevice) {
   EXPECT_EQ(mixed[1].name, "quadrotor Q2");
   EXPECT_EQ(mixed[1].arguments, (std::vector<std::string>{"./vantage-quadrotor", "--scenario",
                                                           "s.yaml", "--url", "", "--robot", "Q2"}));
+}
+
+// A simulated camera has a process that writes its images; a camera replaces the sensor.
+TEST(ProcessPlan, StartsTheCamerasOfTheRobots) {
+  scenario::Overrides overrides;
+  const std::string path = VANTAGE_SOURCE_DIR "/config/lab-camera.yaml";
+  scenario::Scenario scenario = scenario::load_scenario_with(path, overrides);
+  EXPECT_TRUE(device_faults(scenario).empty());
+  const std::vector<std::string> simulated = names_of(process_plan(scenario, {".", path, "", ""}));
+  for (const char* name : {"camera-emulator Q1", "camera Q1", "camera Q3", "estimator Q1"}) {
+    EXPECT_EQ(std::count(simulated.begin(), simulated.end(), name), 1) << name;
+  }
+  EXPECT_EQ(std::count(simulated.begin(), simulated.end(), "sensor Q1"), 0);
+  overrides.keys["robot_defaults.sensor.camera.source"] = "v4l2:/dev/video0";
+  scenario = scenario::load_scenario_with(path, overrides);
+  const std::vector<std::string> real = names_of(process_plan(scenario, {".", path, "", ""}));
+  EXPECT_EQ(std::count(real.begin(), real.end(), "camera Q1"), 1);
+  EXPECT_EQ(std::count(real.begin(), real.end(), "camera-emulator Q1"), 0);
 }
 
 TEST(ProcessPlan, StartsTheProcessesOfItsHost) {
