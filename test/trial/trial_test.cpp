@@ -90,6 +90,18 @@ TEST(TrialRecipes, LeaveOutExternalProcesses) {
   }
 }
 
+TEST(TrialRecipes, BeginWithTheLocalizersOfTheScenario) {
+  const scenario::Scenario scenario =
+      scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab-nomocap.yaml");
+  const std::vector<std::string> own{"localizer", "sensor", "estimator", "planner"};
+  for (const scenario::RobotSpec& robot : scenario.robots) {
+    EXPECT_EQ(own_processes(scenario, robot), own);
+  }
+  const std::vector<NodeRecipe> recipes = trial_recipes(scenario);
+  ASSERT_EQ(recipes.size(), 1 + own.size() * scenario.robots.size());
+  EXPECT_EQ(recipes[1].name, "LOCALIZER_Q1");
+}
+
 TEST(RunTrial, WritesEqualLogsForEqualSeeds) {
   const scenario::Scenario scenario = short_lab(6);
   const test::TemporaryFolder folder;

@@ -110,6 +110,19 @@ TEST_F(ReplayLog, ReproducesEveryPlanAndBeliefExactly) {
   }
 }
 
+// Motion capture ends 5 s after the start; then vehicles, sensors and planners use POSE_*.
+TEST_F(ReplayLog, ReproducesPosesWithoutMotionCapture) {
+  const Flown flown = fly("lab-nomocap", 12.0, 300);
+  EXPECT_EQ(flown.summary.collisions, 0);
+  EXPECT_GE(flown.summary.poses.samples, 3 * 60);
+  EXPECT_LT(*flown.summary.poses.rmse_m, 0.15);
+  for (const char* robot : {"Q1", "Q2", "Q3"}) {
+    expect_made_again(flown.log_path, std::string("localizer:") + robot, 115);
+    expect_made_again(flown.log_path, std::string("planner:") + robot, 11);
+    expect_made_again(flown.log_path, std::string("estimator:") + robot, 23);
+  }
+}
+
 TEST_F(ReplayLog, ReproducesTracksWithoutIdsAndTheirPlans) {
   scenario::Overrides overrides;
   overrides.duration_s = 20.0;
