@@ -37,10 +37,11 @@ RoverDriver::RoverDriver(const scenario::Scenario& scenario, const std::string& 
   check_limits(limits);
 }
 
-void RoverDriver::on_mocap(const models::MocapFrame& frame, Time now) {
+void RoverDriver::on_mocap(const models::MocapFrame& frame, Time now, double pose_sigma_m) {
   const bool is_moving = std::abs(control_.speed_mps) > kMovingMps;
   const BodyContext context{is_driving(core_.state()), is_moving, !is_moving};
-  (void)core_.on_mocap(frame, context, false, now);  // the core counts refusals
+  // The core counts refusals.
+  (void)core_.on_mocap(frame, context, false, now, pose_sigma_m);
 }
 
 PlanVerdict RoverDriver::on_plan(const models::RobotPlan& plan, Time now) {

@@ -25,6 +25,8 @@ constexpr auto kRows = std::to_array<Condition>({
             kStandingRule),
     // HOLD
     held_for_operator(common::kPoseLost),
+    held_for_operator(common::kPoseVeryUncertain),
+    common::kPoseUncertain,
     common::kPoseStale,
     common::kPoseLate,
     common::kPoseImplausible,

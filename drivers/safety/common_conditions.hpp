@@ -134,6 +134,16 @@ inline constexpr Condition kPoseStale =
           [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.pose_age_s > lim.pose_age_hold_s;
           });
+inline constexpr Condition kPoseUncertain =
+    holds("pose uncertain", "without mocap: pose_sigma_m > pose_sigma_hold_m",
+          {.blocks_arming = true}, [](const SafetyInputs& in, const SafetyLimits& lim) {
+            return in.pose_sigma_m > lim.pose_sigma_hold_m;
+          });
+inline constexpr Condition kPoseVeryUncertain =
+    lands("pose very uncertain", "without mocap: pose_sigma_m > pose_sigma_land_m",
+          {.blocks_arming = true}, [](const SafetyInputs& in, const SafetyLimits& lim) {
+            return in.pose_sigma_m > lim.pose_sigma_land_m;
+          });
 inline constexpr Condition kPoseLate =
     holds("pose late", "pose latency > pose_latency_hold_s", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits& lim) {

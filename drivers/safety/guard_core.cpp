@@ -19,12 +19,16 @@ constexpr double kSameSpeedMps = 0.1;  // m/s; speeds that differ by less count 
 }  // namespace
 
 bool GuardCore::on_mocap(const models::MocapFrame& frame, BodyContext context, bool is_armed,
-                         Time now) {
+                         Time now, double pose_sigma_m) {
   const MocapSource::Standing standing = source_.judge(frame, now);
   if (standing == MocapSource::Standing::kRefused) {
     return false;
   }
-  const NamedBody found = find_unique(frame, name_);
+  NamedBody found = find_unique(frame, name_);
+  if (pose_sigma_m > 0.0) {
+    ++(limits_.moves_by_estimate ? estimates_used_ : estimates_refused_);
+    found.body = limits_.moves_by_estimate ? found.body : nullptr;
+  }
   // A source that takes over after arming must agree with the predicted pose of the vehicle.
   const bool is_candidate = standing == MocapSource::Standing::kCandidate;
   context.in_air = context.in_air || (is_candidate && is_armed);
@@ -42,6 +46,9 @@ bool GuardCore::on_mocap(const models::MocapFrame& frame, BodyContext context, b
     source_.confirm(frame, now);
   }
   pose_ = judged;
+  if (verdict == PoseVerdict::kAccepted) {
+    pose_sigma_m_ = pose_sigma_m;
+  }
   clocks_set_ += clock_.on_frame(frame, now) ? 0 : 1;
   fleet_.on_mocap(frame, limits_, now);
   return true;
@@ -94,6 +101,7 @@ void GuardCore::update_common_inputs(Time now) {
   in_.processor_wait_s = processor_wait_s_;
   in_.pose_age_s = pose_.age_s(now);
   in_.pose_latency_s = clock_.latency_s();
+  in_.pose_sigma_m = pose_sigma_m_;
   in_.poses_rejected = pose_.rejected_in_row();
   in_.poses_accepted = pose_.accepted_in_row();
   course_.report(now, in_);
@@ -110,6 +118,12 @@ void GuardCore::update_surroundings(std::span<const OtherBody> bodies, Time now)
   if (pose_.has_pose()) {
     static_cast<Surroundings&>(in_) = compute_surroundings(
         position_m(now), braking_path(now, limits_.reaction_s), bodies, limits_);
+    const double margin_m = limits_.pose_sigma_margin * pose_sigma_m_;
+    for (double* const distance_m :
+         {&in_.fence_now_m, &in_.fence_centre_m, &in_.fence_stop_m, &in_.obstacle_stop_m,
+          &in_.separation_now_m, &in_.separation_stop_m}) {
+      *distance_m -= margin_m;
+    }
   }
 }
 
@@ -199,6 +213,10 @@ void GuardCore::count(std::vector<models::NamedCount>& out) const {
     out.push_back({std::string("pose.") + name_of(static_cast<PoseVerdict>(i)), pose_counts_[i]});
   }
   out.push_back({"mocap.clock_set", clocks_set_});
+  if (estimates_used_ + estimates_refused_ > 0) {
+    out.push_back({"pose.estimates_used", estimates_used_});
+    out.push_back({"pose.estimates_refused", estimates_refused_});
+  }
   source_.count(out);
   out.push_back({"mocap.unknown_bodies", fleet_.unknown_bodies()});
   out.push_back({"mocap.bodies_dropped", fleet_.bodies_dropped()});

@@ -65,8 +65,11 @@ class GuardCore {
   /// Processes a mocap frame. Returns false for a publisher that is not accepted (MocapSource).
   /// While the vehicle `is_armed`, a new publisher is accepted only if its pose of the vehicle
   /// agrees with the predicted pose, as in the air.
+  /// @param pose_sigma_m  1σ of the vehicle's pose if motion capture does not see the vehicle and
+  ///                      `frame` contains an estimate instead (POSE_R); 0: motion capture. The
+  ///                      estimate is ignored without moves_by_estimate
   [[nodiscard]] bool on_mocap(const models::MocapFrame& frame, BodyContext context, bool is_armed,
-                              Time now);
+                              Time now, double pose_sigma_m = 0.0);
   /// Checks a plan for this vehicle at `height_m`. The course follows the plan if it is accepted.
   PlanVerdict on_plan(const models::RobotPlan& plan, bool may_take, double height_m, Time now);
   void on_teammate_plan(const models::RobotPlan& plan, Time now) {
@@ -170,6 +173,9 @@ class GuardCore {
   std::optional<models::OperatorAction> request_;
   std::array<std::int64_t, kPoseVerdicts> pose_counts_{};
   PoseVerdict pose_verdict_ = PoseVerdict::kAbsent;
+  double pose_sigma_m_ = 0.0;  ///< m; of the last accepted pose; 0: motion capture
+  std::int64_t estimates_used_ = 0;
+  std::int64_t estimates_refused_ = 0;
   std::int64_t clocks_set_ = 0;
   std::int64_t commands_refused_ = 0;
 };

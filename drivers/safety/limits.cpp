@@ -123,6 +123,8 @@ void check_limits(const SafetyLimits& l) {
   require_less({"pose_age_hold_s", l.pose_age_hold_s}, {"pose_age_land_s", l.pose_age_land_s});
   require_less({"pose_age_land_s", l.pose_age_land_s}, {"pose_age_kill_s", l.pose_age_kill_s});
   require_less({"pose_gate_m", l.pose_gate_m}, {"pose_gate_max_m", l.pose_gate_max_m});
+  require_less({"pose_sigma_hold_m", l.pose_sigma_hold_m},
+               {"pose_sigma_land_m", l.pose_sigma_land_m});
   require_less({"tracking_hold_m", l.tracking_hold_m}, {"tracking_land_m", l.tracking_land_m});
   require_less({"lift_other_rise_m", l.lift_other_rise_m}, {"lift_risen_m", l.lift_risen_m});
   require_less({"lift_risen_m", l.lift_risen_m}, {"lift_height_m", l.lift_height_m});

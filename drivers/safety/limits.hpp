@@ -31,6 +31,12 @@ struct SafetyLimits {
   /// m; poses farther outside the volume are rejected, unless they continue a track in the air
   double volume_margin_m = 1.0;
 
+  // Pose without motion capture (POSE_R).
+  bool moves_by_estimate = false;   ///< false: such poses are not used
+  double pose_sigma_hold_m = 0.15;  ///< m; 1σ of the position
+  double pose_sigma_land_m = 0.4;   ///< m; 1σ of the position
+  double pose_sigma_margin = 3.0;   ///< distances shrink by this times 1σ
+
   // Limits of plans.
   double round_s = 0.0;  ///< s; time after which the next plan replaces a plan; 0: unknown
   /// s; age of the last accepted plan once that plan has ended; longer than one round

@@ -96,16 +96,18 @@ class VehicleNode : public bus::Node {
   /// @param name  name of the process in HEALTH_<name>
   /// @param landing  time for the vehicle to stop when the driver is requested to end
   /// @param own   last argument of Driver, after scenario, robot and limits
+  /// @param limits  nullopt: limits_for(scenario, robot)
   // long: subscribes to all channels of a vehicle.
   template <class Own>
   VehicleNode(const std::string& name, Duration tick_period, Duration landing, bus::Bus& bus,
               const bus::Clock& clock, const scenario::Scenario& scenario, const std::string& robot,
-              std::unique_ptr<Port> port, const Own& own)
+              std::unique_ptr<Port> port, const Own& own,
+              const std::optional<SafetyLimits>& limits = std::nullopt)
       : bus_(bus),
         clock_(clock),
         name_(name),
         robot_(robot),
-        driver_(scenario, robot, limits_for(scenario, robot), own),
+        driver_(scenario, robot, limits ? *limits : limits_for(scenario, robot), own),
         port_(std::move(port)),
         tick_period_(tick_period),
         next_tick_(clock.now()),

@@ -42,16 +42,26 @@ class RoverBench : public SteppedBench {
     return spec;
   }
 
+  /// Returns the limits of a rover that may drive by POSE_R.
+  static drivers::SafetyLimits estimate_limits(bool moves_by_estimate = true) {
+    drivers::SafetyLimits limits = drivers::limits_for(scenario_for(), "R1");
+    limits.moves_by_estimate = moves_by_estimate;
+    return limits;
+  }
+
   explicit RoverBench(const scenario::Scenario& given = scenario_for(),
                       const sim::RoverEmulatorSpec& spec = rover_spec())
-      : scenario(given),
-        driver(scenario, "R1", drivers::limits_for(scenario, "R1"), 41),
-        rover(spec, kStart) {}
+      : RoverBench(given, spec, drivers::limits_for(given, "R1")) {}
+  explicit RoverBench(const drivers::SafetyLimits& limits)
+      : RoverBench(scenario_for(), rover_spec(), limits) {}
+  RoverBench(const scenario::Scenario& given, const sim::RoverEmulatorSpec& spec,
+             const drivers::SafetyLimits& limits)
+      : scenario(given), driver(scenario, "R1", limits, 41), rover(spec, kStart) {}
 
   void step() final {
     if (steps % 2 == 0 && mocap_on) {
       if (captured.stamp.time > Time{}) {
-        driver.on_mocap(captured, now);  // the frame is 5 ms old
+        driver.on_mocap(captured, now, pose_sigma_m);  // the frame is 5 ms old
       }
     }
     captured = capture();
@@ -113,6 +123,7 @@ class RoverBench : public SteppedBench {
   sim::RoverEmulator rover;
   std::int64_t steps = 0;
   bool mocap_on = true;
+  double pose_sigma_m = 0.0;  ///< 1σ of an estimate that replaces motion capture; 0: mocap
   bool telemetry_on = true;
   bool commands_on = true;
   bool operator_on = true;

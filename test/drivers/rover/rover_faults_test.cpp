@@ -93,6 +93,69 @@ TEST_P(RoverFault, StopsTheRoverWithinTheDocumentedTime) {
 INSTANTIATE_TEST_SUITE_P(All, RoverFault, ::testing::ValuesIn(kFaults),
                          [](const auto& each) { return std::string(each.param.name); });
 
+/// Rows of localizer.safety: what a rover does without motion capture, by the 1σ of its estimate.
+struct EstimateFault {
+  const char* name;
+  bool may_drive;
+  double sigma_m;
+  FlightState during;
+  const char* reason;      ///< empty: none
+  FlightState afterwards;  ///< 2 s after motion capture sees the rover again
+};
+
+const EstimateFault kEstimateFaults[] = {
+    {"DrivesByACertainEstimate", true, 0.05, FlightState::kFollow, "", FlightState::kFollow},
+    {"HoldsWithAnUncertainEstimate", true, 0.2, FlightState::kHold, "pose uncertain",
+     FlightState::kFollow},
+    {"StopsWithAVeryUncertainEstimate", true, 0.5, FlightState::kHold, "pose very uncertain",
+     FlightState::kHold},
+    {"RefusesAnyEstimateByDefault", false, 0.05, FlightState::kHold, "pose lost",
+     FlightState::kHold},
+};
+
+class RoverWithoutMocap : public ::testing::TestWithParam<EstimateFault> {};
+
+TEST_P(RoverWithoutMocap, ReactsByTheUncertaintyOfItsPose) {
+  const EstimateFault& fault = GetParam();
+  RoverBench bench(RoverBench::estimate_limits(fault.may_drive));
+  ASSERT_TRUE(bench.make_ready());
+  ASSERT_EQ(bench.plan(RoverBench::straight(0.5, 9.0)), PlanVerdict::kAccepted);
+  bench.run(1.0);
+  ASSERT_EQ(bench.driver.state(), FlightState::kFollow);
+  bench.pose_sigma_m = fault.sigma_m;
+  bench.run(1.0);
+  EXPECT_EQ(bench.driver.state(), fault.during);
+  if (*fault.reason != '\0') {
+    EXPECT_TRUE(bench.is_stationary());
+    EXPECT_TRUE(bench.has_reason(fault.reason));
+  }
+  bench.pose_sigma_m = 0.0;
+  bench.run(1.0);
+  // A hold ends with a plan that begins at the rover.
+  static_cast<void>(bench.plan(RoverBench::straight(0.5, 3.0)));
+  bench.run(1.0);
+  EXPECT_EQ(bench.driver.state(), fault.afterwards);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RoverWithoutMocap, ::testing::ValuesIn(kEstimateFaults),
+                         [](const auto& each) { return std::string(each.param.name); });
+
+// 3σ of the pose reduce the distance to the fence, y = 8 m: the rover stops farther from it than
+// its plan ends.
+TEST(RoverMargins, GrowWithTheUncertaintyOfThePose) {
+  double stood_y_m[2];
+  for (int i = 0; i < 2; ++i) {
+    RoverBench bench(RoverBench::estimate_limits());
+    bench.pose_sigma_m = 0.1 * i;
+    ASSERT_TRUE(bench.make_ready());
+    ASSERT_EQ(bench.plan(RoverBench::straight(0.5, 13.2)), PlanVerdict::kAccepted);
+    bench.run(16.0);
+    stood_y_m[i] = bench.place_m().y();
+  }
+  EXPECT_NEAR(stood_y_m[0], 1.0 + 0.5 * 13.2 + 0.0625, 0.06);
+  EXPECT_LT(stood_y_m[1], 8.0 - 0.2 - 0.3);  // fence, radius, 3σ
+}
+
 /// A rover that follows a plan.
 class RoverUnderWay : public ::testing::Test {
  protected:
