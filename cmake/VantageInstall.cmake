@@ -159,11 +159,15 @@ if(VANTAGE_EVERYTHING)
   # Software bill of materials of the programs, if python3 and dpkg are available.
   find_program(PYTHON3_PROGRAM python3)
   find_program(DPKG_QUERY dpkg-query)
+  set(foreign_root)
+  if(CMAKE_CROSSCOMPILING)
+    set(foreign_root "--root \"${CMAKE_SYSROOT}\"")
+  endif()
   if(PYTHON3_PROGRAM AND DPKG_QUERY)
     install(CODE "
       file(GLOB programs \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}/vantage*\")
       execute_process(
-        COMMAND \"${PYTHON3_PROGRAM}\" \"${PROJECT_SOURCE_DIR}/tools/dev/sbom\" --version ${PROJECT_VERSION} --made
+        COMMAND \"${PYTHON3_PROGRAM}\" \"${PROJECT_SOURCE_DIR}/tools/dev/sbom\" --version ${PROJECT_VERSION} --made ${foreign_root}
           --sources libeigen3-dev nlohmann-json3-dev libcli11-dev musl-dev
           --npm \"${PROJECT_SOURCE_DIR}/tools/view/page/package.json\" --programs \${programs}
         OUTPUT_FILE \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${data}/sbom.cdx.json\"
