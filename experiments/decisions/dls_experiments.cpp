@@ -129,12 +129,12 @@ Summary summarise_objective(const Tables& tables) {
     const double cd = std::max(value("cd cheap first"), value("cd dear first"));
     summary.compared.push_back(compare_claim(
         fmt::format("{} robots: mean J of DLS minus mean J of the better order of CD", n),
-        fmt::format("{:.2f} nats; difference to the better order in each trial {}",
+        fmt::format("{:.2f} nats; mean difference to the better order of each trial: {}",
                     value("dls") - cd, mean_text(gaps.of_dls.at(n))),
         "≥ 0", value("dls") >= cd));
     summary.compared.push_back(compare_claim(
         fmt::format("{} robots: mean J of DLS with the best 10 % of the candidates, minus CD", n),
-        fmt::format("{:.2f} nats; difference to the better order in each trial {}",
+        fmt::format("{:.2f} nats; mean difference to the better order of each trial: {}",
                     value("dls best 10 %") - cd, mean_text(gaps.of_best_share.at(n))),
         "> 0", value("dls best 10 %") > cd));
     summary.lines.push_back(

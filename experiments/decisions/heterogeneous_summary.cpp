@@ -136,7 +136,7 @@ class Summarised {
     const auto points = static_cast<int>(above.size());
     summary.compared.push_back(
         compare_claim(fmt::format("mean information of DLS at the mean energy of {}", method.label),
-                      fmt::format("at least equal at {} of {} points, on average {:+.2f} nats",
+                      fmt::format("not lower at {} of {} points; mean difference {:+.2f} nats",
                                   higher, points, above.mean()),
                       "DLS consistently better", higher == points));
     summary.compared.push_back(

@@ -82,7 +82,7 @@ constexpr const char* kColumns =
 constexpr std::array<std::pair<Measure, const char*>, 6> kCompared = {
     {{kInterval, "mean interval between two observations"},
      {kWithEnds, "mean interval, waits at both ends included"},
-     {kByLandmark, "mean interval, averaged per landmark first"},
+     {kByLandmark, "mean interval: average of the landmarks' means"},
      {kAge, "mean time since the last observation"},
      {kRestrictedByLandmark, "time unobserved, restricted mean per landmark"},
      {kRestricted, "time unobserved, restricted mean over all landmarks"}}};
@@ -259,8 +259,10 @@ Summary summarise(const Tables& tables) {
       "figure; two (\"some\") or three attacked, and one at T_REPLAN = 5.",
       "The map of the camp is our own choice: 120 × 90 m, fifteen buildings with a landmark "
       "each, 24 trees.",
-      "The source does not state σ of the range. Here: 0.15 m as in tracking; prior 1 m.",
-      "A plan uses each landmark's number k of steps without observation at the time of planning.",
+      "The source does not state σ of the range and of the prior. Here: 0.15 m, as in the tracking "
+      "experiments, and 1 m.",
+      "A search uses the number k of steps for which each landmark was not observed before the "
+      "start of the plan.",
       "The attacker chooses robots greedily in each planning round, by the gain of their joint "
       "plans. A second attacker chooses the robots whose single plans gain most.",
       "landmark_watch.hpp describes how each measure counts intervals that have no end; see also "

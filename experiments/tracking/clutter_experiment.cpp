@@ -77,7 +77,7 @@ Summary summarise(const Tables& tables) {
       "The dissertation has no such figure: its detections contain the target's id.",
       "Every method is a central filter with the same motion model, measurement update and "
       "detections. The paths of the sensors are planned with the beliefs that use the known ids.",
-      "OSPA of order 2, cutoff 1 m. lmb receives the number of targets; jpda and "
+      "OSPA has order 2 and a cutoff of 1 m. lmb receives the number of targets; jpda and "
       "nearest_neighbour confirm tracks by counts of hits and misses."};
   return summary;
 }

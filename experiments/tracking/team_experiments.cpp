@@ -246,7 +246,8 @@ Sweep hardware(const Extent& extent) {
       {kTeamRmse, "RMSE of the team", "m", "a low tracking error (no value is printed)"},
       {kTeamEntropy, "entropy of the team", "nats", "none"}};
   sweep.choices = choices_with(
-      "Simulated, not flown. One-step greedy, lawn mower and random walk are our own additions.");
+      "The trials are simulated, not flown. One-step greedy, lawn mower and random walk are our "
+      "own additions.");
   return sweep_of(std::move(sweep), extent);
 }
 

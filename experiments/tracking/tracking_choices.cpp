@@ -26,7 +26,7 @@ constexpr std::array<std::pair<BearingNoise, const char*>, 2> kBearingNoise = {
 constexpr std::array<NamedAttacker, 2> kChosenAttackers = {
     {kAttackers.front(),
      {planner::Attacker::kBestTogether, "best_together",
-      "robots whose joint plans gain most, greedily"}}};
+      "robots whose joint plans gain most, chosen greedily"}}};
 constexpr std::array<std::pair<bool, const char*>, 2> kBeliefs = {
     {{true, "inside"}, {false, "free"}}};
 
@@ -208,8 +208,8 @@ Summary summarise(const Tables& tables) {
       "Compared settings: the variance of a bearing grows with the range or with the bearing; the "
       "attacker chooses, one after another, the robots whose loss costs most or those whose joint "
       "plans gain most; beliefs are reflected at the walls or not.",
-      "The nearest combination has the least factor: exp of the mean |log(ours / published)| "
-      "over rows, methods, means and peaks."};
+      "The combination nearest to the published values has the smallest factor: exp of the mean "
+      "|log(ours / published)| over rows, methods, means and peaks."};
   return summary;
 }
 

@@ -137,12 +137,12 @@ void compare_table(const TableSamples& samples, const NamedAttacker& attacker, S
                                                   ours.peak_m[method], row.peak_m[method], "m"));
       }
     }
-    summary.lines.push_back(fmt::format(
-        "{}, attacked: {}: mean RMSE {} m of CD, {} of RAIN (published {} and {}); peak {} and {} "
-        "(published {} and {})",
-        name, attacker.text, mean_text(ours.mean_m[0]), mean_text(ours.mean_m[1]), row.mean_m[0],
-        row.mean_m[1], mean_text(ours.peak_m[0]), mean_text(ours.peak_m[1]), row.peak_m[0],
-        row.peak_m[1]));
+    summary.lines.push_back(
+        fmt::format("{}, attacked: {}: mean RMSE {} m with CD and {} m with RAIN (published: {} "
+                    "and {}); peak RMSE {} and {} (published: {} and {})",
+                    name, attacker.text, mean_text(ours.mean_m[0]), mean_text(ours.mean_m[1]),
+                    row.mean_m[0], row.mean_m[1], mean_text(ours.peak_m[0]),
+                    mean_text(ours.peak_m[1]), row.peak_m[0], row.peak_m[1]));
   }
   const auto better = std::ranges::count_if(samples, is_rain_better);
   summary.compared.push_back(compare_claim(

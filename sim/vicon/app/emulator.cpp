@@ -68,7 +68,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--up", arguments.up,
                  "upward axis of the published coordinates: z or y (default: y for natnet, else z)")
       ->check(CLI::IsMember({"z", "y"}));
-  app.add_option("--natnet-version", arguments.natnet_version, "version of a natnet server")
+  app.add_option("--natnet-version", arguments.natnet_version,
+                 "NatNet version of the emulated server")
       ->check(CLI::IsMember({"3.0", "3.1", "4.0", "4.1", "4.2"}));
   app.add_flag("--multicast", arguments.settings.is_multicast,
                "send the frames of a natnet server to the group 239.255.42.99");
