@@ -91,7 +91,7 @@ void RobotLocalizer::add_odometry(const models::OdometryReport& odometry) {
   }
   // Divide the increment among the cells that it overlaps.
   if (start != partial_to_) {
-    partial_.setZero();  // after a gap
+    partial_.setZero();  // the odometry has a gap
   }
   const double whole_s = to_seconds(odometry.interval);
   for (Time from = start; from < end;) {

@@ -9,7 +9,7 @@ namespace vantage::localizer {
 
 /// Expected sighting of a point, and its derivatives.
 struct ExpectedSighting {
-  double range_m = 0.0;      ///< as reported
+  double range_m = 0.0;      ///< range reported by the sensor
   double bearing_rad = 0.0;  ///< bearing as reported, from the body's x axis
   double distance_m = 0.0;   ///< true distance from the sensor
   Eigen::Matrix<double, 2, 3>

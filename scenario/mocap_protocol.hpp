@@ -35,7 +35,7 @@ class MocapProtocol {
   [[nodiscard]] constexpr const char* driver() const { return row_->driver; }
 
   friend constexpr bool operator==(MocapProtocol a, MocapProtocol b) { return a.row_ == b.row_; }
-  /// Order of the table.
+  /// Compares positions in the table of protocols.
   friend constexpr bool operator<(MocapProtocol a, MocapProtocol b) { return a.row_ < b.row_; }
 
   static const MocapProtocol kDataStream;    ///< Vicon, TCP: Tracker, Nexus, Blade, Shogun, Evoke

@@ -108,7 +108,7 @@ class Authenticator {
   std::optional<Time> renewed_;
   std::uint64_t counter_ = 0;
   std::optional<std::uint32_t> destination_;           ///< set if this process is a vehicle
-  std::map<std::uint32_t, RequestedNonce> requested_;  ///< by destination
+  std::map<std::uint32_t, RequestedNonce> requested_;  ///< requested nonce of each destination
   std::optional<Duration> stale_ahead_;
   Time stale_received_{};
   ReplayGuard replays_;

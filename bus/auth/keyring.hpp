@@ -35,7 +35,8 @@ struct Key {
   Role role = Role::kNode;
   KeyUse use = KeyUse::kSigns;
   Secret mac{kMacKeyBytes};
-  std::array<std::uint8_t, kPublicKeyBytes> public_key{};  ///< operator only
+  /// public key; only for the role operator
+  std::array<std::uint8_t, kPublicKeyBytes> public_key{};
   std::optional<Secret> signing;  ///< Ed25519 secret key, 64 bytes; only on operator stations
   /// True if this process may sign with the key.
   [[nodiscard]] bool can_sign() const {

@@ -25,7 +25,7 @@ bool is_quality(const vantage_lcm::plan_t& wire) {
   const bool has_cost = !std::isinf(wire.cost_nat);
   const bool has_bound = std::isfinite(wire.lower_bound_nat) ||
                          (std::isinf(wire.lower_bound_nat) && wire.lower_bound_nat < 0);
-  return has_cost && has_bound && wire.epsilon >= 0.0 && wire.delta_m >= 0.0;  // no NaN
+  return has_cost && has_bound && wire.epsilon >= 0.0 && wire.delta_m >= 0.0;  // false for NaN
 }
 
 /// Copies the fields that every wire type with a trajectory has. The trajectory's time is the time

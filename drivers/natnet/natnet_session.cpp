@@ -113,7 +113,7 @@ bool NatNetSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
     case PacketId::kKeepAlive:
     case PacketId::kEchoRequest:
     case PacketId::kDiscovery:
-      break;  // sent by clients
+      break;  // only clients send these packets
   }
   ++counts.broken_streams;
   return true;

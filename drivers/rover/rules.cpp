@@ -23,7 +23,7 @@ constexpr auto kRows = std::to_array<Condition>({
     cleared(limited(common::kMotor, "the rover reports a failed motor"), kStandingRule),
     cleared(limited(common::kFenceFar, "the rover's centre is > fence_kill_m outside the fence"),
             kStandingRule),
-    // HOLD
+    // Conditions that cause HOLD.
     held_for_operator(common::kPoseLost),
     held_for_operator(common::kPoseVeryUncertain),
     common::kPoseUncertain,

@@ -250,7 +250,9 @@ class Search {
 }  // namespace
 
 bool is_within_bound(const TakenRange& range) {
-  const auto is_within = [](double x_m) { return std::abs(x_m) <= kRangeBound_m; };  // not NaN
+  const auto is_within = [](double x_m) {
+    return std::abs(x_m) <= kRangeBound_m;
+  };  // false for NaN
   return is_within(range.range_m) && is_within(range.robot_m.x()) && is_within(range.robot_m.y());
 }
 

@@ -98,12 +98,12 @@ std::map<std::string, std::string> tree_files(const SweepPlan& plan, const Table
     std::replace(name.begin(), name.end(), ',', '_');
     std::string& file = files[name];
     if (!file.empty() && record.cells[0] != part) {
-      file += '\n';  // next block
+      file += '\n';  // separates two blocks
     }
     part = record.cells[0];
     file += polyline(record);
     if (part == "tree") {
-      file += '\n';  // next line
+      file += '\n';  // separates two lines
     }
   }
   for (const Record& record : tables.at("heat_map")) {

@@ -52,7 +52,8 @@ class LandmarkWatch {
       prior.mean.head(landmark_m.size()) = landmark_m;
       beliefs_.push_back(prior);
     }
-    surroundings_.reserve(starts.size());  // problems point to them
+    // the elements must not move, because problems point to them
+    surroundings_.reserve(starts.size());
     for (const models::Viewpoint& start : starts) {
       const models::World world = world_at(setting, start.height_m);
       require(models::clearance_m(world, start.world_from_body.position_m()) > setting.clearance_m,

@@ -74,7 +74,7 @@ void read_file(const std::filesystem::path& path, const SweepPlan& plan,
     const bool is_last = end + 1 >= text.size();
     const std::string line = text.substr(begin, end - begin);
     begin = end + 1;
-    if (end == text.size()) {  // incomplete line
+    if (end == text.size()) {  // the last line is incomplete
       ++stored.torn;
       break;
     }

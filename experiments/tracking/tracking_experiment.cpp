@@ -61,7 +61,7 @@ UnitRows run_unit(TrackingSetting setting, std::size_t index, std::uint64_t seed
 }
 
 struct RowSamples {
-  std::array<Sample, 2> mean_m;  ///< CD, RAIN
+  std::array<Sample, 2> mean_m;  ///< index 0: CD; 1: RAIN
   std::array<Sample, 2> peak_m;
 };
 

@@ -18,7 +18,7 @@ namespace {
 constexpr double kUnjudgedS = 60.0;    // after an unknown start, this time is not judged
 constexpr double kInside2 = 5.991465;  // 95 % quantile of χ² with 2 degrees of freedom
 constexpr double kInside3 = 7.814728;
-constexpr double kStartSigma = 0.01;                      // m and rad
+constexpr double kStartSigma = 0.01;                      // m and rad; 1σ of a known start
 const Duration kHindsightPass = std::chrono::seconds(2);  // between two passes of the smoother
 
 /// Returns the rotation and translation that moves `from` to `to` with the least squared error.
@@ -472,7 +472,7 @@ class HindsightJudge {
 
   Score score_;
   Time begin_;
-  Time judged_until_;  ///< exclusive
+  Time judged_until_;  ///< end of the judged time, exclusive
   bool is_start_known_;
   std::vector<double> placed_after_s_;
 };

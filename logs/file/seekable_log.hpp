@@ -90,7 +90,7 @@ class SeekableLog {
   bool is_surveyed_ = false;
   std::size_t surveyed_bytes_ = 0;  ///< all events that begin before this offset are in blocks_
   std::vector<LogBlock> blocks_;
-  /// bits of each channel
+  /// one bit per block for each channel: the block contains the channel
   std::map<std::string, std::vector<std::uint8_t>, std::less<>> in_block_;
   Time first_{};
   Time last_{};

@@ -100,7 +100,7 @@ class CollisionMonitor {
       in_contact_;              ///< pairs that touched or were too near at the last step, ascending
   std::vector<Contact> pairs_;  ///< pair i < j has the index j (j − 1) / 2 + i
   std::vector<Contact> obstacles_;  ///< index: body · number of obstacles + obstacle
-  std::vector<Contact> bounds_;     ///< per body
+  std::vector<Contact> bounds_;     ///< contact of each body with the bounds
   std::vector<std::string> obstacle_names_;
   double min_separation_m_;
   std::int64_t non_finite_ = 0;

@@ -28,7 +28,7 @@ double swept_distance_m(const Box3& box, const Eigen::Vector3d& a_m, const Eigen
   double s2 = std::numbers::phi - 1.0;
   double d1 = distance_m(s1);
   double d2 = distance_m(s2);
-  while ((high - low) * motion_m.norm() > kToleranceM) {  // golden section
+  while ((high - low) * motion_m.norm() > kToleranceM) {  // golden-section search
     if (d1 < d2) {
       high = s2;
       s2 = s1;

@@ -116,7 +116,7 @@ struct TargetMixture {
 struct BeliefMixture {
   Stamp stamp;
   std::string robot;
-  std::int64_t step = 0;               ///< as in the belief
+  std::int64_t step = 0;               ///< index of the estimator step
   std::vector<TargetMixture> targets;  ///< by ascending target_id; other targets have no mixture
 };
 

@@ -183,7 +183,7 @@ bool keeps_separation(const Trajectory& a, const Trajectory& b, Time from, doubl
   const double height_difference_m = ignore_height ? 0.0 : a.height_m - b.height_m;
   for (double t_s = 0.0;;) {
     const double change_s = std::min(walk_a.piece_end_s(), walk_b.piece_end_s());
-    if (std::isinf(change_s)) {  // both hover permanently
+    if (std::isinf(change_s)) {  // both robots hover from now on
       return separate(walk_a, walk_b, height_difference_m, t_s, t_s, separation_m, 0);
     }
     const bool both_rest = walk_a.is_stationary() && walk_b.is_stationary();

@@ -30,7 +30,7 @@ enum class ParameterRule { kAny, kAtLeastZero, kAboveZero };
 struct SensorParameter {
   std::string_view name;  ///< name with the unit at its end: "range_rate_sigma_mps"
   std::string_view unit;  ///< "m/s"
-  double initial;         ///< default
+  double initial;         ///< default value
   ParameterRule rule;
   std::string_view purpose;  ///< one phrase for help texts
 };

@@ -11,7 +11,7 @@ namespace vantage::planner {
 /// An attack: the robots that lose their sensors, and the value of the team without them. Attacked
 /// robots still move and communicate.
 struct Attack {
-  std::vector<int> robots;  ///< ascending
+  std::vector<int> robots;  ///< indices of the attacked robots, ascending
   double value = 0.0;       ///< J of the other robots' trajectories, nats
   std::int64_t oracle_calls = 0;
 };

@@ -104,7 +104,7 @@ class RobotPlanner {
 
   std::shared_ptr<Workspace> workspace_;
   const scenario::Scenario& scenario_;  ///< scenario of the workspace
-  std::size_t robot_ = 0;               ///< index
+  std::size_t robot_ = 0;               ///< index of this robot in the scenario
   std::optional<SharedSlots> slots_;    ///< set only if slots are shared
   std::unique_ptr<SlotPlanner> slot_planner_;
   RoundProblem round_;

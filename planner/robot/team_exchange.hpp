@@ -64,7 +64,7 @@ class TeamExchange {
   const scenario::PlannerSpec& planner_;
   int robot_;  ///< index into robots_
   SearchProblem problem_;
-  TeamProblem beliefs_;  ///< without candidates
+  TeamProblem beliefs_;  ///< problem of the team, without candidates
   std::vector<std::string> jammed_;
   std::int64_t nodes_ = 0;
   LocalSearchSession session_;

@@ -58,7 +58,7 @@ class Workspace {
   scenario::Scenario scenario_;
   std::unordered_map<std::string, std::size_t> indices_;  ///< index of each robot, by name
   models::DistanceField field_;
-  models::VisibilityGrid ground_;  ///< the part requested last
+  models::VisibilityGrid ground_;  ///< the part of the ground requested last
   std::optional<ReducedValueIteration> reduced_;
   std::optional<TourPlanner> tours_;
   std::unique_ptr<Search> search_;

@@ -64,7 +64,7 @@ class ReducedValueIteration : private TreeSearch {
  private:
   struct Level {
     NodeList pending;             ///< nodes excluded in earlier passes, by ascending cost
-    NodeList open;                ///< O_t
+    NodeList open;                ///< O_t, the open nodes
     NodeId unexpanded = kNoNode;  ///< index of the first member of `open` that is not in C_t
   };
   enum class Progress { kDone, kDeadline, kMemory };

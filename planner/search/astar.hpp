@@ -23,7 +23,7 @@ enum class BestFirst {
 };
 
 enum class NodeBound {
-  kReach,     ///< Thm 6
+  kReach,     ///< the bound of Thm 6
   kSequence,  ///< the larger of Thm 6 and the sequencing bound
 };
 
@@ -31,7 +31,7 @@ struct BestFirstOptions {
   BestFirst search = BestFirst::kAStar;
   NodeBound bound = NodeBound::kSequence;
   double weight = 1.0;   ///< w ≥ 1, for kWeightedAStar and kAegis
-  double epsilon = 0.0;  ///< for kAegis
+  double epsilon = 0.0;  ///< ε of kAegis
   double delta_m = 0.0;
   double yaw_weight_m_per_rad = 0.3;
   /// Number of expansions between two dives. A dive follows the best child down to a leaf, so that

@@ -139,7 +139,7 @@ const SearchResult& RandomWalk::plan(const SearchProblem& problem,
   result_ = Descent(problem, [&rng](const Pose2&, int, std::vector<int>& controls) {
               std::shuffle(controls.begin(), controls.end(), rng);
             }).run();
-  result_.stop_reason = StopReason::kConverged;  // no bound
+  result_.stop_reason = StopReason::kConverged;  // the search ended without a bound
   return result_;
 }
 
@@ -180,7 +180,7 @@ const SearchResult& LawnMower::plan(const SearchProblem& problem, const SweepSha
                                       kRowsPerRange * range_m, problem.clearance_m + kBesideWall_m);
   }
   result_ = plan_through(problem, waypoints_, next_);
-  result_.stop_reason = StopReason::kConverged;  // no bound
+  result_.stop_reason = StopReason::kConverged;  // the search ended without a bound
   return result_;
 }
 

@@ -166,7 +166,7 @@ class LatticeBound {
   std::vector<float> path_information_;  ///< measurements of the best path in cost_to_go()
   ReservedArray<float> states_;          ///< [level][pause_left][heading]: gain from this level on
   ReservedArray<float> squares_;         ///< one level: maximum gain over 2 × 2 cells
-  ReservedArray<float> looks_;           ///< one level: gain, by [heading]
+  ReservedArray<float> looks_;           ///< one level: gain by heading
   ReservedArray<float> all_round_;       ///< one level: gain independent of the heading
   ReservedArray<float> rare_;            ///< one level: extra gain very close to a target
   std::vector<float> row_;

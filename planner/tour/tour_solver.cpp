@@ -211,7 +211,7 @@ bool TourSolver::transfer(int robot, std::size_t from, std::size_t count) {
         to == robot ? sums_[index(robot)] : sums_[index(robot)] + sums_[index(to)];
     for (std::size_t at = 0; at <= into_count && !expired(); ++at) {
       if (to == robot && at == from) {
-        continue;  // the present position
+        continue;  // the stop is already at this position
       }
       std::copy(into, into + at, trial_.begin());
       std::copy_n(part.begin(), count, trial_.begin() + static_cast<std::ptrdiff_t>(at));

@@ -118,7 +118,7 @@ class TourSolver {
   std::vector<std::size_t> counts_;
   std::vector<double> sums_;              ///< gain of each tour
   std::vector<std::uint16_t> order_;      ///< stops by descending gain at time 0
-  std::vector<std::uint8_t> is_visited_;  ///< per stop
+  std::vector<std::uint8_t> is_visited_;  ///< one entry per stop
   std::vector<std::uint16_t> trial_;
   std::vector<std::uint16_t> rest_;
   std::int64_t work_nodes_ = 0;

@@ -323,7 +323,7 @@ std::uint8_t CrazyflieEmulator::command(const crtp::FlightMessage& message, Time
     return plan(to_m, go_to->yaw_rad + (go_to->is_relative ? yaw_rad : 0.0), go_to->duration_s,
                 false, now);
   }
-  trajectory_.reset();  // stop
+  trajectory_.reset();  // ends the trajectory
   return crtp::kHighLevelOk;
 }
 

@@ -75,7 +75,7 @@ class WorldSimulation {
   Time time_;
   Time decided_;
   std::vector<Quadrotor> quadrotors_;
-  std::vector<Vehicle*> external_vehicles_;  ///< vehicles of the caller
+  std::vector<Vehicle*> external_vehicles_;  ///< vehicles that the caller simulates
   /// Quadrotors and the caller's vehicles, in the scenario's order of robots
   std::vector<Vehicle*> vehicles_;
   Ground ground_;

@@ -103,7 +103,7 @@ std::optional<SeenObject> read_object(CdrReader& in) {
     }
   }
   const Pose3 centre = read_pose(in);
-  read_vector(in);  // size of the box
+  read_vector(in);  // skips the size of the box
   out.id = in.text();
   if (results == 0) {
     out.position_m = centre.translation_m;

@@ -37,9 +37,10 @@ std::optional<std::vector<StampedPose>> read_poses(scenario::Ros2PoseType type, 
 /// One object of a Detection3DArray, with the hypothesis of the highest score.
 struct SeenObject {
   std::string id;        ///< identity over time; may be empty
-  std::string class_id;  ///< may be empty
+  std::string class_id;  ///< class of the detected object; may be empty
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();  ///< zero: not stated
+  /// covariance of the position; zero: the sender states none
+  Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
 };
 
 /// Objects that a detector saw at one time, in one frame.

@@ -44,7 +44,7 @@ std::string full_name(std::string_view name) {
 
 struct Field {
   std::string_view name;
-  std::string_view type;  ///< without brackets
+  std::string_view type;  ///< type without array brackets
   int type_id = 0;
   std::string capacity = "0";
 };

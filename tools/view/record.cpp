@@ -74,7 +74,8 @@ Child start_browser(const std::string& address, const RecordOptions& options,
   ChildOptions child_options;
   child_options.output = output;
   child_options.end_signal = SIGKILL;
-  child_options.environment = {"TMPDIR=" + folder.file("")};  // for the browser's files
+  child_options.environment = {"TMPDIR=" +
+                               folder.file("")};  // folder for the browser's temporary files
   std::optional<Child> browser;
   for (const std::string& name : names) {
     std::vector<std::string> words = {

@@ -127,7 +127,7 @@ std::optional<FlightMessage> decode_setpoint(const Packet& packet) {
 std::optional<FlightMessage> decode_high_level(const Packet& packet) {
   Reader from(packet.payload());
   const std::uint8_t command = from.u8();
-  from.u8();  // group mask
+  from.u8();  // skips the group mask
   if (packet.channel != 0) {
     return std::nullopt;
   }

@@ -31,7 +31,7 @@ inline constexpr std::uint16_t kDeckFault = 1U << 11U;
 /// Command to the supervisor (port 9 channel 1), by number.
 enum class SupervisorCommand : std::uint8_t {
   kArm = 1,
-  kRecover = 2,        ///< after a crash
+  kRecover = 2,        ///< clears the crashed state, so that the vehicle can be armed again
   kEmergencyStop = 3,  ///< motors off, locked until a restart
   kStopWatchdog = 4,  ///< after the first command, an emergency stop follows 1 s after the last one
 };

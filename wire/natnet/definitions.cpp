@@ -32,7 +32,7 @@ BodyDefinition read_rigid_body(Reader& from, const Version& version) {
   BodyDefinition out;
   out.name = from.terminated_text();
   out.id = from.i32();
-  from.i32();  // parent
+  from.i32();  // skips the parent's id
   from.take(kVectorBytes);
   if (version >= kRotationSince) {
     from.take(kQuaternionBytes);
@@ -71,7 +71,7 @@ bool skip_other(Reader& from, Type type, const Version& version) {
       from.i32();
       from.terminated_text();
       from.terminated_text();
-      from.take(8);  // type and data type
+      from.take(8);  // skips the type and the data type
       skip_names(from, from.count(1));
       return true;
     case Type::kCamera:

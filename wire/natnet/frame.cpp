@@ -129,7 +129,7 @@ bool decode_frame(Bytes payload, const Version& version, Frame& out) {
     return false;
   }
   Reader last(payload.last(last_bytes));
-  last.u64();  // timecode
+  last.u64();  // skips the timecode
   out.since_start_s = last.f64();
   out.exposed_ticks = last.u64();
   out.received_ticks = last.u64();

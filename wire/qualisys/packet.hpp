@@ -24,12 +24,12 @@ inline constexpr std::size_t kHeaderBytes = 8;
 inline constexpr std::size_t kPacketBytesMax = std::size_t{1} << 20U;
 
 enum class PacketType : std::uint32_t {
-  kError = 0,    ///< text
+  kError = 0,    ///< text of an error message
   kCommand = 1,  ///< text: a command, or the answer to one
   kXml = 2,      ///< parameters as text in XML
   kData = 3,
   kNoMoreData = 4,
-  kEvent = 6,  ///< one byte
+  kEvent = 6,  ///< number of an event, one byte
 };
 
 struct Packet {

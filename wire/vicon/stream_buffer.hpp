@@ -11,8 +11,8 @@ namespace vantage::wire::vicon {
 
 /// State of the first packet or message in a byte stream.
 enum class Framing {
-  kWhole,     ///< complete
-  kNeedMore,  ///< incomplete
+  kWhole,     ///< the packet is complete
+  kNeedMore,  ///< the packet is incomplete
   kBroken,    ///< not this protocol, or too long: the stream is unusable
 };
 

@@ -125,7 +125,7 @@ std::optional<VrpnPose> decode_vrpn_pose(Bytes payload) {
   BigReader reader(payload);
   VrpnPose pose;
   pose.sensor = reader.i32();
-  reader.i32();  // padding
+  reader.i32();  // skips the padding
   pose.position_m = vector_from<Eigen::Vector3d>(reader);
   pose.quaternion_xyzw = vector_from<decltype(pose.quaternion_xyzw)>(reader);
   return pose;

@@ -50,7 +50,7 @@ const kTrailLengths_s = [2, 5, 10, 20, 60, 300];
 
 const state = {
   start: null, // s since the epoch: start of the log, or time of the first received record
-  now: null, // s since the start
+  now: null, // displayed time, s since the start
   jumps: 0, // number of jumps of the log's player
   range: null, // [start, end] of the log; null: live
   session: null,

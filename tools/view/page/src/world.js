@@ -47,8 +47,8 @@ export class World {
     this.passing = new Set(); // {topic, id, item, until} of items with a lifetime
     this.view = "both";
     this.bounds = { min_m: [-5, -5], max_m: [5, 5], ceiling_m: 3 };
-    this.selected = null; // id of an entity
-    this.followed = null; // id of an entity, or "team"
+    this.selected = null; // id of the selected entity
+    this.followed = null; // id of the followed entity, or "team"
     this.measured = []; // up to two points of the ground [m]
     this.is_measuring = false;
     this.has_grid = true;
