@@ -212,7 +212,8 @@ void FrameFilter::compare(std::size_t body) {
   }
 }
 
-// long: solves one assignment problem, from the selection of bodies to the marks.
+// This function is long: it solves one assignment problem, from the selection of bodies to the
+// marks.
 void FrameFilter::find_swaps(Duration now) {
   const auto has_pose = [&](std::size_t i) {
     return bodies_[i].seen != nullptr && bodies_[i].seen->pose_state == PoseState::kSeen;

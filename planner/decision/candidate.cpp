@@ -202,7 +202,8 @@ Candidate make_candidate(const SearchProblem& problem, const models::SensorModel
   return candidate;
 }
 
-// long: one loop over the leaves; each leaf is compared with all selected ones.
+// This function is long: it contains one loop over the leaves, which compares each leaf with all
+// selected leaves.
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
                                               const EnergyModel& energy,
                                               ReducedValueIteration& search,

@@ -43,7 +43,7 @@ InformationHeuristic::InformationHeuristic(int targets_max, int horizon_max)
   slots_.reserve(targets);
 }
 
-// long: fills several tables in turn.
+// This function is long: it fills several tables in turn.
 void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable& beliefs) {
   problem_ = &problem;
   beliefs_ = &beliefs;
