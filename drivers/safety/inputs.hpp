@@ -54,7 +54,7 @@ struct SafetyInputs : Surroundings {
   double body_tilt_rad = 0.0;       ///< rad; angle of the body z axis to the vertical, by mocap
   /// m; distance from the scenario's start, before the first flight
   double start_off_m = 0.0;
-  /// rad; yaw difference from that start, before the first flight
+  /// rad; yaw difference from the scenario's start, before the first flight
   double start_turn_rad = 0.0;
 
   // Inputs about the plan.

@@ -16,14 +16,14 @@ using Reasons = std::bitset<kConditionsMax>;  ///< set of conditions, by index i
 /// the condition.
 struct GroundOrder {
   bool is_given = false;
-  Time waits_since{};  ///< time since which a condition forbids it
+  Time waits_since{};  ///< time since which a condition forbids the order
 };
 
 /// Last refused command and its reasons, stored until the next command.
 struct Refusal {
   enum class Order { kNone, kArm, kTakeOff };
   Order order = Order::kNone;
-  Reasons reasons;  ///< empty: the motors were not running
+  Reasons reasons;  ///< reasons of the refusal; empty: the motors were not running
   friend bool operator==(const Refusal&, const Refusal&) = default;
 };
 

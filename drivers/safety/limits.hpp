@@ -21,11 +21,12 @@ struct SafetyLimits {
   double safe_height_m = 0.15;   ///< m; below this height the motors may stop without damage
   double touch_height_m = 0.06;  ///< m; a landing is complete below this height
   double pose_latency_hold_s = 0.10;
-  int pose_rejected_hold = 3;     ///< number of consecutive implausible poses
-  int pose_frames_to_arm = 50;    ///< number of consecutive plausible poses
-  double pose_gate_m = 0.25;      ///< m; largest distance from the prediction after a short gap
-  double pose_gate_max_m = 0.26;  ///< m; upper limit of that distance; < separation_hold_m / 2
-  double pose_flip_rad = 1.0;     ///< rad; larger than any turn of a vehicle between two poses
+  int pose_rejected_hold = 3;   ///< number of consecutive implausible poses
+  int pose_frames_to_arm = 50;  ///< number of consecutive plausible poses
+  double pose_gate_m = 0.25;    ///< m; largest distance from the prediction after a short gap
+  /// m; largest such distance after any gap; < separation_hold_m / 2
+  double pose_gate_max_m = 0.26;
+  double pose_flip_rad = 1.0;  ///< rad; larger than any turn of a vehicle between two poses
   double pose_stuck_moving_s = 0.05;
   double pose_stuck_hover_s = 0.5;
   /// m; poses farther outside the volume are rejected, unless they continue a track in the air
@@ -73,7 +74,8 @@ struct SafetyLimits {
   /// m/s²; horizontal acceleration with which a body other than a robot may leave its straight
   /// path. A person walking at 1.5 m/s can turn by 90° within 0.8 s, or start to walk.
   double other_turn_mps2 = 3.0;
-  double other_prediction_s = 3.0;  ///< s; prediction time of such a body in the plan check
+  /// s; prediction time of a body other than a robot in the plan check
+  double other_prediction_s = 3.0;
   /// s; prediction time of bodies near a landing spot, at most until touchdown
   double landing_prediction_s = 1.5;
   double descent_prediction_s = 0.5;  ///< s; prediction time of bodies below a descending vehicle

@@ -53,7 +53,7 @@ struct Searches {
                            const Deadline& deadline) {
     if (method == "arvi" || method == "rvi") {
       planner::ReducedOptions options;
-      options.keeps_leaves = true;  // for the picture of the tree
+      options.keeps_leaves = true;  // the picture of the tree shows the leaves
       if (method == "rvi") {
         options.search = planner::ReducedSearch::kSinglePass;
         options.epsilon = kEpsilon;

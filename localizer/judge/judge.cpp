@@ -19,7 +19,7 @@ constexpr double kUnjudgedS = 60.0;    // after an unknown start, this time is n
 constexpr double kInside2 = 5.991465;  // 95 % quantile of χ² with 2 degrees of freedom
 constexpr double kInside3 = 7.814728;
 constexpr double kStartSigma = 0.01;                      // m and rad; 1σ of a known start
-const Duration kHindsightPass = std::chrono::seconds(2);  // between two passes of the smoother
+const Duration kHindsightPass = std::chrono::seconds(2);  // time between two passes of the smoother
 
 /// Returns the rotation and translation that moves `from` to `to` with the least squared error.
 Pose2 alignment_of(const std::vector<Eigen::Vector2d>& from,

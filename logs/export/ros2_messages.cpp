@@ -297,7 +297,8 @@ std::vector<Message> to_ros2(const models::VehicleStatus& status, std::string_vi
   constexpr auto kNan = std::numeric_limits<float>::quiet_NaN();
   Cdr out;
   add_header(out, status.stamp.time, status.robot);
-  for (int i = 0; i < 6; ++i) {  // voltage, temperature, current, charge, capacity, design_capacity
+  // unknown: voltage, temperature, current, charge, capacity, design_capacity
+  for (int i = 0; i < 6; ++i) {
     out.number(kNan);
   }
   out.number(static_cast<float>(status.battery_share));

@@ -128,7 +128,7 @@ void Expander::look_at_one(int m, int t, const Views& views, Gains& gains) const
         }
       }
     }
-    // gain2() and trace_reduction() for four lanes.
+    // Computes gain2() and trace_reduction() in four lanes at once.
     const Lanes det_m = M.m00 * M.m11 - M.m01 * M.m01;
     const Lanes gain = 1.0 + M.m00 * P[0] + 2.0 * M.m01 * P[1] + M.m11 * P[2] + det_m * det2(P);
     if (beliefs_.cost() == CostKind::kTrace) {

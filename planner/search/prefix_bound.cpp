@@ -88,7 +88,7 @@ bool PrefixBound::step(const Deadline& deadline, std::int64_t& work_nodes) {
   const Entry least = open_.front();
   const Node& node = tree_[least.id];
   if (node.depth == problem_->horizon_steps) {
-    is_exhausted_ = true;  // the least node is a complete plan, so no plan costs less
+    is_exhausted_ = true;  // the node of the least bound is a complete plan, so no plan costs less
     return true;
   }
   return node.state < turns_of(node).size() ? better(least, deadline, work_nodes)

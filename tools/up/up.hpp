@@ -19,12 +19,13 @@ struct UpOptions {
   std::string host;                          ///< host of scenario.hosts to run; empty: everything
   std::string firmware_folder = "firmware";  ///< contains the working folders of the firmware
   bool quiet = false;
-  bool live_table = false;           ///< redraw a table in place; else print a line every 5 s
-  bool fly = false;                  ///< arm, take off and follow at the start, land at the end
-  bool ends_by_duration = true;      ///< end the trial after scenario.duration_s
-  bool ignore_others = false;        ///< start although processes of another trial are alive
-  bool ignore_load = false;          ///< fly although the host is busy and grants no priority
-  int driver_priority = 0;           ///< see ProcessSettings; set by run_up() if it is granted
+  bool live_table = false;       ///< redraw a table in place; else print a line every 5 s
+  bool fly = false;              ///< arm, take off and follow at the start, land at the end
+  bool ends_by_duration = true;  ///< end the trial after scenario.duration_s
+  bool ignore_others = false;    ///< start although processes of another trial are alive
+  bool ignore_load = false;      ///< fly although the host is busy and grants no priority
+  /// priority of the drivers (ProcessSettings); set by run_up() if the system grants it
+  int driver_priority = 0;
   bool has_virtual_targets = false;  ///< simulate the targets although every device is real
   RestartPolicy restarts;
   /// Returns the number of requests to end so far. The second request ends the wait for landings:
