@@ -12,7 +12,7 @@ namespace {
 
 using planner::TeamOracle;
 
-constexpr int kTrials = 50;  // as in the dissertation
+constexpr int kTrials = 50;  // number of trials in the dissertation
 constexpr int kRobotsMin = 2;
 constexpr int kRobotsMax = 10;
 constexpr int kRobotsMaxSmoke = 4;

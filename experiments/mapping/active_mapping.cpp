@@ -20,7 +20,7 @@ namespace {
 using planner::SearchProblem;
 using planner::SearchResult;
 
-constexpr int kStarts = 100;  // as in the dissertation
+constexpr int kStarts = 100;  // number of starts in the dissertation
 constexpr std::array<double, 2> kBudgets_s = {0.01, 0.1};
 constexpr double kProof_s = 1.0;  // s; planning time of A*; the dissertation uses 10 s
 constexpr double kEpsilon = 1.0;  // as in Fig. 2.5

@@ -14,7 +14,7 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr int kTrials = 50;  // as in the dissertation
+constexpr int kTrials = 50;  // number of trials in the dissertation
 constexpr int kSmokeSteps = 4;
 constexpr std::array<int, 3> kAttacks = {1, 2, 3};
 constexpr int kDrawnAttacks = 2;

@@ -39,11 +39,11 @@ struct WatchSetting {
 
 /// Record of a run after each step; `poses` includes the start.
 struct WatchRun {
-  std::vector<std::vector<Pose2>> poses;    ///< [0 … steps][robot]
-  std::vector<std::vector<char>> attacked;  ///< [step][robot]
+  std::vector<std::vector<Pose2>> poses;    ///< indexed by [0 … steps][robot]
+  std::vector<std::vector<char>> attacked;  ///< indexed by [step][robot]
   /// [step][landmark]; nonzero if observed by a robot that is not attacked
   std::vector<std::vector<char>> seen;
-  std::vector<double> entropy_nats;  ///< [step]; mean entropy over landmarks
+  std::vector<double> entropy_nats;  ///< indexed by step; mean entropy over landmarks
   int turns_on_the_spot = 0;         ///< number of robot steps without any collision-free control
 };
 

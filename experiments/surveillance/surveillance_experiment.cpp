@@ -16,7 +16,7 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr int kTrials = 50;  // as in the dissertation
+constexpr int kTrials = 50;  // number of trials in the dissertation
 constexpr int kRobots = 5;
 constexpr int kAttacks = 2;
 constexpr int kReplanMax = 10;

@@ -38,7 +38,7 @@ std::map<std::string, std::string> parameters_of(const TrackingSetting& setting)
 struct TrackingRun {
   std::vector<double> rmse_m;        ///< √ mean over targets of the squared position error
   std::vector<double> entropy_nats;  ///< mean entropy over targets
-  std::vector<std::vector<TargetStep>> targets;  ///< [step][target]
+  std::vector<std::vector<TargetStep>> targets;  ///< indexed by [step][target]
 };
 
 /// Simulates tracking in a square of 64 m under attacks on the sensors of α robots, chosen again in

@@ -12,7 +12,7 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr int kTrials = 10;  // as in the dissertation
+constexpr int kTrials = 10;  // number of trials in the dissertation
 constexpr double kSmoke_s = 12.0;
 
 // One setting of a sweep.

@@ -15,7 +15,7 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr int kRuns = 10;  // as in the dissertation
+constexpr int kRuns = 10;  // number of runs in the dissertation
 constexpr int kSmokeNodes = 500;
 // Rows of Table 4.1 (robots, targets, attacks): (5, 10, 2), (10, 5, 4) and (10, 10, 4).
 constexpr std::array<std::size_t, 3> kRows = {1, 4, 7};

@@ -14,7 +14,7 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr int kRuns = 10;  // as in the dissertation
+constexpr int kRuns = 10;  // number of runs in the dissertation
 
 // Settings are ordered by attacker, then table row, then method.
 std::size_t attacker_of(std::size_t setting) { return setting / (2 * kTrackingTable.size()); }

@@ -185,7 +185,7 @@ class Score {
 };
 
 struct Span {
-  std::int64_t first = 0;  ///< in steps of kIncrement
+  std::int64_t first = 0;  ///< index of the first instant; instants are kIncrement apart
   std::int64_t last = 0;
 };
 

@@ -85,8 +85,8 @@ class McapWriter {
   std::ofstream out_;
   std::uint64_t written_bytes_ = 0;
   std::uint32_t data_crc_ = 0;
-  std::vector<Schema> schemas_;               ///< index i has id i + 1
-  std::vector<Topic> topics_;                 ///< index i has id i
+  std::vector<Schema> schemas_;               ///< the schema at index i has the id i + 1
+  std::vector<Topic> topics_;                 ///< the topic at index i has the id i
   std::map<std::string, std::uint16_t> ids_;  ///< topic ids by name
   std::string chunk_;
   ChunkTimes chunk_times_;

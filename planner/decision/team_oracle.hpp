@@ -26,7 +26,7 @@ struct TeamProblem {
   int horizon_steps = 10;
   double step_s = 0.5;
   InformationMeasure measure = InformationMeasure::kMutual;
-  std::vector<std::vector<Candidate>> candidates;  ///< [robot]
+  std::vector<std::vector<Candidate>> candidates;  ///< indexed by [robot]
 };
 
 /// Everything about a team problem that does not depend on S: candidates by id, target motion, and

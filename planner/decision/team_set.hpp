@@ -69,7 +69,7 @@ class TeamSet {
   double value_ = 0.0;
   std::int64_t calls_ = 0;
   std::vector<std::vector<Observer>> observers_;  ///< by target: robots that measure it, sorted
-  std::vector<TargetCourses::Course> courses_;    ///< [target][step]
+  std::vector<TargetCourses::Course> courses_;    ///< indexed by [target][step]
   std::vector<double> values_;                    ///< information gain by target, nats
   std::vector<TargetCourses::Measurements> scratch_;
 };

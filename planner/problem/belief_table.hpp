@@ -64,7 +64,7 @@ class BeliefTable {
   std::vector<double> measures_;
   std::vector<double> per_measures_;
   std::vector<double> stage_costs_;
-  std::vector<PackedInformation> fixed_;  ///< [t − 1][m]
+  std::vector<PackedInformation> fixed_;  ///< indexed by [t − 1][m]
   std::vector<std::uint8_t> is_fixed_;    ///< 1 where fixed_ is not zero
 };
 

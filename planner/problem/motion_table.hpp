@@ -103,7 +103,7 @@ class MotionTable {
   Views ends_;  ///< end poses of the controls in the body frame
   double reach_m_ = 0.0;
   int pieces_each_ = 0;  ///< number of pieces per teammate, until all vehicles hover
-  std::vector<TeammatePiece> teammate_pieces_;  ///< [teammate][depth][piece]
+  std::vector<TeammatePiece> teammate_pieces_;  ///< indexed by [teammate][depth][piece]
   std::vector<double>
       step_distances_m_;            ///< [teammate][depth]: maximum distance covered in one step
   std::vector<double> required_m_;  ///< [teammate]: required_separation_m()

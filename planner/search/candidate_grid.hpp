@@ -50,7 +50,7 @@ class CandidateGrid {
   std::vector<std::uint32_t>
       relevant_begin_;  ///< per depth: start index in relevant_; the last entry is the end
   std::vector<std::uint16_t> relevant_;
-  std::vector<Cell> cells_;  ///< [t − 1][row][column]
+  std::vector<Cell> cells_;  ///< indexed by [t − 1][row][column]
   std::vector<std::uint16_t> pool_;
   std::size_t pool_count_ = 0;
 };

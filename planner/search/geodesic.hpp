@@ -62,9 +62,9 @@ class GeodesicTable {
   int corner_count_ = 0;
   models::Rectangle boxes_[kBoxesMax];  ///< boxes shrunk twice; these block the line of sight
   Eigen::Vector2d corners_[kCornersMax];
-  std::vector<double> corner_paths_;  ///< [corner][corner]
+  std::vector<double> corner_paths_;  ///< indexed by [corner][corner]
   std::vector<Eigen::Vector2d> points_;
-  std::vector<double> point_paths_;  ///< [point][corner]
+  std::vector<double> point_paths_;  ///< indexed by [point][corner]
 };
 
 }  // namespace vantage::planner

@@ -74,11 +74,11 @@ class LinearisedCost {
   InformationMeasure measure_ = InformationMeasure::kLogDet;
   int targets_ = 0;
   int horizon_ = 0;
-  std::vector<Gradient> gradients_;           ///< [m][k]
-  std::vector<double> known_;                 ///< [m][k]
-  std::vector<std::uint8_t> reached_;         ///< [m][k]
-  std::vector<Eigen::Matrix4d> covariances_;  ///< [k], after the measurements
-  std::vector<Eigen::Matrix4d> predicted_;    ///< [k], before the measurements
+  std::vector<Gradient> gradients_;           ///< G of target m at depth k, at index at(m, k)
+  std::vector<double> known_;                 ///< known(m, k), at index at(m, k)
+  std::vector<std::uint8_t> reached_;         ///< is_reached(m, k), at index at(m, k)
+  std::vector<Eigen::Matrix4d> covariances_;  ///< by depth, after the measurements
+  std::vector<Eigen::Matrix4d> predicted_;    ///< by depth, before the measurements
 };
 
 }  // namespace vantage::planner

@@ -72,10 +72,10 @@ class NearBound : public PartialBound {
   std::int64_t steps_left_ = 0;  ///< recursion steps left before this disc size is skipped
   bool expired_ = false;
   Hop hops_[kHopsMax + 1];
-  std::vector<double> radii_m_;  ///< ρ, [i][k]
+  std::vector<double> radii_m_;  ///< [i][k]: ρ of target i at step k
   std::vector<double> near_;     ///< [i][k]: most information from inside the disc; 0: out of reach
   std::vector<double> outside_;  ///< [i][k]: most information from ρ or farther
-  std::vector<double> savings_;  ///< b, [i][k]
+  std::vector<double> savings_;  ///< [i][k]: b of target i at step k
   mutable std::vector<double> chains_;
 };
 

@@ -78,7 +78,7 @@ class ReachLattice {
     double cell_m = 0.0;
     std::vector<Plane> planes;
     std::vector<Level> levels;  ///< index 1 … horizon; 0 is unused
-    std::vector<Shift> shifts;  ///< [heading][control]
+    std::vector<Shift> shifts;  ///< indexed by [heading][control]
     [[nodiscard]] const Plane& plane(int t, int n) const {
       const Level& level = levels[index(t)];
       return planes[level.first_plane + index(n + level.turns)];

@@ -41,7 +41,7 @@ RootBound::Answer RootBound::of_moving_plan(const Deadline& deadline, std::int64
   if (!std::isfinite(any_plan_)) {
     return {any_plan_ + terminal_.of_any_plan(), false};
   }
-  double sequenced = 0.0;  // increase over h at the root
+  double sequenced = 0.0;  // increase of the bound over h at the root
   if (!sequencing_.is_empty()) {
     const auto answer = sequencing_.cost_to_go(
         start_, 0, {}, std::numeric_limits<double>::infinity(), deadline, work_nodes);

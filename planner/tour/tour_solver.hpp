@@ -114,7 +114,7 @@ class TourSolver {
   const TourProblem* problem_ = nullptr;
   const Deadline* deadline_ = nullptr;
   std::size_t stops_max_;
-  std::vector<std::uint16_t> tours_;  ///< [robot][position]
+  std::vector<std::uint16_t> tours_;  ///< indexed by [robot][position]
   std::vector<std::size_t> counts_;
   std::vector<double> sums_;              ///< gain of each tour
   std::vector<std::uint16_t> order_;      ///< stops by descending gain at time 0

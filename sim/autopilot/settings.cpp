@@ -16,8 +16,8 @@ AutopilotSettings px4(const ParameterValue& value) {
   const auto of = [&](const char* name, double otherwise) {
     return value(name).value_or(otherwise);
   };
-  constexpr long kLand = 4;      // value of COM_OBL_RC_ACT
-  constexpr long kLinkLand = 3;  // value of NAV_DLL_ACT
+  constexpr long kLand = 4;      // value of COM_OBL_RC_ACT: land
+  constexpr long kLinkLand = 3;  // value of NAV_DLL_ACT: land
   AutopilotSettings out;
   out.setpoint_loss_s = of("COM_OF_LOSS_T", 1.0);
   out.lands_on_setpoint_loss = std::lround(of("COM_OBL_RC_ACT", 0.0)) == kLand;
@@ -44,7 +44,7 @@ AutopilotSettings ardupilot(const ParameterValue& value) {
   const auto of = [&](const char* name, double otherwise) {
     return value(name).value_or(otherwise);
   };
-  constexpr long kLand = 5;  // value of FS_GCS_ENABLE
+  constexpr long kLand = 5;  // value of FS_GCS_ENABLE: land
   constexpr double kLandedS = 0.45;
   AutopilotSettings out;
   out.setpoint_loss_s = of("GUID_TIMEOUT", 3.0);

@@ -41,10 +41,10 @@ std::array<std::uint8_t, 14> format_barometer(double pressure_hpa, double temper
 
 /// Duty cycles of the motors, in [0, 1].
 struct MotorDuties {
-  double front_right = 0.0;  ///< M1
-  double rear_right = 0.0;   ///< M2
-  double rear_left = 0.0;    ///< M3
-  double front_left = 0.0;   ///< M4
+  double front_right = 0.0;  ///< motor M1
+  double rear_right = 0.0;   ///< motor M2
+  double rear_left = 0.0;    ///< motor M3
+  double front_left = 0.0;   ///< motor M4
 };
 /// Parses a motor command; returns nullopt for any other packet.
 std::optional<MotorDuties> parse_motor_duties(std::span<const std::uint8_t> packet);
