@@ -39,6 +39,21 @@ ExpectedSighting expected_sighting(const scenario::SightingSpec& spec, const Pos
   return expected;
 }
 
+Eigen::Matrix2d sighting_covariance(const scenario::SightingNoiseSpec& noise,
+                                    const ExpectedSighting& expected, bool is_mate) {
+  const double d = expected.distance_m;
+  const double range_sigma_m = noise.range_sigma_m + noise.range_sigma_per_m * d * d;
+  Eigen::Matrix2d R = Eigen::Matrix2d::Zero();
+  R(0, 0) = range_sigma_m * range_sigma_m;
+  R(1, 1) = noise.bearing_sigma_rad * noise.bearing_sigma_rad +
+            noise.across_sigma_m * noise.across_sigma_m / (d * d);
+  if (is_mate) {
+    R += noise.teammate_sigma_m * noise.teammate_sigma_m * expected.by_point *
+         expected.by_point.transpose();
+  }
+  return R;
+}
+
 Eigen::Vector2d sighted_point_m(const scenario::SightingSpec& spec, double range_m,
                                 double bearing_rad) {
   // limit, since a depth does not determine the distance across the axis

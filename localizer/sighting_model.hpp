@@ -26,6 +26,12 @@ struct ExpectedSighting {
 ExpectedSighting expected_sighting(const scenario::SightingSpec& spec, const Pose2& world_from_body,
                                    const Eigen::Vector2d& point_m);
 
+/// Returns the covariance of (range, bearing) of a sighting without the bearing error that all
+/// sightings of its frame share.
+/// @param is_mate  true: the sighted body is a teammate, whose sighted point varies
+Eigen::Matrix2d sighting_covariance(const scenario::SightingNoiseSpec& noise,
+                                    const ExpectedSighting& expected, bool is_mate);
+
 /// Returns the point in the body frame at which a body was reported with `range_m` and
 /// `bearing_rad`: the inverse of expected_sighting().
 Eigen::Vector2d sighted_point_m(const scenario::SightingSpec& spec, double range_m,

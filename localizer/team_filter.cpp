@@ -1,9 +1,7 @@
 #include "localizer/team_filter.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -32,14 +30,6 @@ constexpr double kSlipPositionSigmaM = 0.05;
 constexpr int kSlipLandmarksMin = 2;  // rejected sightings of landmarks that indicate a slip
 constexpr int kSureUses = 4;          // sightings after which a mapped landmark is not mapped again
 
-// Assignment of sightings without an id.
-constexpr int kHypothesesMax = 12;       // per frame
-constexpr double kMatchSigma = 4.0;      // σ; a body beyond does not fit a sighting
-constexpr double kUnmatchedCost = 14.0;  // −2 ln of the density of sightings of no body
-constexpr double kAmbiguousCost = 9.0;   // hypotheses within this cost of the best are likely
-constexpr int kNoMatch = -2;             // id of a sighting that fits no body
-constexpr int kUndecided = -3;           // id of a sighting that fits several bodies
-
 }  // namespace
 
 TeamFilter::TeamFilter(const scenario::LocalizerSpec& spec)
@@ -51,6 +41,8 @@ TeamFilter::TeamFilter(const scenario::LocalizerSpec& spec)
   gain_ = Eigen::MatrixXd::Zero(2 * kFrameSightingsMax, n);
   rows_.reserve(kFrameSightingsMax);
   ids_.reserve(kFrameSightingsMax);
+  candidates_.reserve(spec.landmarks.size() + spec.robots.size() +
+                      index(spec.unknown_landmarks_max));
   mapped_.assign(index(spec.unknown_landmarks_max), kNoBodyId);
   uses_.assign(index(spec.unknown_landmarks_max), 0);
   for (int robot = 0; robot < robots(); ++robot) {
@@ -185,7 +177,6 @@ TeamFilter::Body TeamFilter::find_body(int id, bool& is_new) const {
 
 TeamFilter::Row TeamFilter::row_of(int robot, const Pose2& world_from_body,
                                    const models::Sighting& sighting, const Body& body) const {
-  const scenario::SightingNoiseSpec& noise = spec_.sighting_noise;
   const ExpectedSighting expected =
       expected_sighting(spec_.robots[index(robot)].sightings, world_from_body, body.position_m);
   Row row;
@@ -196,16 +187,7 @@ TeamFilter::Row TeamFilter::row_of(int robot, const Pose2& world_from_body,
   row.by_own.setZero();
   row.by_own.leftCols<3>() = expected.by_pose;
   row.by_other = expected.by_point;
-  const double d = expected.distance_m;
-  const double range_sigma_m = noise.range_sigma_m + noise.range_sigma_per_m * d * d;
-  row.R.setZero();
-  row.R(0, 0) = range_sigma_m * range_sigma_m;
-  row.R(1, 1) = noise.bearing_sigma_rad * noise.bearing_sigma_rad +
-                noise.across_sigma_m * noise.across_sigma_m / (d * d);
-  if (body.is_mate) {
-    row.R += noise.teammate_sigma_m * noise.teammate_sigma_m * expected.by_point *
-             expected.by_point.transpose();
-  }
+  row.R = sighting_covariance(spec_.sighting_noise, expected, body.is_mate);
   return row;
 }
 
@@ -255,9 +237,9 @@ void TeamFilter::linearise(int robot, std::span<const models::Sighting> sighting
       continue;
     }
     if (!body.is_known || body.column == at(robot)) {
+      const bool was_assigned = k < ids_.size() && sightings[k].id == kNoBodyId;
       const bool is_unplaced = body.is_mate && body.column != at(robot);
-      (is_unplaced ? counts_.unplaced : counts_.unknown) +=
-          id == kNoMatch || id == kUndecided ? 0 : 1;
+      (is_unplaced ? counts_.unplaced : counts_.unknown) += was_assigned ? 0 : 1;
       continue;
     }
     if (rows_.size() == kFrameSightingsMax) {
@@ -272,155 +254,43 @@ void TeamFilter::linearise(int robot, std::span<const models::Sighting> sighting
 
 void TeamFilter::associate(int robot, std::span<const models::Sighting> sightings) {
   ids_.clear();
-  const std::size_t count =
-      std::min(sightings.size(), static_cast<std::size_t>(kFrameSightingsMax));
   bool has_unknown = false;
-  for (std::size_t k = 0; k < count; ++k) {
-    ids_.push_back(sightings[k].id);
-    has_unknown = has_unknown || sightings[k].id == kNoBodyId;
+  for (const models::Sighting& sighting :
+       sightings.first(std::min(sightings.size(), static_cast<std::size_t>(kFrameSightingsMax)))) {
+    ids_.push_back(sighting.id);
+    has_unknown = has_unknown || sighting.id == kNoBodyId;
   }
   if (!has_unknown) {
     return;
   }
-  const double shared = spec_.sighting_noise.frame_bearing_sigma_rad;
   const int i = at(robot);
-  /// Position and covariance of the robot's pose under a hypothesis.
-  struct View {
-    Pose2 pose;
-    Eigen::Matrix3d P;
-  };
-  /// Cost of one assignment: −2 ln of its density; infinite if the body does not fit.
-  struct Match {
-    double cost = std::numeric_limits<double>::infinity();
-    Row row;
-    Eigen::Matrix2d S;
-  };
-  const auto match = [&](const View& view, const models::Sighting& sighting, const Body& body) {
-    Match out;
-    out.row = row_of(robot, view.pose, sighting, body);
-    const Eigen::Matrix<double, 2, 3> H = out.row.by_own.leftCols<3>();
-    out.S = out.row.R + H * view.P * H.transpose();
-    if (body.column >= 0) {
-      out.S += out.row.by_other * P_.block<2, 2>(body.column, body.column) *
-               out.row.by_other.transpose();
-    }
-    out.S(1, 1) += shared * shared;
-    const double squared = out.row.residual.dot(out.S.inverse() * out.row.residual);
-    if (squared < kMatchSigma * kMatchSigma) {
-      // Relative to the noise of a certain robot, so that a certain match costs about 2.
-      const double noise = out.row.R(0, 0) * (out.row.R(1, 1) + shared * shared);
-      out.cost = squared + std::log(out.S.determinant() / noise);
-    }
-    return out;
-  };
-  const auto for_each_body = [&](const auto& use) {
-    for (const scenario::LandmarkSpec& landmark : spec_.landmarks) {
-      use(landmark.id, Body{true, false, -1, landmark.position_m});
-    }
-    for (std::size_t k = 0; k < mapped_.size(); ++k) {
-      if (mapped_[k] != kNoBodyId) {
-        const int column = at_landmark(static_cast<int>(k));
-        use(mapped_[k], Body{true, false, column, x_.segment<2>(column)});
-      }
-    }
-    for (int mate = 0; mate < robots(); ++mate) {
-      if (mate != robot && is_placed(mate)) {
-        use(spec_.robots[index(mate)].id, Body{true, true, at(mate), x_.segment<2>(at(mate))});
-      }
-    }
-  };
-
-  // Each hypothesis begins with one assignment, which corrects the robot's pose.
-  struct Seed {
-    double cost = 0.0;
-    std::size_t sighting = 0;
-    int id = kNoBodyId;
-    Body body;
-  };
-  std::array<Seed, kHypothesesMax> seeds;
-  int seed_count = 0;
-  const View prior{pose(robot), P_.block<3, 3>(i, i)};
-  for (std::size_t k = 0; k < count; ++k) {
-    if (sightings[k].id != kNoBodyId) {
-      continue;
-    }
-    for_each_body([&](int id, const Body& body) {
-      const double cost = match(prior, sightings[k], body).cost;
-      if (!std::isfinite(cost)) {
-        return;
-      }
-      if (seed_count == kHypothesesMax && cost >= seeds[kHypothesesMax - 1].cost) {
-        return;
-      }
-      seed_count = std::min(seed_count + 1, kHypothesesMax);
-      int place = seed_count - 1;
-      for (; place > 0 && seeds[index(place - 1)].cost > cost; --place) {
-        seeds[index(place)] = seeds[index(place - 1)];
-      }
-      seeds[index(place)] = {cost, k, id, body};
-    });
+  candidates_.clear();
+  for (const scenario::LandmarkSpec& landmark : spec_.landmarks) {
+    candidates_.push_back({landmark.id, false, landmark.position_m});
   }
-
-  struct Hypothesis {
-    double cost = 0.0;
-    std::array<int, kFrameSightingsMax> ids{};
+  const auto add = [&](int id, bool is_mate, int column) {
+    candidates_.push_back({id, is_mate, x_.segment<2>(column), P_.block<2, 2>(column, column),
+                           P_.block<3, 2>(i, column)});
   };
-  std::array<Hypothesis, kHypothesesMax> hypotheses;
-  double best = std::numeric_limits<double>::infinity();
-  for (int h = 0; h < seed_count; ++h) {
-    const Seed& seed = seeds[index(h)];
-    const Match first = match(prior, sightings[seed.sighting], seed.body);
-    const Eigen::Matrix<double, 2, 3> H = first.row.by_own.leftCols<3>();
-    Eigen::Matrix<double, 3, 2> PHt = prior.P * H.transpose();
-    if (seed.body.column >= 0) {
-      PHt += P_.block<3, 2>(i, seed.body.column) * first.row.by_other.transpose();
+  for (std::size_t k = 0; k < mapped_.size(); ++k) {
+    if (mapped_[k] != kNoBodyId) {
+      add(mapped_[k], false, at_landmark(static_cast<int>(k)));
     }
-    const Eigen::Matrix<double, 3, 2> gain = PHt * first.S.inverse();
-    const Eigen::Vector3d step = gain * first.row.residual;
-    const View view{{prior.pose.x_m + step.x(), prior.pose.y_m + step.y(),
-                     wrap_to_pi(prior.pose.yaw_rad + step.z())},
-                    prior.P - gain * PHt.transpose()};
-    Hypothesis& hypothesis = hypotheses[index(h)];
-    hypothesis.cost = seed.cost;
-    hypothesis.ids.fill(kNoMatch);
-    hypothesis.ids[seed.sighting] = seed.id;
-    for (std::size_t k = 0; k < count; ++k) {
-      if (k == seed.sighting || sightings[k].id != kNoBodyId) {
-        continue;
-      }
-      double least = kUnmatchedCost;
-      for_each_body([&](int id, const Body& body) {
-        const bool is_taken =
-            std::find(hypothesis.ids.begin(), hypothesis.ids.end(), id) != hypothesis.ids.end();
-        if (is_taken) {
-          return;
-        }
-        if (const double cost = match(view, sightings[k], body).cost; cost < least) {
-          least = cost;
-          hypothesis.ids[k] = id;
-        }
-      });
-      hypothesis.cost += least;
-    }
-    best = std::min(best, hypothesis.cost);
   }
-  // Use an assignment only if all likely hypotheses contain it.
-  for (std::size_t k = 0; k < count; ++k) {
-    if (sightings[k].id != kNoBodyId) {
-      continue;
+  for (int mate = 0; mate < robots(); ++mate) {
+    if (mate != robot && is_placed(mate)) {
+      add(spec_.robots[index(mate)].id, true, at(mate));
     }
-    int id = kNoBodyId;
-    for (int h = 0; h < seed_count; ++h) {
-      if (hypotheses[index(h)].cost > best + kAmbiguousCost) {
-        continue;
-      }
-      const int candidate = hypotheses[index(h)].ids[k];
-      id = id == kNoBodyId || id == candidate ? candidate : kUndecided;
+  }
+  assign_frame({spec_.robots[index(robot)].sightings, spec_.sighting_noise, candidates_,
+                sightings.first(ids_.size())},
+               {pose(robot), P_.block<3, 3>(i, i)}, ids_);
+  for (std::size_t k = 0; k < ids_.size(); ++k) {
+    if (sightings[k].id == kNoBodyId) {
+      counts_.matched += ids_[k] >= 0 ? 1 : 0;
+      counts_.ambiguous += ids_[k] == kAmbiguousId ? 1 : 0;
+      counts_.unmatched += ids_[k] == kNoBodyId ? 1 : 0;
     }
-    ids_[k] = id == kNoBodyId ? kNoMatch : id;
-    counts_.matched += ids_[k] >= 0 ? 1 : 0;
-    counts_.ambiguous += ids_[k] == kUndecided ? 1 : 0;
-    counts_.unmatched += ids_[k] == kNoMatch ? 1 : 0;
   }
 }
 

@@ -7,15 +7,11 @@
 #include <Eigen/Core>
 
 #include "core/pose.hpp"
+#include "localizer/frame_assignment.hpp"
 #include "models/exchange/pose_messages.hpp"
 #include "scenario/localizer_spec.hpp"
 
 namespace vantage::localizer {
-
-/// Number of sightings of a frame that are used; further sightings are dropped and counted.
-inline constexpr int kFrameSightingsMax = 16;
-/// Id of a sighting whose body the sensor did not identify.
-inline constexpr int kNoBodyId = -1;
 
 /// Counts of one filter since its start.
 struct FilterCounts {
@@ -140,9 +136,10 @@ class TeamFilter {
   Eigen::MatrixXd block_row_;  ///< kRobotDim × n, workspace
   Eigen::MatrixXd gain_;       ///< rows of S^{-1/2} H P, 2 · kFrameSightingsMax × n, workspace
   std::vector<Row> rows_;
-  std::vector<int> ids_;     ///< of the frame's sightings, workspace
-  std::vector<int> mapped_;  ///< ids of the landmarks in the state
-  std::vector<int> uses_;    ///< number of sightings used of each of them
+  std::vector<int> ids_;                   ///< of the frame's sightings, workspace
+  std::vector<CandidateBody> candidates_;  ///< workspace
+  std::vector<int> mapped_;                ///< ids of the landmarks in the state
+  std::vector<int> uses_;                  ///< number of sightings used of each of them
   FilterCounts counts_;
 };
 

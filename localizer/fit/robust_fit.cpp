@@ -1,6 +1,7 @@
 #include "localizer/fit/robust_fit.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -69,6 +70,72 @@ Eigen::VectorXd robust_fit(
     }
   }
   return parameters;
+}
+
+double robust_line(const std::vector<double>& x, const std::vector<double>& y, double sigma,
+                   bool has_offset, double& scale, double& offset) {
+  constexpr int kPasses = 6;
+  scale = 1.0;
+  offset = 0.0;
+  double loss = 0.0;
+  for (int pass = 0; pass <= kPasses; ++pass) {
+    double n = 0.0;
+    double sx = 0.0;
+    double sy = 0.0;
+    double sxx = 0.0;
+    double sxy = 0.0;
+    loss = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double r = (y[i] - scale * x[i] - offset) / sigma;
+      loss += std::log1p(r * r);
+      const double w = 1.0 / (1.0 + r * r);
+      n += w;
+      sx += w * x[i];
+      sy += w * y[i];
+      sxx += w * x[i] * x[i];
+      sxy += w * x[i] * y[i];
+    }
+    if (pass == kPasses) {
+      break;
+    }
+    const double spread = has_offset ? n * sxx - sx * sx : sxx;
+    if (spread <= 0.0) {
+      break;
+    }
+    scale = has_offset ? (n * sxy - sx * sy) / spread : sxy / sxx;
+    offset = has_offset ? (sy - scale * sx) / n : 0.0;
+  }
+  return loss;
+}
+
+Response least_loss_response(const std::function<double(double, double)>& loss) {
+  // Coarse search over a grid, then halved steps around the best point.
+  Response found;
+  double best = std::numeric_limits<double>::infinity();
+  const auto try_at = [&](double delay, double lag) {
+    if (delay < 0.0 || lag < 0.0) {
+      return;
+    }
+    if (const double tried = loss(delay, lag); tried < best) {
+      best = tried;
+      found = {delay, lag};
+    }
+  };
+  for (int i = 0; i <= 8; ++i) {
+    for (int k = 0; k <= 6; ++k) {
+      try_at(0.05 * i, 0.05 * k);
+    }
+  }
+  for (const double step_s : {0.025, 0.0125, 0.00625}) {
+    const double delay = found.delay_s;
+    const double lag = found.lag_s;
+    for (const double of_delay : {-step_s, 0.0, step_s}) {
+      for (const double of_lag : {-step_s, 0.0, step_s}) {
+        try_at(delay + of_delay, lag + of_lag);
+      }
+    }
+  }
+  return found;
 }
 
 }  // namespace vantage::localizer

@@ -16,4 +16,19 @@ Eigen::VectorXd robust_fit(
     const std::function<void(const Eigen::VectorXd&, std::vector<double>&)>& residuals,
     double& cost);
 
+/// Robust line y = scale · x + offset by reweighted least squares with the Cauchy loss of errors in
+/// units of `sigma`. Returns its loss. Without `has_offset`, the offset is 0.
+double robust_line(const std::vector<double>& x, const std::vector<double>& y, double sigma,
+                   bool has_offset, double& scale, double& offset);
+
+/// Delay and lag of a response to commands, s.
+struct Response {
+  double delay_s = 0.0;
+  double lag_s = 0.0;
+};
+
+/// Returns the response with the least `loss`(delay, lag): a search over delays up to 0.4 s and
+/// lags up to 0.3 s.
+Response least_loss_response(const std::function<double(double, double)>& loss);
+
 }  // namespace vantage::localizer

@@ -8,7 +8,6 @@
 #include "core/angle.hpp"
 #include "core/check.hpp"
 #include "localizer/commanded_motion.hpp"
-#include "localizer/fit/robust_fit.hpp"
 #include "localizer/sighting_model.hpp"
 
 namespace vantage::localizer {
@@ -189,7 +188,7 @@ double detection_probability_of(const std::vector<scenario::LandmarkSpec>& landm
 }  // namespace
 
 SensorFit fit_sensor(const std::vector<scenario::LandmarkSpec>& landmarks,
-                     const RobotRecording& recording) {
+                     const RobotRecording& recording, std::optional<double> stamp_delay_s) {
   const std::vector<Sample> samples = samples_of(landmarks, recording);
   require(samples.size() >= kSamplesMin,
           "at least 100 sightings of landmarks with a true pose are needed; the log has " +
@@ -203,8 +202,13 @@ SensorFit fit_sensor(const std::vector<scenario::LandmarkSpec>& landmarks,
     start(4) = 0.03;
     Eigen::VectorXd steps = Eigen::VectorXd::Constant(start.size(), 1e-3);
     steps(4) = 5e-3;
+    const auto fitted_sensor = [&](const Eigen::VectorXd& p) {
+      scenario::SightingSpec sensor = sensor_of(p, is_depth);
+      sensor.stamp_delay_s = stamp_delay_s.value_or(sensor.stamp_delay_s);
+      return sensor;
+    };
     const auto residuals = [&](const Eigen::VectorXd& p, std::vector<double>& out) {
-      const scenario::SightingSpec sensor = sensor_of(p, is_depth);
+      const scenario::SightingSpec sensor = fitted_sensor(p);
       out.clear();
       for (const Sample& sample : samples) {
         const SightingError error = error_of(sample, sensor, recording.truth);
@@ -219,7 +223,7 @@ SensorFit fit_sensor(const std::vector<scenario::LandmarkSpec>& landmarks,
     (is_depth ? best.depth_loss : best.distance_loss) = mean_loss;
     if (mean_loss < best_loss) {
       best_loss = mean_loss;
-      best.sensor = sensor_of(fitted, is_depth);
+      best.sensor = fitted_sensor(fitted);
     }
   }
   best.sightings = static_cast<int>(samples.size());
@@ -325,49 +329,6 @@ Windows windows_of(const RobotRecording& recording, const TrueWindows& truth, do
   return out;
 }
 
-/// Robust line y = scale · x + offset by reweighted least squares. Returns its Cauchy loss.
-double robust_line(const std::vector<double>& x, const std::vector<double>& y, double sigma,
-                   bool has_offset, double& scale, double& offset) {
-  constexpr int kPasses = 6;
-  scale = 1.0;
-  offset = 0.0;
-  double loss = 0.0;
-  for (int pass = 0; pass <= kPasses; ++pass) {
-    double n = 0.0;
-    double sx = 0.0;
-    double sy = 0.0;
-    double sxx = 0.0;
-    double sxy = 0.0;
-    loss = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const double r = (y[i] - scale * x[i] - offset) / sigma;
-      loss += std::log1p(r * r);
-      const double w = 1.0 / (1.0 + r * r);
-      n += w;
-      sx += w * x[i];
-      sy += w * y[i];
-      sxx += w * x[i] * x[i];
-      sxy += w * x[i] * y[i];
-    }
-    if (pass == kPasses) {
-      break;
-    }
-    const double spread = has_offset ? n * sxx - sx * sx : sxx;
-    if (spread <= 0.0) {
-      break;
-    }
-    scale = has_offset ? (n * sxy - sx * sy) / spread : sxy / sxx;
-    offset = has_offset ? (sy - scale * sx) / n : 0.0;
-  }
-  return loss;
-}
-
-/// Delay and lag of a response to commands, s.
-struct Response {
-  double delay_s = 0.0;
-  double lag_s = 0.0;
-};
-
 /// Returns the response with the least loss.
 Response find_response(const RobotRecording& recording, const TrueWindows& truth) {
   const auto loss_of = [&](double delay_s, double lag_s) {
@@ -378,42 +339,16 @@ Response find_response(const RobotRecording& recording, const TrueWindows& truth
                        offset) +
            robust_line(windows.move_m, windows.true_move_m, kMoveSigmaM, false, scale, offset);
   };
-  // Coarse search over a grid, then halved steps around the best point.
-  Response found;
-  double best = std::numeric_limits<double>::infinity();
-  const auto try_at = [&](double delay, double lag) {
-    if (delay < 0.0 || lag < 0.0) {
-      return;
-    }
-    if (const double loss = loss_of(delay, lag); loss < best) {
-      best = loss;
-      found = {delay, lag};
-    }
-  };
-  for (int i = 0; i <= 8; ++i) {
-    for (int k = 0; k <= 6; ++k) {
-      try_at(0.05 * i, 0.05 * k);
-    }
-  }
-  for (const double step_s : {0.025, 0.0125, 0.00625}) {
-    const double delay = found.delay_s;
-    const double lag = found.lag_s;
-    for (const double of_delay : {-step_s, 0.0, step_s}) {
-      for (const double of_lag : {-step_s, 0.0, step_s}) {
-        try_at(delay + of_delay, lag + of_lag);
-      }
-    }
-  }
-  return found;
+  return least_loss_response(loss_of);
 }
 
 }  // namespace
 
-DriveFit fit_drive(const RobotRecording& recording) {
+DriveFit fit_drive(const RobotRecording& recording, std::optional<Response> response) {
   require(!recording.odometry.empty() && !recording.truth.empty(),
           "the robot must have odometry and true poses");
   const TrueWindows truth = true_windows_of(recording);
-  const auto [delay_s, lag_s] = find_response(recording, truth);
+  const auto [delay_s, lag_s] = response ? *response : find_response(recording, truth);
   DriveFit fit;
   fit.drive.delay_s = delay_s;
   fit.drive.lag_s = lag_s;

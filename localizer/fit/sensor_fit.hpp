@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "localizer/fit/robust_fit.hpp"
 #include "localizer/judge/recording.hpp"
 #include "scenario/localizer_spec.hpp"
 
@@ -32,11 +34,15 @@ struct DriveFit {
 };
 
 /// Fits both laws of the range and selects the better one.
+/// @param stamp_delay_s  the delay of the stamps if it is known; nullopt: it is fitted
 /// @throws UsageError if there are fewer than 100 sightings of landmarks with a true pose
 SensorFit fit_sensor(const std::vector<scenario::LandmarkSpec>& landmarks,
-                     const RobotRecording& recording);
+                     const RobotRecording& recording,
+                     std::optional<double> stamp_delay_s = std::nullopt);
 
+/// @param response  delay and lag if they are known; nullopt: they are fitted
 /// @throws UsageError if there are fewer than 100 windows with true poses
-DriveFit fit_drive(const RobotRecording& recording);
+DriveFit fit_drive(const RobotRecording& recording,
+                   std::optional<Response> response = std::nullopt);
 
 }  // namespace vantage::localizer

@@ -5,184 +5,16 @@
 #include <functional>
 #include <random>
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
-
-#include "core/angle.hpp"
 #include "core/check.hpp"
+#include "localizer/judge/score.hpp"
 #include "localizer/team_smoother.hpp"
 
 namespace vantage::localizer {
 namespace {
 
-constexpr double kUnjudgedS = 60.0;    // after an unknown start, this time is not judged
-constexpr double kInside2 = 5.991465;  // 95 % quantile of χ² with 2 degrees of freedom
-constexpr double kInside3 = 7.814728;
-constexpr double kStartSigma = 0.01;                      // m and rad; 1σ of a known start
+constexpr double kUnjudgedS = 60.0;   // after an unknown start, this time is not judged
+constexpr double kStartSigma = 0.01;  // m and rad; 1σ of a known start
 const Duration kHindsightPass = std::chrono::seconds(2);  // time between two passes of the smoother
-
-/// Returns the rotation and translation that moves `from` to `to` with the least squared error.
-Pose2 alignment_of(const std::vector<Eigen::Vector2d>& from,
-                   const std::vector<Eigen::Vector2d>& to) {
-  if (from.empty()) {
-    return {};
-  }
-  Eigen::Vector2d mean_from = Eigen::Vector2d::Zero();
-  Eigen::Vector2d mean_to = Eigen::Vector2d::Zero();
-  for (std::size_t k = 0; k < from.size(); ++k) {
-    mean_from += from[k] / static_cast<double>(from.size());
-    mean_to += to[k] / static_cast<double>(from.size());
-  }
-  double cosine = 0.0;
-  double sine = 0.0;
-  for (std::size_t k = 0; k < from.size(); ++k) {
-    const Eigen::Vector2d p = from[k] - mean_from;
-    const Eigen::Vector2d q = to[k] - mean_to;
-    cosine += p.dot(q);
-    sine += p.x() * q.y() - p.y() * q.x();
-  }
-  Pose2 to_from_from{0.0, 0.0, std::atan2(sine, cosine)};
-  const Eigen::Vector2d origin_m = mean_to - to_from_from * mean_from;
-  to_from_from.x_m = origin_m.x();
-  to_from_from.y_m = origin_m.y();
-  return to_from_from;
-}
-
-/// Returns the root mean square distance of the points `from`, moved by `to_from_from`, from `to`.
-double rmse_of(const Pose2& to_from_from, const std::vector<Eigen::Vector2d>& from,
-               const std::vector<Eigen::Vector2d>& to) {
-  double squares = 0.0;
-  for (std::size_t k = 0; k < from.size(); ++k) {
-    squares += (to_from_from * from[k] - to[k]).squaredNorm();
-  }
-  return from.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(from.size()));
-}
-
-/// Collects estimates and computes the figures.
-class Score {
- public:
-  Score(const Recording& recording, const std::vector<bool>& trusted, const JudgeOptions& options)
-      : recording_(recording),
-        trusted_(trusted),
-        watch_(options.watch),
-        hidden_(options.hidden_landmarks) {}
-
-  void add(std::size_t robot, Time time, const Pose2& pose, const Eigen::Matrix3d& covariance) {
-    if (watch_) {
-      watch_(robot, time, pose, covariance);
-    }
-    if (const auto truth = recording_[robot].truth.at(time)) {
-      samples_.push_back({robot, pose, *truth, covariance});
-    }
-  }
-  /// Counts an instant at which `robot` should have a pose.
-  void add_missing(std::size_t robot, Time time) {
-    missing_ += recording_[robot].truth.at(time) ? 1 : 0;
-  }
-
-  /// @param filter  filter that contains the landmarks
-  [[nodiscard]] JudgeFigures figures(const TeamFilter& filter) const {
-    JudgeFigures out;
-    Pose2 world_from_map;
-    if (!hidden_.empty()) {
-      std::vector<Eigen::Vector2d> from;
-      std::vector<Eigen::Vector2d> to;
-      for (const Sample& sample : samples_) {
-        from.push_back(sample.pose.position_m());
-        to.push_back(sample.truth.position_m());
-      }
-      world_from_map = alignment_of(from, to);
-      judge_landmarks(filter, world_from_map, out);
-    }
-    std::vector<double> all;
-    std::vector<std::vector<double>> by_robot(recording_.size());
-    std::vector<double> yaw;
-    const Eigen::Matrix3d turn =
-        Eigen::AngleAxisd(world_from_map.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    for (const Sample& sample : samples_) {
-      const Pose2 pose = world_from_map * sample.pose;
-      const Eigen::Matrix3d P3 = turn * sample.covariance * turn.transpose();
-      const Eigen::Vector3d error(pose.x_m - sample.truth.x_m, pose.y_m - sample.truth.y_m,
-                                  wrap_to_pi(pose.yaw_rad - sample.truth.yaw_rad));
-      by_robot[sample.robot].push_back(error.head<2>().norm());
-      all.push_back(error.head<2>().norm());
-      const Eigen::Matrix2d P = P3.topLeftCorner<2, 2>();
-      const double of_position = error.head<2>().dot(P.inverse() * error.head<2>());
-      out.nees_position += of_position;
-      out.inside_position += of_position <= kInside2 ? 1 : 0;
-      if (trusted_.empty() || trusted_[sample.robot]) {
-        yaw.push_back(std::abs(error.z()));
-        const double of_pose = error.dot(P3.inverse() * error);
-        out.nees_pose += of_pose;
-        out.inside_pose += of_pose <= kInside3 ? 1 : 0;
-      }
-    }
-    for (const std::vector<double>& errors : by_robot) {
-      out.robot_position_m.push_back(figures_of(errors));
-    }
-    out.position_m = figures_of(all);
-    out.yaw_rad = figures_of(yaw);
-    const double positions = std::max(1.0, static_cast<double>(all.size()));
-    const double poses = std::max(1.0, static_cast<double>(yaw.size()));
-    out.nees_position /= positions;
-    out.inside_position /= positions;
-    out.nees_pose /= poses;
-    out.inside_pose /= poses;
-    out.without_pose = missing_;
-    return out;
-  }
-
- private:
-  static ErrorFigures figures_of(std::vector<double> errors) {
-    ErrorFigures out;
-    out.count = static_cast<int>(errors.size());
-    if (errors.empty()) {
-      return out;
-    }
-    std::sort(errors.begin(), errors.end());
-    double squares = 0.0;
-    for (const double error : errors) {
-      squares += error * error;
-    }
-    const auto quantile = [&](double share) {
-      return errors[static_cast<std::size_t>(share * static_cast<double>(errors.size() - 1))];
-    };
-    out.rmse = std::sqrt(squares / static_cast<double>(errors.size()));
-    out.median = quantile(0.5);
-    out.p95 = quantile(0.95);
-    out.max = errors.back();
-    return out;
-  }
-
-  void judge_landmarks(const TeamFilter& filter, const Pose2& world_from_map,
-                       JudgeFigures& out) const {
-    std::vector<Eigen::Vector2d> to;
-    for (std::size_t k = 0; k < filter.mapped().size(); ++k) {
-      const auto truth = std::find_if(
-          hidden_.begin(), hidden_.end(),
-          [&](const scenario::LandmarkSpec& each) { return each.id == filter.mapped()[k]; });
-      if (truth != hidden_.end()) {
-        out.landmarks_m.push_back(filter.landmark_m(static_cast<int>(k)));
-        to.push_back(truth->position_m);
-      }
-    }
-    out.landmarks_rmse_m = rmse_of(world_from_map, out.landmarks_m, to);
-    out.landmarks_own_rmse_m = rmse_of(alignment_of(out.landmarks_m, to), out.landmarks_m, to);
-  }
-
-  struct Sample {
-    std::size_t robot = 0;
-    Pose2 pose;
-    Pose2 truth;
-    Eigen::Matrix3d covariance;
-  };
-  const Recording& recording_;
-  std::vector<bool> trusted_;
-  PoseWatch watch_;
-  std::vector<scenario::LandmarkSpec> hidden_;
-  std::vector<Sample> samples_;
-  int missing_ = 0;
-};
 
 struct Span {
   std::int64_t first = 0;  ///< index of the first instant; instants are kIncrement apart
@@ -196,7 +28,6 @@ Span span_of(const Recording& recording) {
   Time end = Time::max();
   for (const RobotRecording& robot : recording) {
     require(!robot.odometry.empty(), "every robot must have odometry");
-    require(!robot.truth.empty(), "every robot must have true poses");
     begin = std::max(begin, robot.odometry.front().stamp.time);
     end = std::min(end, robot.odometry.back().stamp.time);
   }
@@ -317,7 +148,7 @@ JudgeFigures judge_team(const scenario::LocalizerSpec& spec, const Recording& re
       bytes += exchange(localizers, options.loss, rng, message);
     }
   }
-  JudgeFigures figures = score.figures(localizers.front().team());
+  JudgeFigures figures = score.figures(landmarks_of(localizers.front().team()));
   figures.placed_after_s = placed_after_s;
   figures.bytes_per_robot_s = static_cast<double>(bytes) / static_cast<double>(robots) /
                               to_seconds(time_of(span.last) - time_of(span.first));
@@ -449,7 +280,7 @@ class HindsightJudge {
   }
 
   [[nodiscard]] JudgeFigures figures(const TeamFilter& filter) const {
-    JudgeFigures out = score_.figures(filter);
+    JudgeFigures out = score_.figures(landmarks_of(filter));
     out.placed_after_s = placed_after_s_;
     return out;
   }
@@ -513,8 +344,50 @@ JudgeFigures judge(const scenario::LocalizerSpec& spec, const Recording& recordi
           "the recording must have the robots of the specification");
   require(heading_trusted.empty() || heading_trusted.size() == recording.size(),
           "heading_trusted must have one entry per robot");
+  for (const RobotRecording& robot : recording) {
+    require(!robot.truth.empty(), "every robot must have true poses");
+  }
   return options.hindsight_s > 0.0 ? judge_hindsight(spec, recording, options, heading_trusted)
                                    : judge_team(spec, recording, options, heading_trusted);
+}
+
+std::vector<TruePath> smoothed_paths(const scenario::LocalizerSpec& spec,
+                                     const Recording& recording) {
+  require(recording.size() == spec.robots.size(),
+          "the recording must have the robots of the specification");
+  const Span span = span_of(recording);
+  JointRun run(spec, recording, span);
+  std::vector<std::int64_t> placed(recording.size(), -1);
+  for (std::int64_t step = span.first + 1; step <= span.last; ++step) {
+    run.step(recording, time_of(step - 1), time_of(step));
+    for (std::size_t robot = 0; robot < placed.size(); ++robot) {
+      if (placed[robot] < 0 && run.filter().is_placed(static_cast<int>(robot))) {
+        placed[robot] = step;
+      }
+    }
+  }
+  // The smoother passes backwards, and paths must ascend in time.
+  struct Timed {
+    Time time{};
+    Pose2 pose;
+  };
+  std::vector<std::vector<Timed>> backwards(recording.size());
+  run.smoother().smooth(
+      run.filter(), [&](Time time, const Eigen::VectorXd& state, const Eigen::MatrixXd&) {
+        for (std::size_t robot = 0; robot < placed.size(); ++robot) {
+          const int i = static_cast<int>(robot) * TeamFilter::kRobotDim;
+          if (placed[robot] >= 0 && time >= time_of(placed[robot])) {
+            backwards[robot].push_back({time, {state(i), state(i + 1), state(i + 2)}});
+          }
+        }
+      });
+  std::vector<TruePath> paths(recording.size());
+  for (std::size_t robot = 0; robot < paths.size(); ++robot) {
+    for (auto each = backwards[robot].rbegin(); each != backwards[robot].rend(); ++each) {
+      paths[robot].add(each->time, each->pose);
+    }
+  }
+  return paths;
 }
 
 }  // namespace vantage::localizer

@@ -68,4 +68,10 @@ struct JudgeFigures {
 JudgeFigures judge(const scenario::LocalizerSpec& spec, const Recording& recording,
                    const JudgeOptions& options, const std::vector<bool>& heading_trusted = {});
 
+/// Returns the paths of all robots, estimated from all data in hindsight with unknown starts. A
+/// path begins when the robot's start is found; it is empty if the start is never found. Needs no
+/// true poses.
+std::vector<TruePath> smoothed_paths(const scenario::LocalizerSpec& spec,
+                                     const Recording& recording);
+
 }  // namespace vantage::localizer

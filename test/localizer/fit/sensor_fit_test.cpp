@@ -8,6 +8,7 @@
 #include "core/angle.hpp"
 #include "core/check.hpp"
 #include "localizer/commanded_motion.hpp"
+#include "localizer/fit/sighted_response.hpp"
 #include "localizer/sighting_model.hpp"
 
 namespace vantage::localizer {
@@ -120,6 +121,32 @@ TEST(DriveFit, FindsDelayLagScalesAndBias) {
   EXPECT_NEAR(fit.drive.speed_scale, kDrive.speed_scale, 0.005);
   EXPECT_NEAR(fit.drive.turn_scale, kDrive.turn_scale, 0.005);
   EXPECT_NEAR(fit.drive.turn_bias_radps, kDrive.turn_bias_radps, 0.0005);
+}
+
+TEST(DriveFit, KeepsGivenResponse) {
+  const DriveFit fit = fit_drive(recorded({}, kDrive), Response{0.2, 0.05});
+  EXPECT_EQ(fit.drive.delay_s, 0.2);
+  EXPECT_EQ(fit.drive.lag_s, 0.05);
+}
+
+TEST(SensorFit, KeepsGivenStampDelay) {
+  const scenario::SightingSpec sensor{true, 1.03, 0.12, 0.03, -0.01, 0.08, 0.04};
+  const SensorFit fit = fit_sensor(hall(), recorded(sensor, kDrive), 0.02);
+  EXPECT_EQ(fit.sensor.stamp_delay_s, 0.02);
+  EXPECT_NEAR(fit.sensor.range_scale, 1.03, 0.003);
+}
+
+TEST(SightedResponse, FindsSumOfDelayAndLagFromSightingsAlone) {
+  const scenario::SightingSpec sensor{true, 1.03, 0.12, 0.03, -0.01, 0.08, 0.04};
+  RobotRecording recording = recorded(sensor, kDrive);
+  recording.truth = {};
+  const Response response = sighted_response(hall(), sensor, recording);
+  EXPECT_NEAR(response.delay_s + response.lag_s, kDrive.delay_s + kDrive.lag_s, 0.05);
+  // An unknown delay of the stamps becomes a part of the delay.
+  scenario::SightingSpec late = sensor;
+  late.stamp_delay_s = 0.0;
+  const Response later = sighted_response(hall(), late, recording);
+  EXPECT_NEAR(later.delay_s + later.lag_s, response.delay_s + response.lag_s + 0.04, 0.02);
 }
 
 TEST(DriveFit, RefusesTooShortRecording) {
