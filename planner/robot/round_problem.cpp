@@ -80,6 +80,23 @@ const models::MocapBody* seen_body(const PlanInputs& inputs, const std::string& 
   return body != nullptr && !body->occluded ? body : nullptr;
 }
 
+/// Number of σ of the own position that obstacles are kept away in addition. A position error in
+/// one direction exceeds it with a probability of 0.3 %.
+constexpr double kPoseSigmas = 3.0;
+/// m; remainder of the present clearance, so that a start at the margin has feasible motions.
+constexpr double kClearanceSlackM = 0.01;
+
+/// Returns the largest 1σ of the robot's horizontal position; 0 if motion capture sees the robot.
+double pose_sigma_m(const PlanInputs& inputs, const std::string& robot) {
+  const auto pose = inputs.poses.find(robot);
+  if (pose == inputs.poses.end()) {
+    return 0.0;
+  }
+  const Eigen::Matrix3d& P = pose->second.covariance;
+  const double mean = 0.5 * (P(0, 0) + P(1, 1));
+  return std::sqrt(mean + std::hypot(0.5 * (P(0, 0) - P(1, 1)), P(0, 1)));
+}
+
 // Builder of the problem of one round.
 class Builder {
  public:
@@ -153,6 +170,12 @@ void Builder::begin(std::size_t robot, const models::Trajectory& committed) {
   problem.world = &scenario_.world;
   problem.field = &workspace_.field();
   problem.clearance_m = spec_.limits.radius_m + planner.obstacle_margin_m;
+  if (const double sigma_m = pose_sigma_m(inputs_, spec_.name); sigma_m > 0.0) {
+    const double free_m =
+        models::clearance_m(scenario_.world, problem.start.position_m()) - kClearanceSlackM;
+    problem.clearance_m = std::max(problem.clearance_m,
+                                   std::min(problem.clearance_m + kPoseSigmas * sigma_m, free_m));
+  }
   // Both vehicles may be off their plans by the tolerance at the same time.
   problem.separation_m = planner.separation_m + 2.0 * planner.tracking_tolerance_m;
   problem.separation_from_above = planner.separation_from_above;

@@ -188,6 +188,34 @@ TEST(ProblemOfRound, MatchesScenario) {
   EXPECT_TRUE(problem_of_round(from_above, 1, inputs, committed, {}).search.separation_from_above);
 }
 
+// Without motion capture, obstacles are avoided by 3σ of the pose in addition, as far as the start
+// allows.
+TEST(ProblemOfRound, KeepsThreeSigmasFromObstaclesWithoutMocap) {
+  struct Row {
+    double sigma_m;
+    double from_wall_m;
+    double clearance_m;
+  };
+  const scenario::Scenario scenario = test::lab_scenario();
+  const double usual_m = scenario.robots[0].limits.radius_m + scenario.planner.obstacle_margin_m;
+  for (const Row& row : {Row{0.0, 2.0, usual_m}, Row{0.1, 2.0, usual_m + 0.3},
+                         Row{0.1, usual_m + 0.11, usual_m + 0.1},  // 0.11 m beyond the usual
+                         Row{0.1, usual_m - 0.1, usual_m}}) {
+    PlanInputs inputs = test::first_inputs(scenario, 0);
+    if (row.sigma_m > 0.0) {
+      models::PoseEstimate& pose = inputs.poses["Q1"];
+      pose.covariance = Eigen::Matrix3d::Identity() * 1e-6;
+      pose.covariance(1, 1) = row.sigma_m * row.sigma_m;
+    }
+    Workspace workspace(scenario);
+    models::Trajectory committed;
+    committed.start_time = inputs.slot.activation;
+    committed.start = {row.from_wall_m - 4.0, -0.8, 0.0};
+    const SearchProblem problem = problem_of_round(workspace, 0, inputs, committed, {}).search;
+    EXPECT_NEAR(problem.clearance_m, row.clearance_m, 1e-9) << row.sigma_m << row.from_wall_m;
+  }
+}
+
 // The seed differs for each robot, round and scenario, and is reproducible.
 TEST(ProblemOfRound, HasADifferentSeedForEachRobotRoundAndScenario) {
   scenario::Scenario scenario = test::lab_scenario();
