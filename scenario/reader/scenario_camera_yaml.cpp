@@ -300,6 +300,24 @@ void check_only_detector(const Value& document, const Value& sensor, const std::
   }
 }
 
+/// Refuses sensors and objectives that need more than the positions of identified targets.
+void check_purpose(const Value& sensor, const Scenario& scenario, const RobotSpec& robot) {
+  if (models::measures_velocity(robot.sensor)) {
+    sensor.refuse(
+        fmt::format("kind must be one without velocities with device: camera, which "
+                    "measures positions; is {}",
+                    robot.sensor.kind.name()));
+  }
+  if (!robot.detection.detects_ids) {
+    sensor.refuse("detects_ids must be true with device: camera: tags identify their targets");
+  }
+  if (scenario.planner.objective == PlanObjective::kMapping) {
+    sensor.refuse(
+        "device must be vantage or external with planner.objective: mapping, because a "
+        "camera measures no ranges of obstacles");
+  }
+}
+
 std::vector<CameraSpec> read_cameras(const Value& document, const Scenario& scenario,
                                      const std::optional<LocalizerSpec>& localizer) {
   std::vector<CameraSpec> out;
@@ -318,6 +336,7 @@ std::vector<CameraSpec> read_cameras(const Value& document, const Scenario& scen
     camera.simulated_folder =
         fmt::format("/dev/shm/vantage-camera-{}/{}-{}", ::geteuid(), scenario.name, camera.robot);
     check_only_detector(document, sensor.front(), camera.robot);
+    check_purpose(sensor.front(), scenario, scenario.robots[i]);
     if (const std::vector<Value> lists = values_under(layers, {"tags"}); !lists.empty()) {
       resolve_tags(lists.front(), scenario, localizer, camera.tags);
     }

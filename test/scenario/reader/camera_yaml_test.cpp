@@ -173,6 +173,22 @@ TEST(CamerasOf, RefusesMistakesWithTheirLine) {
   }
 }
 
+// A camera measures positions of identified targets: no velocities, no unknown targets, no ranges
+// of obstacles.
+TEST(CamerasOf, RefusesSensorsThatImagesCannotReplace) {
+  for (const RefusalRow& row : {
+           RefusalRow{"kind: range_bearing", "kind: range_rate", "kind must be one without veloc"},
+           RefusalRow{"detects_ids: true", "detects_ids: false", "detects_ids must be true with"},
+       }) {
+    try {
+      static_cast<void>(parse_scenario(camera_text({{row.was, row.becomes}}), "lab.yaml"));
+      ADD_FAILURE() << "accepted: " << row.becomes;
+    } catch (const StartupError& error) {
+      EXPECT_NE(std::string(error.what()).find(row.error), std::string::npos) << error.what();
+    }
+  }
+}
+
 TEST(CamerasOf, RefusesTwoDetectorsOfOneRobot) {
   const std::string both =
       camera_text({{"seed: 1 ", "ros2: {detections: [{topic: /Q1/d, robot: Q1}]}\nseed: 1 "}});
