@@ -66,6 +66,11 @@ CameraEmulatorNode::CameraEmulatorNode(bus::Bus& bus, const bus::Clock& clock,
                                     [this](const models::TruthFrame& truth) { on_truth(truth); });
 }
 
+CameraEmulatorNode::~CameraEmulatorNode() {
+  std::error_code ignored;
+  std::filesystem::remove_all(folder_, ignored);
+}
+
 void CameraEmulatorNode::on_truth(const models::TruthFrame& truth) {
   const std::optional<models::GrayImage> image = scene_->image_of(truth);
   if (!image) {

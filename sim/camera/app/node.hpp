@@ -20,6 +20,12 @@ class CameraEmulatorNode : public bus::Node {
   /// Creates the folder, only accessible to this user, and removes the images in it.
   /// @throws StartupError when the folder cannot be created or belongs to another user
   CameraEmulatorNode(bus::Bus& bus, const bus::Clock& clock, std::unique_ptr<TagScene> scene);
+  /// Removes the folder.
+  ~CameraEmulatorNode() override;
+  CameraEmulatorNode(const CameraEmulatorNode&) = delete;
+  CameraEmulatorNode& operator=(const CameraEmulatorNode&) = delete;
+  CameraEmulatorNode(CameraEmulatorNode&&) = delete;
+  CameraEmulatorNode& operator=(CameraEmulatorNode&&) = delete;
 
   [[nodiscard]] std::string name() const override { return "CAMERA_EMULATOR_" + robot_; }
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
