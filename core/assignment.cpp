@@ -23,7 +23,7 @@ AssignmentSolver::AssignmentSolver(int rows_max, int columns_max) {
 }
 
 // Finds the shortest path to an unassigned column for each row.
-// This function is long: it contains one loop.
+// Long function: it contains one loop.
 std::span<const int> AssignmentSolver::solve(std::span<const double> cost, int rows, int columns) {
   demand(rows >= 0 && rows <= columns && cost.size() == index(rows) * index(columns),
          "an assignment needs at least as many columns as rows, and one cost per row and column");

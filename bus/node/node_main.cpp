@@ -56,7 +56,7 @@ class StopRequests {
 
 }  // namespace
 
-// This function is long: it contains the start, loop and end of a process, in order.
+// Long function: it contains the start, loop and end of a process, in order.
 int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node) {
   return run_process(program.name, [&]() -> int {
     LivenessSender life;

@@ -117,7 +117,7 @@ SafetyLimits limits_for(const scenario::Scenario& scenario, const std::string& r
   return limits;
 }
 
-// This function is long: it checks one rule per limit.
+// Long function: it checks one rule per limit.
 void check_limits(const SafetyLimits& l) {
   require_less({"pose_age_warn_s", l.pose_age_warn_s}, {"pose_age_hold_s", l.pose_age_hold_s});
   require_less({"pose_age_hold_s", l.pose_age_hold_s}, {"pose_age_land_s", l.pose_age_land_s});

@@ -212,7 +212,7 @@ void FrameFilter::compare(std::size_t body) {
   }
 }
 
-// This function is long: it solves one assignment problem, from the selection of bodies to the
+// Long function: it solves one assignment problem, from the selection of bodies to the
 // marks.
 void FrameFilter::find_swaps(Duration now) {
   const auto has_pose = [&](std::size_t i) {

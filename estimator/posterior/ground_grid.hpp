@@ -56,7 +56,7 @@ class GroundGrid {
     }
   }
 
-  // This function is long: it computes the exponents at grid points, then their moments. The grid's
+  // Long function: it computes the exponents at grid points, then their moments. The grid's
   // axes rotate with the robot.
   [[nodiscard]] std::optional<IntegratedMoments> integrate(bool is_limited) const {
     const double c = std::cos(from_.world_from_body.yaw_rad);

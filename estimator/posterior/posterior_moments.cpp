@@ -143,7 +143,7 @@ class Rays {
   }
 
   /// Integrates along the ray with unit vector `u`, at `bearing_rad` from the body's x axis.
-  /// This function is long: it distinguishes the cases of one integrand.
+  /// Long function: it distinguishes the cases of one integrand.
   [[nodiscard]] RayIntegral along(const PositionVector& u, double bearing_rad, double cos_elevation,
                                   bool is_limited) const {
     RayIntegral out;
@@ -239,7 +239,7 @@ class Rays {
     return out;
   }
 
-  // This function is long: it integrates over an array of rays that is narrowed to the directions
+  // Long function: it integrates over an array of rays that is narrowed to the directions
   // that contain the mass.
   template <std::size_t Bearings, std::size_t Elevations>
   [[nodiscard]] std::optional<IntegratedMoments> integrate_over(bool is_limited) const {

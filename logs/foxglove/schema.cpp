@@ -120,7 +120,7 @@ OrderedJson well_known(Schema schema) {
   }
 }
 
-// This function is long: it contains a table with one entry per schema.
+// Long function: it contains a table with one entry per schema.
 OrderedJson vantage_schema(Schema schema) {
   const OrderedJson point = list_of(number());
   const OrderedJson rectangle = object({{"min_m", point}, {"max_m", point}});

@@ -134,7 +134,7 @@ class Legend {
   Eigen::Vector2d at_px_;
 };
 
-// This function is long: it draws the entries of the legend in order.
+// Long function: it draws the entries of the legend in order.
 void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, const scenario::Scenario& scenario,
                  const Scene& scene) {
   const Eigen::Vector2d dx(14, 0);

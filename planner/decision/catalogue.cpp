@@ -46,7 +46,7 @@ double attack_count(int robots, int attacks_max) {
   return sum;
 }
 
-// This function is long: it contains a table with one entry per algorithm.
+// Long function: it contains a table with one entry per algorithm.
 const std::vector<DecisionAlgorithm>& all_decision_algorithms() {
   using Options = DecisionOptions;
   static const std::vector<DecisionAlgorithm> kAll = {

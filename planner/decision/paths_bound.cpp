@@ -28,7 +28,7 @@ PathsBound::PathsBound(int targets_max, int horizon_max)
       lattice_(targets_max, horizon_max, kStatesMax),
       beliefs_(targets_max, horizon_max) {}
 
-// This function is long: it contains the loop of iterations over all robots.
+// Long function: it contains the loop of iterations over all robots.
 PathsBound::Answer PathsBound::of(std::span<const SearchProblem> problems,
                                   std::span<const int> robots, InformationMeasure measure,
                                   const Deadline& deadline) {

@@ -66,7 +66,7 @@ MotionTable::MotionTable(int controls_max, int steps_max, int teammates_max) {
   required_m_.reserve(teammates);
 }
 
-// This function is long: it fills several tables in turn.
+// Long function: it fills several tables in turn.
 void MotionTable::reset(const SearchProblem& problem) {
   problem_ = &problem;
   primitives_.clear();

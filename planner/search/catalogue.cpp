@@ -82,7 +82,7 @@ Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch ki
       });
 }
 
-// This function is long: it contains a table with one entry per search.
+// Long function: it contains a table with one entry per search.
 std::vector<Algorithm>& algorithms() {
   static std::vector<Algorithm> all = {
       {"beam", "anytime beam search: each pass is wider and has smaller diversity cells", 0.25,

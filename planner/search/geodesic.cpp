@@ -75,7 +75,7 @@ bool GeodesicTable::sees(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m)
   return true;
 }
 
-// This function is long: it fills several tables in turn.
+// Long function: it fills several tables in turn.
 void GeodesicTable::reset(const models::World* world,
                           const std::vector<Eigen::Vector2d>& points_m) {
   points_.assign(points_m.begin(), points_m.end());

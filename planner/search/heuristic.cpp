@@ -43,7 +43,7 @@ InformationHeuristic::InformationHeuristic(int targets_max, int horizon_max)
   slots_.reserve(targets);
 }
 
-// This function is long: it fills several tables in turn.
+// Long function: it fills several tables in turn.
 void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable& beliefs) {
   problem_ = &problem;
   beliefs_ = &beliefs;

@@ -215,7 +215,7 @@ LatticeBound::LocalGradient LatticeBound::local_gradient(int m, int k) const {
   return out;
 }
 
-// This function is long: it computes distances and directions of a cell, then their values.
+// Long function: it computes distances and directions of a cell, then their values.
 LatticeBound::CellGain LatticeBound::cell_gain(const LocalGradient& local_gradient,
                                                const Sensor& sensor, double dx_m, double dy_m,
                                                double half_cell_m) {
@@ -282,7 +282,7 @@ LatticeBound::CellGain LatticeBound::cell_gain(const LocalGradient& local_gradie
   return out;
 }
 
-// This function is long: it contains nested loops over targets, sensors and cells, and computes
+// Long function: it contains nested loops over targets, sensors and cells, and computes
 // values before each inner loop.
 bool LatticeBound::add_rewards(int t) {
   const int k = depth_ + t;

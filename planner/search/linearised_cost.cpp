@@ -45,7 +45,7 @@ double LinearisedCost::linearise(int m, int depth, const double* block, const fl
              : linearise_block<4>(m, depth, block, reference);
 }
 
-// This function is long: it contains a forward pass and a backward pass that uses its values.
+// Long function: it contains a forward pass and a backward pass that uses its values.
 template <int kDim>
 double LinearisedCost::linearise_block(int m, int depth, const double* block,
                                        const float* reference) {

@@ -222,7 +222,7 @@ void TourPlanner::write_tour() {
   }
 }
 
-// This function is long: it chooses the stops, then fills the grid in two passes.
+// Long function: it chooses the stops, then fills the grid in two passes.
 TerminalValue TourPlanner::terminal_value() const {
   std::vector<TerminalValue::Stop> stops;
   std::vector<int> points;  // indices into positions_m_

@@ -196,7 +196,7 @@ const TeamTask& task_at(const VectorTask& tasks, std::size_t index) {
 }
 
 // Returns the team's estimates in one task and their true errors, for pictures and tests.
-// This function is long: it fills a dict, key by key.
+// Long function: it fills a dict, key by key.
 py::dict state_of(const Tasks& tasks, std::size_t index) {
   struct State {
     std::vector<Pose2> poses;

@@ -202,7 +202,7 @@ models::StateVector state_of(const Doubles& state) {
   return out;
 }
 
-// This function is long: it lists the Python names, one entry each.
+// Long function: it lists the Python names, one entry each.
 void bind_sensor(py::module_& module) {
   py::class_<SensorModel> sensor(module, "SensorModel",
                                  R"(A sensor model, z = h(x, y) + v.
@@ -380,7 +380,7 @@ World(bounds, obstacles=()): bounds (4,) and obstacles (n, 4): xmin, ymin, xmax,
           py::arg("a"), py::arg("b"), "True if no obstacle is between the points.");
 }
 
-// This function is long: it lists the Python names, one entry each.
+// Long function: it lists the Python names, one entry each.
 void bind_belief(py::module_& module) {
   module.def(
       "predict",

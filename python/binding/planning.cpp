@@ -162,7 +162,7 @@ double gap_of(const Plan& plan) {
                           : std::numeric_limits<double>::infinity();
 }
 
-// This function is long: it lists the Python names, one entry each.
+// Long function: it lists the Python names, one entry each.
 void bind_problem(py::module_& module) {
   py::class_<Problem>(
       module, "Problem",
@@ -234,7 +234,7 @@ Nats for cost logdet, m² for trace. Reachability and clearance of the poses are
       });
 }
 
-// This function is long: it lists the Python names, one entry each.
+// Long function: it lists the Python names, one entry each.
 void bind_plan(py::module_& module) {
   const auto integer = [](std::int64_t SearchResult::*member) {
     return [member](const Plan& p) { return p.result().*member; };

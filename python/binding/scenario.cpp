@@ -33,7 +33,7 @@ std::shared_ptr<Scenario> scenario_of(const py::object& source) {
 
 }  // namespace
 
-// This function is long: it lists the Python names, one entry each.
+// Long function: it lists the Python names, one entry each.
 void bind_scenario(py::module_& module) {
   py::class_<Scenario, std::shared_ptr<Scenario>>(module, "Scenario",
                                                   R"(Complete description of a trial.

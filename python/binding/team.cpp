@@ -123,7 +123,7 @@ py::list candidates_of(const Decision& decision) {
   return out;
 }
 
-// This function is long: it lists the Python names, one entry each.
+// Long function: it lists the Python names, one entry each.
 void bind_decision(py::module_& module) {
   py::class_<Decision>(module, "Decision",
                        "Decision of a team: one entry per robot, in the order of the problems.")
@@ -199,7 +199,7 @@ per million. None: no bound is known (for example for targets in 3-D).)")
 
 }  // namespace
 
-// This function is long: it lists the Python names, one entry each.
+// Long function: it lists the Python names, one entry each.
 void bind_team(py::module_& module) {
   bind_decision(module);
   module.def(

@@ -273,7 +273,7 @@ py::dict map_dict(const models::RobotMap& map, Time start) {
 
 }  // namespace
 
-// This function is long: it lists the Python names, one entry each.
+// Long function: it lists the Python names, one entry each.
 void bind_trial(py::module_& module) {
   py::class_<Trial>(module, "Trial",
                     R"(One trial in virtual time: simulator, sensors, estimators, planners.

@@ -85,7 +85,7 @@ void AutopilotEmulator::send_due() {
   }
 }
 
-// This function is long: it contains one case for each message.
+// Long function: it contains one case for each message.
 void AutopilotEmulator::send_stream_message(std::uint32_t message_id) {
   const Airframe& airframe = controller_.airframe();
   const auto boot_ms = static_cast<std::uint32_t>((now_ - boot_).count() / 1000);

@@ -52,7 +52,7 @@ void note_discovery(const Scenario& scenario, Notes& notes) {
   }
 }
 
-// This function is long: it checks one rule per parameter of a sensor.
+// Long function: it checks one rule per parameter of a sensor.
 void note_sensors(const Scenario& scenario, Notes& notes) {
   for (const RobotSpec& robot : scenario.robots) {
     const SensorModel& sensor = robot.sensor;
@@ -295,7 +295,7 @@ void note_attacks(const Scenario& scenario, Notes& notes) {
   }
 }
 
-// This function is long: it checks one rule per parameter of the motion capture system.
+// Long function: it checks one rule per parameter of the motion capture system.
 void note_mocap(const Scenario& scenario, Notes& notes) {
   constexpr double kUsefulRate_hz = 10.0;
   const scenario::MocapSpec& mocap = scenario.mocap;

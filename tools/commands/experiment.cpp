@@ -194,7 +194,7 @@ void add_slurm_options(CLI::App& command, ExperimentArguments& arguments,
 
 }  // namespace
 
-// This function is long: it adds one option after the other.
+// Long function: it adds one option after the other.
 void add_experiment_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
       "experiment",

@@ -72,7 +72,7 @@ std::string gnuplot_text(const std::string& text) {
   return "'" + out + "'";
 }
 
-// This function is long: it writes one script from top to bottom.
+// Long function: it writes one script from top to bottom.
 std::string plot_script(const logs::LogAnalysis& analysis, const scenario::Scenario& scenario,
                         const std::string& title, const std::string& picture_path) {
   std::string out = "$course << EOD\n";

@@ -246,7 +246,7 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
   return out;
 }
 
-// This function is long: it adds one kind of process after the other.
+// Long function: it adds one kind of process after the other.
 std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
                                       const ProcessSettings& settings) {
   const auto command = [&settings](const std::string& program) {

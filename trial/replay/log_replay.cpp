@@ -75,7 +75,7 @@ ReplayTarget parse_replay_target(const std::string& text, const scenario::Scenar
   return {known->second, robot};
 }
 
-// This function is long: it creates objects in the order in which they depend on each other.
+// Long function: it creates objects in the order in which they depend on each other.
 ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& scenario,
                         const ReplayTarget& target, const std::function<void(double)>& progress) {
   const std::vector<std::string> outputs = outputs_of(target);

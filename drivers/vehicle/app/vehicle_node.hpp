@@ -97,7 +97,7 @@ class VehicleNode : public bus::Node {
   /// @param landing  time for the vehicle to stop when the driver is requested to end
   /// @param own   last argument of Driver, after scenario, robot and limits
   /// @param limits  nullopt: limits_for(scenario, robot)
-  // This function is long: it subscribes to all channels of a vehicle.
+  // Long function: it subscribes to all channels of a vehicle.
   template <class Own>
   VehicleNode(const std::string& name, Duration tick_period, Duration landing, bus::Bus& bus,
               const bus::Clock& clock, const scenario::Scenario& scenario, const std::string& robot,
