@@ -19,8 +19,7 @@ constexpr std::size_t kSparedShare = 8;
 
 Reassembler::Reassembler(const ReassemblyLimits& limits) : limits_(limits) {}
 
-// Long function: it checks a fragment against all limits in order; each check may refuse
-// it.
+// Long function: it checks a fragment against all limits in order. Each check may refuse it.
 std::optional<AssembledMessage> Reassembler::add(std::uint64_t source, const Packet& packet,
                                                  std::int64_t now_ns) {
   if (packet.message_bytes > limits_.message_bytes_max) {

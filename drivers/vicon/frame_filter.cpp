@@ -212,8 +212,7 @@ void FrameFilter::compare(std::size_t body) {
   }
 }
 
-// Long function: it solves one assignment problem, from the selection of bodies to the
-// marks.
+// Long function: it selects the bodies, solves one assignment problem and marks swapped bodies.
 void FrameFilter::find_swaps(Duration now) {
   const auto has_pose = [&](std::size_t i) {
     return bodies_[i].seen != nullptr && bodies_[i].seen->pose_state == PoseState::kSeen;

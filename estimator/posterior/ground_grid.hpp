@@ -56,8 +56,8 @@ class GroundGrid {
     }
   }
 
-  // Long function: it computes the exponents at grid points, then their moments. The grid's
-  // axes rotate with the robot.
+  // Long function: it computes the exponents of the density at grid points, then the moments of the
+  // density. The grid's axes rotate with the robot.
   [[nodiscard]] std::optional<IntegratedMoments> integrate(bool is_limited) const {
     const double c = std::cos(from_.world_from_body.yaw_rad);
     const double s = std::sin(from_.world_from_body.yaw_rad);

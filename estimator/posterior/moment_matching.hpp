@@ -70,8 +70,8 @@ struct ProductRule {
 /// @param share  if not null: receives Z, or 1 if the likelihood is 1 at every point; not written
 /// when the covariance is not positive definite
 /// Source: assumed-density filtering; Ristic, Arulampalam, Gordon, Beyond the Kalman Filter (2004).
-// Long function: it computes one integral: points, their moments, and the cases in which
-// the belief does not change.
+// Long function: it computes the points of an integral and their moments, and handles the cases in
+// which the belief does not change.
 template <class Likelihood>
 models::Gaussian reweighted(const models::Gaussian& belief, const Likelihood& likelihood,
                             double* share = nullptr) {

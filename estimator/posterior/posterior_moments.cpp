@@ -239,8 +239,8 @@ class Rays {
     return out;
   }
 
-  // Long function: it integrates over an array of rays that is narrowed to the directions
-  // that contain the mass.
+  // Long function: it integrates over an array of rays, and first narrows the array to the
+  // directions that contain the mass.
   template <std::size_t Bearings, std::size_t Elevations>
   [[nodiscard]] std::optional<IntegratedMoments> integrate_over(bool is_limited) const {
     std::array<RayIntegral, Bearings * Elevations> rays;

@@ -68,7 +68,7 @@ UnitRows run_unit(const JamCase& of, bool is_smoke, std::uint64_t seed) {
   return rows;
 }
 
-// Long function: it adds one row of the page after another.
+// Long function: it adds the rows of the page one by one.
 Summary summarise(const Tables& tables) {
   struct Trials {
     std::array<Sample, 2> switches;

@@ -202,8 +202,7 @@ Candidate make_candidate(const SearchProblem& problem, const models::SensorModel
   return candidate;
 }
 
-// Long function: it contains one loop over the leaves, which compares each leaf with all
-// selected leaves.
+// Long function: one loop over the leaves compares each leaf with all selected leaves.
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
                                               const EnergyModel& energy,
                                               ReducedValueIteration& search,

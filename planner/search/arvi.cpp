@@ -27,7 +27,7 @@ void ReducedValueIteration::prefault() {
   fresh_.prefault();
 }
 
-// Long function: it runs the passes and sets all fields of the result.
+// Long function: it makes the passes and sets all fields of the result.
 const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
                                                 const ReducedOptions& options,
                                                 const Deadline& deadline) {

@@ -272,7 +272,7 @@ void RefiningBeam::offer_candidate(Pass& pass, Candidate& candidate, double rank
 
 // Two rounds of counting find the rank up to which candidates are kept, because a sort could not be
 // interrupted. Candidates in the last bin are taken in order.
-// Long function: it contains two rounds of counting over the same bins.
+// Long function: it counts twice over the same bins.
 bool RefiningBeam::keep_best(std::size_t room, Mark from) {
   constexpr std::size_t kBins = 256;
   using Histogram = std::array<std::uint32_t, kBins>;

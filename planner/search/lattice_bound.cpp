@@ -215,7 +215,7 @@ LatticeBound::LocalGradient LatticeBound::local_gradient(int m, int k) const {
   return out;
 }
 
-// Long function: it computes distances and directions of a cell, then their values.
+// Long function: it computes the distances and directions of a cell, then their values.
 LatticeBound::CellGain LatticeBound::cell_gain(const LocalGradient& local_gradient,
                                                const Sensor& sensor, double dx_m, double dy_m,
                                                double half_cell_m) {
@@ -282,8 +282,7 @@ LatticeBound::CellGain LatticeBound::cell_gain(const LocalGradient& local_gradie
   return out;
 }
 
-// Long function: it contains nested loops over targets, sensors and cells, and computes
-// values before each inner loop.
+// Long function: it has nested loops over targets, sensors and cells.
 bool LatticeBound::add_rewards(int t) {
   const int k = depth_ + t;
   const ReachLattice::Level& level = layout_->levels[index(t)];

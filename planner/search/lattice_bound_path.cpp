@@ -29,7 +29,7 @@ void LatticeBound::find_successor_maxima(int t, int n, int j, ReachLattice::Row 
   }
 }
 
-// Long function: it performs one sweep over the same planes.
+// Long function: it makes one sweep, in which all parts use the same planes.
 bool LatticeBound::gather(int t) {
   const ReachLattice::Level& level = layout_->levels[index(t)];
   const std::size_t controls = reach_.ends().size();
@@ -114,7 +114,7 @@ ReachLattice::Shift LatticeBound::first_cell(std::size_t control) const {
           static_cast<int>(std::floor(end.y_m / layout_->cell_m + 0.5))};
 }
 
-// Long function: it finds each step of the path, then its measurements.
+// Long function: it finds each step of the path, then the measurements of this step.
 bool LatticeBound::follow_best(float* path_information) {
   const int steps = horizon_ - depth_;
   const double half_cell_m = 0.5 * layout_->cell_m + ReachLattice::kEdge_m;

@@ -45,7 +45,7 @@ double LinearisedCost::linearise(int m, int depth, const double* block, const fl
              : linearise_block<4>(m, depth, block, reference);
 }
 
-// Long function: it contains a forward pass and a backward pass that uses its values.
+// Long function: its forward pass stores the values that its backward pass needs.
 template <int kDim>
 double LinearisedCost::linearise_block(int m, int depth, const double* block,
                                        const float* reference) {

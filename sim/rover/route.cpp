@@ -36,7 +36,7 @@ double RouteMap::clearance_needed_m(double radius_m) const {
   return radius_m + kMarginM + geometry_.resolution_m / std::numbers::sqrt2;
 }
 
-// Long function: it performs one grid search with its costs and parents.
+// Long function: it makes one grid search, with arrays of costs and parents.
 std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
                                              const Eigen::Vector2d& to_m, double radius_m,
                                              const std::vector<Disc>& blocked) const {

@@ -194,7 +194,7 @@ void add_slurm_options(CLI::App& command, ExperimentArguments& arguments,
 
 }  // namespace
 
-// Long function: it adds one option after the other.
+// Long function: it adds the options one by one.
 void add_experiment_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
       "experiment",

@@ -55,7 +55,7 @@ int run(const PlanArguments& arguments) {
 
 }  // namespace
 
-// Long function: it adds one option after the other.
+// Long function: it adds the options one by one.
 void add_plan_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
       "plan", "Solve one planning problem offline and bound its distance from the optimum.");

@@ -150,7 +150,7 @@ void add_restart_options(CLI::App& command, RestartPolicy& restarts) {
 
 }  // namespace
 
-// long: adds one option after the other.
+// Long function: it adds the options one by one.
 void add_up_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
       "up", "Run, restart and record all processes of a scenario on this host.");

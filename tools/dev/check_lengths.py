@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Fails on a C++ file of more than 500 lines, and outside tests on a function of more than 60 lines
-without a reason. A reason is a comment `long: why` in the lines directly above the function. Expects text
+without a reason. A reason is a comment `Long function: why` in the lines directly above the function. Expects text
 formatted by clang-format: the last `}` of a definition is in the column in which its first line begins."""
 
 import pathlib
@@ -49,7 +49,7 @@ def functions(text):
 def has_reason(lines, first):
     i = first - 2
     while i >= 0 and lines[i].lstrip().startswith(("//", "template")):
-        if re.search(r"\blong: \S", lines[i]):
+        if re.search(r"\bLong function: \S", lines[i]):
             return True
         i -= 1
     return False
@@ -72,7 +72,7 @@ def main(root):
         for first, last in functions(text):
             if last - first + 1 > FUNCTION_LINES_MAX and not has_reason(lines, first):
                 faults.append(f"{name}:{first}: a function of {last - first + 1} lines; the limit is {FUNCTION_LINES_MAX}"
-                              " without a comment `long: why` above it")
+                              " without a comment `Long function: why` above it")
     for fault in faults:
         print(fault)
     return 1 if faults else 0

@@ -52,7 +52,7 @@ void draw(const scenario::Scenario& scenario, const logs::Scene& scene, DemoResu
 
 }  // namespace
 
-// Long function: it creates objects in an order in which each outlives the later ones.
+// Long function: it creates objects in such an order that each outlives the later ones.
 DemoResult run_demo(const scenario::Scenario& scenario,
                     const std::vector<trial::NodeRecipe>& recipes, const DemoOptions& options,
                     const std::function<bool()>& stop) {

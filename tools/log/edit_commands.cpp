@@ -114,7 +114,7 @@ class Adder {
 
 }  // namespace
 
-// Long function: it adds one command after the other.
+// Long function: it adds the commands one by one.
 void add_log_edit_commands(CLI::App& log, Runner& run) {
   Adder repair_command(log, run, "repair", "Write the intact events of a damaged log to a new log.",
                        "Every intact event is kept, even between wrong lengths and overwritten or\n"

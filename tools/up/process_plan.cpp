@@ -246,7 +246,7 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
   return out;
 }
 
-// Long function: it adds one kind of process after the other.
+// Long function: it adds the kinds of processes one by one.
 std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
                                       const ProcessSettings& settings) {
   const auto command = [&settings](const std::string& program) {

@@ -39,7 +39,7 @@ std::function<void(ReasonBench&)> hovering(double seconds,
   };
 }
 
-// long: one entry for each row, in the table's order.
+// Returns one entry for each row of the table, in the table's order.
 std::vector<Row> rows() {
   namespace id = mavlink;
   return {

@@ -108,7 +108,6 @@ class Posterior {
 
   /// Updates the particles with `candidates`, at most one of which originates from the target.
   /// `is_told`: no candidate is a false alarm.
-  // long: one likelihood, and the resampling of the particles by it.
   void look(const models::SensorModel& sensor, const Eigen::Vector2d& eye_m,
             const std::vector<models::Measurement>& candidates, bool is_told,
             const models::DetectionModel& detection) {
@@ -228,7 +227,7 @@ void chase(std::vector<Eigen::Vector2d>& eyes_m, const std::vector<Posterior>& b
 
 enum class Chase { kByKnownIds, kByOracle };
 
-// long: one trial, in the order of its events.
+// Runs one trial, in the order of its events.
 Both trial(unsigned seed, Chase by, int steps, std::size_t particles,
            const models::DetectionModel& detection) {
   std::mt19937_64 rng(seed);
