@@ -103,8 +103,8 @@ std::vector<std::string> energy_choices() {
                   options.prior_position_sigma_m, options.prior_velocity_sigma_mps),
       fmt::format("The source does not state the targets' q. Here: {:g} m²/s³.",
                   options.acceleration_q),
-      fmt::format("The source does not state the metric of δ = 2 m. Here: {:g} m/rad, with which "
-                  "ten robots come near the published N ≈ 12 500.",
+      fmt::format("The source does not state how much a turn adds to the distance δ = 2 m. Here: "
+                  "{:g} m/rad, for which ten robots have nearly the published N ≈ 12 500.",
                   options.yaw_weight_m_per_rad),
       "Oracle calls are those of the decision only: the search already computes the gain of each "
       "single candidate. Results also give the numbers with these N calls."};

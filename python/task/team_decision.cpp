@@ -187,8 +187,9 @@ const std::vector<DecisionAlgorithm>& team_algorithms() {
   static const std::vector<DecisionAlgorithm> kAll = [] {
     std::vector<DecisionAlgorithm> all = planner::all_decision_algorithms();
     all.push_back({.name = "rain",
-                   .what = "robots search in turn, given the earlier plans; with attacks_max, bait "
-                           "robots search alone",
+                   .what =
+                       "robots search in turn, each given the plans of the robots before it; "
+                       "with attacks_max, the robots assumed to be attacked (bait) search alone",
                    .options = {"attacks_max", "planner"}});
     return all;
   }();

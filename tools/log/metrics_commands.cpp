@@ -223,8 +223,8 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
       "Evaluate a log: RMSE, OSPA, swaps, entropy, NEES, discovery, deadlines, loss, latencies.");
   metrics_command
       ->add_option("log", arguments->logs,
-                   "LCM event log; several logs give means with confidence intervals, one column "
-                   "for each difference between their scenarios")
+                   "LCM event log. With several logs: means with confidence intervals, and one "
+                   "column for each setting in which their scenarios differ")
       ->required();
   metrics_command->add_flag("--json", arguments->as_json, "print one JSON object per log");
   metrics_command->add_flag(
