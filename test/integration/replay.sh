@@ -17,8 +17,8 @@ lcm-logger -q -f -c 'REPLAY_(BELIEF|PLAN)_.*' --lcm-url="$url" "$dir/again.lcmlo
   --publish-prefix REPLAY_ & estimator=$!
 "${PLANNER:-$bin/vantage-planner}" --scenario "$scenario" --robot "$robot" --url "$url" --replay \
   --publish-prefix REPLAY_ & planner=$!
-# A process has joined the multicast group when the kernel lists its socket on the port; waits for all
-# three.
+# A process has joined the multicast group when the kernel lists its socket on the port. Waits until the
+# logger, the estimator and the planner have joined.
 for _ in $(seq 200); do
   [[ $(grep -c ':1DF3 ' /proc/net/udp) -ge 3 ]] && break
   sleep 0.1

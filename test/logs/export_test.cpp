@@ -217,7 +217,7 @@ TEST(CsvTable, HasColumnsInFieldOrder) {
 
 // Only the first list of structs becomes rows. Another list, such as `inputs`, is written into one
 // cell.
-TEST(CsvTable, WritesFurtherListsIntoOneCell) {
+TEST(CsvTable, WritesRangesAndInputsIntoOneCellEach) {
   vantage_lcm::scan_t scan{};
   scan.robot = "line\none";
   scan.num_beams = 3;

@@ -407,7 +407,7 @@ TEST(IndexedLog, RestoresItsSurvey) {
 }
 
 // An index is valid only for a log with the same first and last 4 KiB.
-TEST(IndexedLog, RefusesAnIndexWhenTheLogsEndsDiffer) {
+TEST(IndexedLog, RefusesAnIndexIfTheBeginningOrEndOfTheLogHasChanged) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   const Bytes log = eventful_log();

@@ -138,7 +138,7 @@ TEST(LogWriter, FlushesAnExactlyFullBuffer) {
   EXPECT_EQ(disk.bytes("a.lcmlog").size(), 65'536U);
 }
 
-TEST(LogWriter, WritesNothingMoreAfterAnError) {
+TEST(LogWriter, WritesNothingAfterAnError) {
   test::FakeDisk disk;
   disk.set_room(29);
   LogWriter writer("a.lcmlog", Existing::kRefuse, disk.opener());

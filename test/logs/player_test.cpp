@@ -87,7 +87,7 @@ TEST_F(PlayerTest, PublishesEachEventAtItsTime) {
   EXPECT_EQ(report.passes, 1);
 }
 
-TEST_F(PlayerTest, PlaysAPartFaster) {
+TEST_F(PlayerTest, PlaysAPartOfTheLogAtTwiceTheSpeed) {
   PlayOptions options;
   options.speed = 2.0;
   options.rules.from = from_utime(1'500'000);

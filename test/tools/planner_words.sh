@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# planner_words.sh VANTAGE SCENARIO: checks that --planner accepts all words of planner.algorithm,
-# and flies a trial with each search.
+# planner_words.sh VANTAGE SCENARIO: checks that --planner accepts every value of planner.algorithm,
+# and flies one trial with each search algorithm.
 source "$(dirname "$0")/begin.sh"
 scenario=$2
 

@@ -66,7 +66,7 @@ TEST(ReplayQueue, GivesUpWhenTheQueueIsFull) {
   EXPECT_EQ(player.made, (std::vector<int>{2, 3, 4}));
 }
 
-TEST(ReplayQueue, HoldsThreeMoreByDefault) {
+TEST(ReplayQueue, KeepsThreeWaitingMessagesByDefault) {
   Player player{ReplayQueue<int>(), 1, {}, 0};
   for (int i = 1; i <= 4; ++i) {
     EXPECT_EQ(player.given_up, 0) << i;

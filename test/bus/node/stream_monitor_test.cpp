@@ -220,7 +220,7 @@ TEST(StreamMonitor, KeepsTheNewest256NumbersOfManyGaps) {
 }
 
 // Three messages were lost before the forged gap; they remain counted as lost.
-TEST(StreamMonitor, RestoresEarlierGapsBeforeAForgedOne) {
+TEST(StreamMonitor, KeepsGapsThatPrecedeAForgedGap) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0, 1, 1000)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(4, 1, 1001)), Arrival::kFresh);

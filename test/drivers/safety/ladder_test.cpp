@@ -316,7 +316,7 @@ TEST_F(StepLadder, IsAsSevereAsItsWorstCondition) {
 }
 
 // Autopilots stop motors that idle for ten seconds; that would end the order.
-TEST_F(StepLadder, LimitsIdlingWhileOthersLift) {
+TEST_F(StepLadder, LimitsIdlingWhileOtherVehiclesLift) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
   d.in.autopilot_armed = true;

@@ -340,7 +340,7 @@ TEST(IsPathBlocked, IgnoresDistantBodiesAndBodiesAtTheSide) {
 
 // All robots, including the one with index 0, count at any height. Other bodies count if they reach
 // the height of the path or more.
-TEST(IsPathBlocked, CountsRobotsAtAnyHeightAndOthersUnlessBelow) {
+TEST(IsPathBlocked, CountsRobotsAtAnyHeightAndOtherBodiesUnlessBelow) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(1.0, -1.0, 1.0);
   const auto is_taken = [&](int robot, double above_m) {

@@ -67,7 +67,8 @@ class Flight {
     ASSERT_TRUE(sets_off());
   }
 
-  /// Returns the least distance of the centres while the vehicle moves, m.
+  /// Returns the smallest distance between the centres of the vehicle and the person while the
+  /// vehicle moves, m.
   double least_m(const Case& with, double heading_rad) {
     const Eigen::Vector3d ahead(std::cos(heading_rad), std::sin(heading_rad), 0.0);
     const Eigen::Vector3d aside(-ahead.y(), ahead.x(), 0.0);

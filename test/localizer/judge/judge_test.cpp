@@ -70,7 +70,7 @@ TEST(Judge, JudgesEveryRobotAndInstant) {
   EXPECT_GT(figures.bytes_per_robot_s, 0.0);
 }
 
-TEST(Judge, ErrsLessWithMoreHindsight) {
+TEST(Judge, ErrorDecreasesWithLaterSightings) {
   test::SimulatedTeam team(3, 2);
   const Recording recording = recorded(team, 80.0);
   const double filtered_m = judge(team.spec, recording, {}).position_m.rmse;

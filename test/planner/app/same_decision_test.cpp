@@ -98,7 +98,7 @@ TEST(IsSameDecision, IgnoresTimesAndInputsOfPlan) {
 }
 
 // A plan without a search has cost NaN, which counts as equal. Zeros of different sign differ.
-TEST(IsSameDecision, ComparesBits) {
+TEST(IsSameDecision, ComparesCostsAndPositionsBitByBit) {
   models::RobotPlan none = plan();
   none.cost = kNan;
   EXPECT_TRUE(is_same_decision(none, none));

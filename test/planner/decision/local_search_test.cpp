@@ -111,7 +111,7 @@ TEST(CoordinateDescent, LazyEvaluationMakesEqualChoices) {
   EXPECT_LT(lazy_calls, calls);
 }
 
-TEST(CoordinateDescent, NeverDecreasesInFurtherPasses) {
+TEST(CoordinateDescent, NeverDecreasesTheValueInAnyPass) {
   int improved = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {5, 5, 2.0}, {});

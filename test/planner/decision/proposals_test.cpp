@@ -289,7 +289,7 @@ TEST(LocalSearchSession, LimitsTheHistoryTo256) {
 }
 
 // A proposal never returns to a solution of its own history.
-TEST(LocalSearchSession, ProposesNoEarlierSolution) {
+TEST(LocalSearchSession, ProposesNoSolutionOfItsHistory) {
   for (const bool was_there : {false, true}) {
     LocalSearchSession session(setup_of({{3.0, 0.0, 0.0}}));
     models::TeamProposal received = proposal_of("Q3", 5.0);

@@ -109,7 +109,7 @@ TEST(PlanResiliently, KeepsTheBoundOfTotalCurvatureForLogDet) {
   }
 }
 
-TEST(PlanResiliently, IsBetterOnAverageUnderAttack) {
+TEST(PlanResiliently, IsBetterUnderAttackThanPlanningWithoutBait) {
   double resilient = 0.0;
   double plain = 0.0;
   test::for_each_instance(kInstances, {4, 4, 0.0}, {},

@@ -246,7 +246,7 @@ TEST(Greedy, AddsBestCandidateWhileItGains) {
 // ---- Against attacks ----
 
 // Bait robots use their best stand-alone candidates; the others plan together.
-TEST(PlanResiliently, BaitRobotsUseTheirBestWithTwoMessagesEach) {
+TEST(PlanResiliently, BaitRobotsUseTheirBestPlansAndEachRobotSendsTwoMessages) {
   // Robots 1 and 2 see one target, robots 0 and 3 another.
   const TeamProblem problem = made_team(
       3, {{{0, 1.0}, {1, 0.9}}, {{0, 0.5}, {0, 3.0}}, {{1, 2.0}, {1, 1.0}}, {{0, 1.0}, {2, 0.95}}});

@@ -261,8 +261,9 @@ TEST(DriveMap, MeasuresShortestDistanceToNearestFrontier) {
   EXPECT_GT(on_the_way, 60);
 }
 
-// Between two walls a robot is too near everywhere, and clear from 0.5 m beyond their end. It may
-// drive out if it becomes clear within its radius plus two cells, 0.7 m.
+// Between two walls a robot is everywhere too near to a wall. It has enough clearance again 0.5 m
+// beyond the ends of the walls. It may drive out if this position is no farther away than its
+// radius plus two cells, 0.7 m.
 TEST(DriveMap, LetsTooNearRobotLeaveWithinRadiusAndTwoCells) {
   for (const bool is_upright : {false, true}) {
     OccupancyBelief belief(kGrid, 3.0);

@@ -110,7 +110,7 @@ TEST(MotionTable, IsFreeOfTheTeamIfFreeOfEachTeammate) {
 }
 
 // A later step has the same answers as the first step of a plan that starts later.
-TEST(MotionTable, LaterStepEqualsLaterStart) {
+TEST(MotionTable, LaterStepEqualsFirstStepOfALaterPlan) {
   for_crowded_problems(
       [](const SearchProblem& problem, const Pose2& from, int depth, const Answers& answers) {
         SearchProblem later = problem;

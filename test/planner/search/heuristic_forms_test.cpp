@@ -330,8 +330,9 @@ SearchProblem round_about(const models::TargetModel& model, models::SensorModel 
   return problem;
 }
 
-// A range measures one direction. For a static target all measurements add up in the best
-// directions. For a moving target each measurement counts half in each of two directions.
+// A range gives information in one direction only. For a static target the bound assumes that all
+// measurements are made in the best directions. For a moving target it credits half of each
+// measurement to each of two directions.
 TEST_F(InformationHeuristicTest, EqualsClosedFormForRanges) {
   constexpr double kStrength = 16.0;
   models::SensorModel range;
@@ -431,8 +432,8 @@ TEST_F(InformationHeuristicTest, BoundsOneMeasurementAsInClosedForm) {
   expect(look({Kind::kBearing}, 0, 2.0, 2.5, 0), 0.0, bearing(2.0), 1);
   expect(look({Kind::kBearing}, 0, 2.0, 2.5, 2), 0.0, bearing(1.0), 1);
   expect(look({Kind::kBearing}, 0, 2.0, 2.5, 9), 0.0, bearing(0.2), 1);  // at minimum range
-  // Far away the range has more information, nearby the bearing. The weaker counts in all
-  // directions.
+  // Far away a range gives more information, nearby a bearing does. The bound credits the weaker of
+  // the two in every direction.
   expect(look({Kind::kRangeBearing}, 0, 2.0, 2.5, 0), bearing(2.0), range - bearing(2.0), 1);
   expect(look({Kind::kRangeBearing}, 0, 1.0, 2.5, 0), range, bearing(1.0) - range, 1);
   // Information of several sensors adds up. For a spatial target it counts in all directions.

@@ -49,8 +49,8 @@ std::map<int, std::vector<Eigen::Vector2d>> places_after(const ReachLattice& lat
   return out;
 }
 
-/// Expects the plane's rows to contain the cells of all positions, and no cell beyond their support
-/// in any direction.
+/// Expects the rows of the bit plane to contain the cell of every position, and no cell beyond the
+/// extent of the positions in any direction.
 void expect_cells_of(const std::vector<Eigen::Vector2d>& places_m, double cell_m,
                      const ReachLattice::Plane& plane) {
   for (const Eigen::Vector2d& place_m : places_m) {

@@ -159,7 +159,7 @@ TEST(Px4Link, SendsSensorsInFirmwareUnits) {
 
 // PX4 uses a sensor only if its bits are set, and refuses a compass that repeats a value at too
 // high a rate.
-TEST(Px4Link, FlagsInertialDataPerSampleAndOthersAt50Hz) {
+TEST(Px4Link, FlagsInertialDataPerSampleAndOtherDataAt50Hz) {
   const auto [link, port] = listen_somewhere();
   FakeFirmware firmware(FakeFirmware::connected_to(port));
   int magnetic = 0;

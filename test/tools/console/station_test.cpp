@@ -41,7 +41,7 @@ TEST(Station, TakesChargeWithoutOtherHeartbeat) {
   EXPECT_TRUE(station.may_send(OperatorAction::kArm));
 }
 
-TEST(Station, IsRefusedPermanentlyNextToAnother) {
+TEST(Station, IsRefusedPermanentlyIfAnotherIsInCharge) {
   Station station(5, false, kStart);
   pass(station, 0.0, 1.0, 9);
   EXPECT_EQ(station.role(), Role::kRefused);

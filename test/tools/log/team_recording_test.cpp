@@ -92,7 +92,7 @@ TEST(TeamRecording, IsTheSameFromLogAndFolder) {
   }
 }
 
-TEST(TeamRecording, HasFramesOfAllSightingsAtOneStamp) {
+TEST(TeamRecording, PutsSightingsWithTheSameStampIntoOneFrame) {
   const SmallSet set;
   const TeamRecording team = read_team(set.imported());
   ASSERT_EQ(team.recording[0].frames.size(), 2U);

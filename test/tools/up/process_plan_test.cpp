@@ -128,7 +128,7 @@ scenario::Scenario on_the_wire() {
 
 // Poses must arrive within half a second, so drivers and mocap get shorter time limits. The
 // simulator does not, because a restarted one begins a new world.
-TEST(ProcessPlan, WatchesDriversAndMocapMoreClosely) {
+TEST(ProcessPlan, HasShorterTimeLimitsForDriversAndMocap) {
   for (const ProcessSpec& process : process_plan(on_the_wire(), {".", "s.yaml", "", ""})) {
     const bool is_driver = process.name.starts_with("quadrotor ");
     const bool is_close = is_driver || process.name == "vicon";

@@ -138,7 +138,7 @@ TEST(OutputComparison, ReportsTheDifferenceWithTheLowestNumber) {
   EXPECT_EQ(first.inputs, (std::vector<std::string>{"BELIEF_Q1 11/12", "PLAN_Q2 21/22"}));
 }
 
-TEST(OutputComparison, ReportsLongerListsAndBitDifferences) {
+TEST(OutputComparison, ReportsListsOfDifferentLengthAndBitDifferences) {
   OutputComparison comparison;
   comparison.add_logged(encoded(plan_of(1)));
   vantage_lcm::plan_t longer = plan_of(1);
@@ -170,7 +170,7 @@ TEST(OutputComparison, ReportsLongerListsAndBitDifferences) {
   EXPECT_EQ(bits.first_difference()->members_different, 0);
 }
 
-TEST(OutputComparison, ComparesTheNewestOutputOfEachNumber) {
+TEST(OutputComparison, ComparesTheNewestOutputOfEachRound) {
   OutputComparison comparison;
   vantage_lcm::plan_t plan = plan_of(1);
   comparison.add_logged(encoded(plan));

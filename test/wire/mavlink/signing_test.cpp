@@ -131,7 +131,7 @@ TEST(Signer, RefusesANewStreamOneMinuteBehind) {
 
 // A signer's timestamp is always later than that of its peer, so that the peer's receivers accept
 // it. A stream one minute behind the peer is refused, whatever the signer's own clock shows.
-TEST(Signer, SignsLaterThanItsPeer) {
+TEST(Signer, SignsWithALaterTimestampThanItsPeer) {
   Signer peer(kKey, 3);
   Signer ours(kKey, 3);  // same link, clock one hour behind
   const Time behind = kNow - std::chrono::hours(1);

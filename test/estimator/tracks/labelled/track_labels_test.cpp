@@ -196,7 +196,7 @@ TEST(Reconcile, IgnoresLabelsOfDeletedTracks) {
   EXPECT_EQ(labels_of(tracks), std::vector{kOld});
 }
 
-// The merged track has the more certain of both beliefs in the same step.
+// The merged track has the more certain of the two beliefs already in the step of the merge.
 TEST(Reconcile, KeepsTheMoreCertainBeliefAfterAMerge) {
   for (const bool is_own_older : {false, true}) {
     std::vector<LabelledTrack> tracks = {own(is_own_older ? kOld : kYoung, at_m(1, 1, 1.0))};
