@@ -72,7 +72,8 @@ class Authenticator {
   /// Counts a refusal. Returns true if the message is accepted nevertheless: in every mode except
   /// kRequire.
   bool refuse(std::string_view channel, Refusal refusal);
-  /// Appends "<channel>.<reason>" for each reason that refused a message, and "<channel>.no_key".
+  /// Appends the counter "<channel>.<reason>" for each reason for which messages were refused, and
+  /// "<channel>.no_key" for messages published unsigned because this process has no key.
   void count(std::vector<models::NamedCount>& out) const;
 
   [[nodiscard]] std::uint64_t session() const { return session_; }

@@ -2,7 +2,8 @@
 """Prints the layout of .lcm types as C++ tables for bus/convert/wire_walk.hpp.
 
 Usage: wire_schema.py A.lcm B.lcm … > wire_schema.cpp. Reads the part of the LCM language that the
-project uses: one struct per file, constants skipped, arrays of constant or earlier-field dimensions.
+project uses: one struct per file, without its constants, and arrays whose dimensions are constants or
+earlier fields.
 """
 
 import re

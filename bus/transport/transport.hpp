@@ -28,7 +28,7 @@ struct TransportStats {
   std::int64_t receive_buffer_bytes = 0;  ///< bytes granted by the kernel; 0 without a socket
   /// bytes requested but not granted (net.core.rmem_max)
   std::int64_t receive_buffer_short_bytes = 0;
-  std::int64_t network_losses = 0;  ///< number of losses of the route or the network card
+  std::int64_t network_losses = 0;  ///< datagrams lost on the route or by the network card
 };
 
 /// Result of handle() when no more messages can arrive.

@@ -36,7 +36,7 @@ struct TagCounts {
   std::int64_t at_border = 0;    ///< tags too near the border of the image
   std::int64_t bad_fit = 0;      ///< corners that are not those of a square
   std::int64_t ambiguous = 0;    ///< two different positions are about equally likely
-  std::int64_t out_of_view = 0;  ///< targets that the sensor's law excludes at their position
+  std::int64_t out_of_view = 0;  ///< targets that cannot be seen according to the sensor model
 };
 
 /// Converter of the tags in one robot's images to its measurements. Pure: no clock, no device.
@@ -48,7 +48,7 @@ class TagObserver {
   /// Returns the tags of the scenario, with the covariances from the geometry and from the attitude
   /// of the camera.
   [[nodiscard]] std::vector<SeenTag> observe(const std::vector<DetectedTag>& tags);
-  /// Adds the detections of targets to `out`, whose viewpoint is set.
+  /// Adds the detections of targets to `out`. Precondition: the viewpoint of `out` is set.
   /// @param world_from_body  pose of the robot at the time of the exposure
   void add_targets(const std::vector<SeenTag>& tags, const Pose3& world_from_body,
                    models::RobotMeasurement& out);

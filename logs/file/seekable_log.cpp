@@ -10,10 +10,10 @@ namespace vantage::logs {
 namespace {
 
 constexpr std::size_t kHeadBytes = std::size_t{8} << 20U;
-/// Bytes at the end of the file that are searched first for an event.
+/// Number of bytes at the end of the file in which the last event is searched for first.
 constexpr std::size_t kTailBytes = std::size_t{64} << 10U;
-/// Maximum number of bytes at the end that are searched: a failed search is extended to skip
-/// foreign bytes.
+/// Maximum number of bytes at the end of the file in which the last event is searched for. A search
+/// that finds only foreign bytes is extended up to this limit.
 constexpr std::size_t kTailBytesMax = std::size_t{16} << 20U;
 constexpr std::size_t kProbeBytes = std::size_t{64} << 10U;  ///< smallest range of the bisection
 constexpr std::size_t kForeignBytesMax = std::size_t{8} << 20U;

@@ -8,9 +8,9 @@
 
 namespace vantage::planner {
 
-/// Returns the bait: the `attacks_max` robots with the plans of greatest individual value,
-/// ascending; all robots if the team has no more than `attacks_max` robots. Ties: the lower
-/// numbers.
+/// Returns the bait: the `attacks_max` robots whose plans have the greatest individual values,
+/// sorted by robot number. Returns all robots if the team has no more than `attacks_max`. Of equal
+/// values, that of the robot with the lower number is preferred.
 std::vector<int> bait_robots(std::span<const double> individual_values, int attacks_max);
 
 /// Split of the team into bait and the others in a round of robust trajectory planning. The split

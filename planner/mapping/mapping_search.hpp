@@ -52,7 +52,8 @@ struct MappingSearchOptions {
 
 /// Planner on one map belief: forward value iteration for one robot, coordinate descent for a team.
 /// All results are pure functions of the belief, the starts and the given routes.
-/// Source: dissertation 4 F.2 (forward search over T_PLAN = 4), 3 (coordinate descent).
+/// Source: dissertation, section 4.F.2 (forward search over T_PLAN = 4) and chapter 3 (coordinate
+/// descent).
 class MappingSearch {
  public:
   /// Both references must outlive this object. Throws UsageError for options without controls or

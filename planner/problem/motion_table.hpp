@@ -36,8 +36,8 @@ class MotionTable {
             from.y_m + sin_yaw * p.end.x_m + cos_yaw * p.end.y_m,
             wrap_turn(from.yaw_rad + p.end.yaw_rad)};
   }
-  /// Computes positions and heading vectors after every control, four at a time: child() without
-  /// the yaw.
+  /// Computes the resulting position and heading vector for each control, four controls at a time.
+  /// Unlike child(), it does not compute the yaw.
   void children(const Pose2& from, double cos_yaw, double sin_yaw, Views& out) const;
   /// Returns the yaw after control `c`, rad.
   [[nodiscard]] double child_yaw_rad(const Pose2& from, int c) const {

@@ -86,8 +86,9 @@ class Expander {
   /// have posteriors.
   [[nodiscard]] bool is_redundant(const Tree& tree, NodeId a, double epsilon, NodeId b) const;
 
-  /// Returns the part of the cost of `id` that is not J: the terminal value at its position. 0 for
-  /// the root and without a terminal value. Precondition: the parent of `id` has a posterior.
+  /// Returns the terminal value at the position of `id`: its cost minus J, the cost of its path.
+  /// Returns 0 for the root, and if costs include no terminal value. Precondition: the parent of
+  /// `id` has a posterior.
   [[nodiscard]] double terminal_value(const Tree& tree, NodeId id) const;
 
   /// Includes the problem's terminal value in costs (the default after reset()) or leaves it out.

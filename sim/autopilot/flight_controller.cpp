@@ -165,7 +165,7 @@ bool FlightController::has_proof_of_life(Time now) const {
 }
 
 std::uint8_t FlightController::set_mode(std::uint32_t mode, Time now) {
-  // Before arming, both firmwares accept any mode and then refuse to arm in it.
+  // Before arming, both firmwares accept any mode, even one in which they will refuse to arm.
   if (mode == profile_.follow_mode && mode_ != mode) {
     if (is_armed_ && !has_position(now)) {
       queue_text(kCritical, "Mode change failed: requires position");

@@ -54,7 +54,7 @@ class TagRenderer {
     Eigen::Matrix3d tag_from_camera;
     Eigen::Vector3d camera_in_tag_m;  ///< position of the camera in the tag's frame
     double cell_m = 0.0;
-    double half_m = 0.0;  ///< half of the side with the margin
+    double half_m = 0.0;  ///< half the side length of the tag including its margin
   };
   static Board board_of(const PlacedTag& tag, const Pose3& tag_from_camera);
   /// Returns the printed grey level where the ray meets the board; nullopt: it misses the board, or

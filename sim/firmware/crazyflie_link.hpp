@@ -42,9 +42,9 @@ class CrazyflieLink : public FirmwareLink {
 
   [[nodiscard]] Duration period() const override { return Duration{1'000}; }
   [[nodiscard]] bool is_lockstep() const override { return false; }
-  /// Sends the sample unless the previous one was sent less than half a period ago: the firmware
-  /// has room for 5 packets and loses those of the client if a late simulator sends many samples at
-  /// once.
+  /// Sends the sample unless the previous one was sent less than half a period ago. The firmware
+  /// queues only 5 packets. If a late simulator sends many samples at once, the queue is full, and
+  /// packets from the client (the driver) are lost.
   bool send(const FirmwareSensors& sensors) override;
   /// Relays all packets of the firmware, and one of the client per period; returns the newest motor
   /// command.
