@@ -45,7 +45,7 @@ TEST(SetSums, AverageOverBeliefsAndThenOverRobots) {
   sums.on_belief(belief("Q2", 0.5, {}));
   sums.on_truth(truth(1.0));
   sums.on_truth(truth(30.0));
-  sums.on_belief(belief("Q1", 30.5, {{1, 0.3}, {0, 5.0}}));  // the two labels are exchanged
+  sums.on_belief(belief("Q1", 30.5, {{1, 0.3}, {0, 5.0}}));  // the two labels are swapped
   sums.on_truth(truth(31.0));
   const auto means = sums.means();
   ASSERT_TRUE(means);

@@ -78,7 +78,7 @@ class Operators(unittest.TestCase):
                     ("constant", "double a = 0.5", "double a = (0.5 / 2)"),
                     ("constant", "a + 3", "a + 6"), ("constant", "a + 3", "a + 1"))
 
-    def test_min_and_max_are_exchanged(self):
+    def test_min_and_max_are_swapped(self):
         self.expect("#include <algorithm>\nint f(int a, int b) { return std::min(a, std::clamp(b, 0, 9)); }",
                     ("minmax", "std::min(a, std::clamp(b, 0, 9))", "std::max(a, std::clamp(b, 0, 9))"),
                     ("minmax", "std::clamp(b, 0, 9)", "(b)"))

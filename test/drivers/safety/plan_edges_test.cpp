@@ -85,7 +85,7 @@ Eigen::Vector3d place_m(const HeldPlan& plan, Time t) {
 
 Time end_of(const HeldPlan& plan) { return plan.start_time + from_seconds(duration_s(plan)); }
 
-// m; error of the check, because it steps at least 1 ms at the sum of both speeds.
+// m; error of the check, because it steps at least 1 ms at the sum of the two speeds.
 constexpr double kStepM = 0.004;
 
 /// Expects that a plan with the least distance `least_m` is refused if and only if `limit_m`

@@ -153,8 +153,8 @@ OtherBody random_body(test::Random& random) {
   return body;
 }
 
-/// Returns the least distance of two vehicles that brake straight after the reaction time, computed
-/// by integration in small steps.
+/// Returns the smallest distance between two vehicles that brake straight after the reaction time,
+/// computed by integration in small steps.
 double stepped_closest_m(Eigen::Vector3d p_m, Eigen::Vector3d v_mps, Eigen::Vector3d q_m,
                          Eigen::Vector3d w_mps, const SafetyLimits& limits) {
   constexpr double kStepS = 2e-4;

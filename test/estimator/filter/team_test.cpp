@@ -264,7 +264,7 @@ TEST_F(Newcomer, AdoptsTheDominatingBelief) {
   EXPECT_NEAR(expert.track(0).information.matrix(0, 0), 1.0 / 0.2, 1e-9);
 }
 
-// The adopted time is the later of both observation times.
+// The adopted time is the later of the two observation times.
 TEST_F(Newcomer, AdoptsTheTimeOfTheLastObservation) {
   for (const int own : {5, 10}) {
     DistributedFilter newcomer = filter(6.5);

@@ -42,7 +42,7 @@ class DetectionSourceTest : public testing::Test {
   DetectionSource source_{scenario_, "Q1", "world"};
 };
 
-// Both frames of a message give the same measurement: that of the sensor's law.
+// Both frames of a message give the same measurement, that of the sensor model.
 TEST_F(DetectionSourceTest, GivesTheMeasurementOfTheSensorModel) {
   const models::Viewpoint viewpoint{{0.1, 1.0, kPi / 2}, 2.0};  // between both frames
   const Eigen::Vector3d target_m(1.0, 3.0, 0.0);

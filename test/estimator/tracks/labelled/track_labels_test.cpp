@@ -120,7 +120,7 @@ TEST(Reconcile, AddsADistantTrack) {
   EXPECT_EQ(labels_of(full), std::vector{kYoung});
 }
 
-// The more certain belief is adopted. A product of both beliefs would count their common
+// The more certain belief is adopted. A product of the two beliefs would count their common
 // information twice.
 TEST(Reconcile, AdoptsAClearlyMoreCertainBelief) {
   const models::Gaussian vague = at_m(1, 1, 1.0);
@@ -162,7 +162,7 @@ TEST(TrackLabels, OrderHoldsForHalfTheirRange) {
   EXPECT_FALSE(is_older(after(kHalf), label));
 }
 
-// The limit is 3σ of the sum of both covariances.
+// The limit is 3σ of the sum of the two covariances.
 TEST(Reconcile, MergesTracksWithinThreeSigma) {
   for (const bool is_along_x : {false, true}) {
     for (const auto& [away_m, is_one] : {std::pair(1.499, true), std::pair(1.501, false)}) {
