@@ -222,7 +222,7 @@ PositionOrFault position_of(const TagPoses& poses, double corner_sigma_pixels) {
   if (apart_m.dot((out.covariance_m2 + covariance_m2).ldlt().solve(apart_m)) > kDisagreementMax) {
     return {std::nullopt, PositionFault::kAmbiguous};
   }
-  // Mean and covariance of the mixture of both poses.
+  // Mean and covariance of the mixture of the two poses.
   out.position_m += weight * apart_m;
   out.covariance_m2 = (1.0 - weight) * out.covariance_m2 + weight * covariance_m2 +
                       weight * (1.0 - weight) * apart_m * apart_m.transpose();

@@ -69,7 +69,8 @@ struct StepInput {
 /// contains all tracks, and another filter can continue from it (rebase()).
 ///
 /// Copies are independent. The same inputs give the same result.
-/// Source: dissertation 3.3, 3.4, Thm 9; covariance intersection: Julier, Uhlmann (1997).
+/// Source: dissertation, sections 3.3 and 3.4, theorem 9. Source of the
+/// covariance intersection: Julier, Uhlmann (1997).
 class DistributedFilter {
  public:
   /// @throws UsageError for an invalid spec.

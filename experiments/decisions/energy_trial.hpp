@@ -32,14 +32,14 @@ struct EnergyTrial {
 /// targets in a square of 40 m (n = 2) to 60 m (n = 10). The motion cost of the i-th robot is i
 /// times that of the first. `seed` and `n` alone determine the positions of robots and targets, on
 /// every machine.
-/// Source: dissertation 3 D.2, Table 3.1.
+/// Source: dissertation, section 3.D.2, Table 3.1.
 EnergyTrial draw_energy_trial(int n, std::uint64_t seed, const EnergyTrialOptions& options,
                               planner::ReducedValueIteration& search);
 
 /// Options of scenario 2, "heterogeneous sensing and control": two ground robots, one flying robot,
 /// and ten static targets in a square of 100 m with mud and wind. Robots start outside both
 /// regions.
-/// Source: dissertation 3 D.3, Table 3.1.
+/// Source: dissertation, section 3.D.3, Table 3.1.
 struct HeterogeneousTrialOptions {
   double price_nats = 0.0;  ///< energy price r of every robot
   int horizon_steps = 20;

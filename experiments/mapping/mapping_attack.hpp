@@ -21,7 +21,7 @@ enum class AttackKind {
 /// period are driven; for kPreviousPlans, while the routes of the next period are driven. The worst
 /// case is approximated greedily: each step adds the robot without which the value of the remaining
 /// robots is least (ties: the lowest index).
-/// Source: dissertation 4 F (attack models).
+/// Source: dissertation, section 4.F (attack models).
 std::vector<int> attacked_robots(AttackKind kind, int attacks,
                                  const std::vector<planner::MapRoute>& routes,
                                  planner::MappingSearch& search, std::mt19937_64& random);

@@ -26,7 +26,7 @@ std::vector<planner::MapRoute> plan_by_coordinate_descent(planner::MappingSearch
 
 /// Parameters of a trial of resilient mapping. Values that the dissertation does not state are our
 /// choice.
-/// Source: dissertation 4 F.2.
+/// Source: dissertation, section 4.F.2.
 struct MappingSetup {
   models::World world;
   double resolution_m = 0.2;

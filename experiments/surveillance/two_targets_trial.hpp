@@ -13,7 +13,7 @@ namespace vantage::experiments {
 /// noise, T = 12 and τ = 0.5 s are those of config/lab.yaml. Our choices are: replanning every two
 /// steps, uncertainty growth as in a random walk of 0.01 m²/s, a duration of two minutes, and the
 /// targets' positions.
-/// Source: dissertation 4 F.4.
+/// Source: dissertation, section 4.F.4.
 WatchSetting two_targets_setting(int jammed_robot);
 
 /// Returns random starts, determined by `seed`: the first robot in the first target's half of the

@@ -45,7 +45,7 @@ struct TrackingRun {
 /// each planning period. Robots that are not attacked share all observations. A resilient team
 /// plans by RAIN, other teams by coordinate descent. Targets, their priors and the robots' starts
 /// depend only on `seed`, so they are the same for both methods.
-/// Source: dissertation 4 F.1.
+/// Source: dissertation, section 4.F.1.
 TrackingRun track_under_attack(const TrackingSetting& setting, bool is_resilient,
                                std::uint64_t seed);
 

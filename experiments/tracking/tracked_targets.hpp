@@ -22,7 +22,7 @@ inline constexpr double kPlannedRangeMin_m = 3.0;
 
 /// Returns the sensor of the tracking tasks: range and bearing up to 10 m within 94°, σ 0.15 m and
 /// 5°.
-/// Source: dissertation 4 F.1.
+/// Source: dissertation, section 4.F.1.
 models::SensorModel tracking_sensor();
 
 /// Square without obstacles from (0, 0) to (side_m, side_m), and its distance field for planning.

@@ -11,13 +11,12 @@ namespace vantage::localizer {
 
 /// Sensor of one robot, fitted to its sightings of landmarks and its true poses.
 struct SensorFit {
-  int sightings = 0;              ///< number of sightings used
-  scenario::SightingSpec sensor;  ///< parameters of the law that fits better
-  double depth_loss = 0.0;        ///< mean Cauchy loss per sighting if the range is a depth
-  double distance_loss = 0.0;     ///< mean Cauchy loss per sighting if the range is the distance
-  double range_sigma_m = 0.0;     ///< robust 1σ of the range at distance 0
-  /// 1/m; this factor times the squared distance is added to range_sigma_m
-  double range_sigma_per_m = 0.0;
+  int sightings = 0;               ///< number of sightings used
+  scenario::SightingSpec sensor;   ///< parameters of the range model that fits better
+  double depth_loss = 0.0;         ///< mean Cauchy loss per sighting if the range is a depth
+  double distance_loss = 0.0;      ///< mean Cauchy loss per sighting if the range is the distance
+  double range_sigma_m = 0.0;      ///< robust 1σ of the range at distance 0
+  double range_sigma_per_m = 0.0;  ///< 1/m; multiplied by the squared distance and added
   double bearing_sigma_rad = 0.0;  ///< robust 1σ of the bearing of landmarks beyond 1.5 m
   double outliers = 0.0;           ///< share of sightings with an error above 6σ
   /// Share of frames with at least one sighting in which a landmark in the used field of view and
@@ -33,8 +32,7 @@ struct DriveFit {
   double move_sigma_m = 0.0;    ///< robust 1σ of the forward motion per 0.2 s
 };
 
-/// Fits both laws of the range and selects the better one.
-/// @param stamp_delay_s  the delay of the stamps if it is known; nullopt: it is fitted
+/// Fits both models of the range and selects the better one.
 /// @throws UsageError if there are fewer than 100 sightings of landmarks with a true pose
 SensorFit fit_sensor(const std::vector<scenario::LandmarkSpec>& landmarks,
                      const RobotRecording& recording,

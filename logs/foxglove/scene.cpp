@@ -13,7 +13,7 @@
 namespace vantage::logs::foxglove {
 namespace {
 
-// The background of the viewer is unknown here, so colours are the mean of both variants.
+// The background of the viewer is unknown here, so colours are the mean of the two variants.
 Colour of_paint(const Paint& paint, double alpha = 1.0) {
   const std::uint32_t rgb = paint.middle();
   return {(rgb >> 16U) / 255.0, (rgb >> 8U & 0xFFU) / 255.0, (rgb & 0xFFU) / 255.0, alpha};

@@ -54,7 +54,7 @@ struct MotionMoments {
   }
 };
 
-/// Moments of both coordinates for every horizon.
+/// Moments of the two coordinates for every horizon.
 struct MotionSample {
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();
   std::array<std::array<MotionMoments, kHorizons_s.size()>, 2> moments;

@@ -25,7 +25,7 @@ struct ExplorationSpec {
 /// ascending distance (ties: in grid order). A plan that observes a landmark gains information, so
 /// the planner explores. Landmarks depend only on the grid, so a landmark disappears once its area
 /// is explored. Empty when `landmarks_max` ≤ 0 or everything is explored. Allocates.
-/// Source: dissertation 3.4, Alg. 5.
+/// Source: dissertation, section 3.4, algorithm 5.
 std::vector<Gaussian> exploration_landmarks(const VisibilityGrid& grid, const ExplorationSpec& spec,
                                             const Eigen::Vector2d& from_m, Time now);
 

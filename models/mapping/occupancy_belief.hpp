@@ -19,7 +19,8 @@ double binary_entropy_nats(double probability);
 /// A cell with log-odds at the clamp is *settled*: more scans give no information, and occupancy()
 /// returns 0 or 1. Without this rule, robots would keep scanning known cells, because the small
 /// remaining entropies of many cells add up along many beams.
-/// Source: dissertation 4 F.2; Moravec and Elfes (1985); the clamp: Hornung et al., OctoMap (2013).
+/// Source: dissertation, section 4.F.2; Moravec and Elfes (1985). Source of the clamp: Hornung et
+/// al., OctoMap (2013).
 class OccupancyBelief {
  public:
   /// Sets every cell to probability 1/2. @param clamp_log_odds > 0

@@ -7,7 +7,8 @@ namespace vantage::models {
 
 struct SensorLaw;
 
-/// A kind of sensor: a pointer to its law; two kinds are equal if they point to the same law.
+/// A kind of sensor: a pointer to its measurement model (SensorLaw). Two kinds are equal if they
+/// point to the same model.
 /// User-defined kinds are made from a SensorLaw, which must outlive them.
 class SensorKind {
  public:

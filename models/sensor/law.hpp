@@ -8,8 +8,8 @@
 
 #include "models/sensor/sensor.hpp"
 
-// The law of a sensor kind: its measurement model. Simulator, planner and estimator use the law
-// only and never test for a specific kind.
+// The measurement model of a sensor kind (SensorLaw). Simulator, planner and estimator use only
+// this model and never test for a specific kind.
 
 namespace vantage::models {
 

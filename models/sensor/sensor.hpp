@@ -13,9 +13,9 @@
 #include "models/target/target_model.hpp"
 
 // Gaussian sensors, z = h(x, y) + v with v ~ N(0, V(x, y)): the five sensors of the dissertation
-// and any other with a law (models/sensor/law.hpp). They measure a target's position and, for kinds
-// with measures_velocity(), its velocity. The position is planar (2 rows: on the ground, z = 0) or
-// in space (3 rows). No function allocates.
+// and any other with a SensorLaw (models/sensor/law.hpp). They measure a target's position and, for
+// kinds with measures_velocity(), its velocity. The position is planar (2 rows: on the ground, z =
+// 0) or in space (3 rows). No function allocates.
 
 namespace vantage::models {
 

@@ -7,7 +7,8 @@ namespace vantage::models {
 
 struct TargetLaw;
 
-/// A kind of target model: a pointer to its law; two kinds are equal if they point to the same law.
+/// A kind of target model: a pointer to its motion model (TargetLaw). Two kinds are equal if they
+/// point to the same model.
 /// User-defined kinds are made from a TargetLaw, which must outlive them.
 class TargetKind {
  public:

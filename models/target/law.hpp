@@ -5,8 +5,8 @@
 
 #include "models/target/target_model.hpp"
 
-// The law of a target kind: its motion model. Planner, estimator, scenario reader and Python use
-// the law only and never test for a specific kind.
+// The motion model of a target kind (TargetLaw). Planner, estimator, scenario reader and Python use
+// only this model and never test for a specific kind.
 
 namespace vantage::models {
 

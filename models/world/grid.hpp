@@ -35,7 +35,7 @@ struct GridGeometry {
   friend bool operator==(const GridGeometry&, const GridGeometry&) = default;
 };
 
-/// Stores the newer of both stamps in each cell that both grids have. Stamps in `theirs` are
+/// Stores the newer of the two stamps in each cell that both grids have. Stamps in `theirs` are
 /// limited to `limit_utime`. Returns false without any change if the cells do not coincide, or if
 /// the number of stamps of a grid differs from its number of cells.
 bool merge_stamps(const GridGeometry& geometry, std::vector<std::int64_t>& stamps_utime,
@@ -79,7 +79,7 @@ class VisibilityGrid {
 
   /// Stamps every free cell with a centre in view of `sensor` and in line of sight.
   void see(const SensorModel& sensor, const Viewpoint& from, const World& world, Time now);
-  /// Stores the newer of both stamps in every cell. Precondition: equal geometry.
+  /// Stores the newer of the two stamps in every cell. Precondition: equal geometry.
   void merge(const VisibilityGrid& other);
   /// As above, for stamps of this geometry; stamps are limited to `limit_utime`.
   void merge(const std::vector<std::int64_t>& last_seen_utime, std::int64_t limit_utime);

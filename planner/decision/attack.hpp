@@ -22,8 +22,8 @@ Attack worst_attack(const TeamOracle& oracle, const Choice& choice, int attacks_
 
 /// Returns the greedy worst-case attack: repeatedly removes the robot without which the remaining
 /// value is smallest, as long as the value decreases. The experiments use this attack as "worst
-/// case". Cost: O(n α) oracle calls. Source: dissertation 4 F (greedy approximation of the worst
-/// case).
+/// case". Cost: O(n α) oracle calls. Source: dissertation, section 4.F (greedy approximation of the
+/// worst case).
 Attack greedy_attack(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
 /// Returns the attack on the `attacks_max` robots with the trajectories of greatest individual

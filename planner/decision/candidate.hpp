@@ -75,7 +75,7 @@ struct CandidateOptions {
 /// reached. The deadline applies to the search; the evaluation after it is O(leaves_max · targets ·
 /// steps).
 /// @throws UsageError as ReducedValueIteration::plan does, or when ε or δ is not finite
-/// Source: dissertation 3 D (Mᵢ from reduced value iteration).
+/// Source: dissertation, section 3.D (Mᵢ from reduced value iteration).
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
                                               const EnergyModel& energy,
                                               ReducedValueIteration& search,

@@ -26,7 +26,8 @@ struct DescentOptions {
 /// The deadline counts oracle calls as nodes. When it expires, the current robot takes the best
 /// candidate found so far, or keeps its previous one if that is better. Later robots keep their
 /// candidates.
-/// Source: dissertation 3 B and D; Atanasov et al. 2015. Cost: ≤ N oracle calls per round.
+/// Source: dissertation, sections 3.B and 3.D; Atanasov et al. 2015. Cost: ≤ N oracle calls per
+/// round.
 TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& options,
                                 const Deadline& deadline = Deadline::never());
 

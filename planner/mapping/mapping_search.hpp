@@ -14,7 +14,7 @@
 namespace vantage::planner {
 
 /// Returns {0, 1, 2} m/s × {0, ±1, ±2} rad/s: the fifteen primitives of resilient mapping.
-/// Source: dissertation 4 F.2.
+/// Source: dissertation, section 4.F.2.
 std::vector<models::UnicycleControl> mapping_primitives();
 
 /// A robot's path over one planning horizon.

@@ -43,7 +43,7 @@ class SightTable {
 
   /// Returns the longest range of all sensors, m.
   [[nodiscard]] double range_max_m() const { return range_max_m_; }
-  /// True if compute_lanes() supports every planar target: all sensors have a planar law.
+  /// True if compute_lanes() supports every planar target: all sensors have a PlanarLaw.
   [[nodiscard]] bool has_lanes() const { return !lacks_planar_law_; }
 
   /// Adds the information that a measurement from `at` gives, in packed form, to `out`. Returns
@@ -85,7 +85,7 @@ class SightTable {
     double isotropic_per_m2 = 0.0;  ///< 1/m²; information of a position sensor
     double growth_per_m = 0.0;      ///< 1/m; variance factor is max(floor, r · growth_per_m)
     double variance_floor = 1.0;
-    /// true: the kind has no planar law, so information() is evaluated for each view
+    /// true: the kind has no PlanarLaw, so information() is evaluated for each view
     bool lacks_planar_law = false;
     bool is_directional = true;  ///< false: a position sensor
     bool variance_grows = false;

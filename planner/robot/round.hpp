@@ -23,7 +23,8 @@ namespace vantage::planner {
 /// proposals, the second half for plans: all robots have proposed the plans that they made alone
 /// before the first plan is made. In a team that plans by local search all robots exchange
 /// proposals concurrently in the first half.
-/// Source: docs/decisions/0003, 0006, 0016; dissertation 3 (coordinate descent on a network).
+/// Source: docs/decisions/0003, 0006, 0016; dissertation, chapter 3 (coordinate descent on a
+/// network).
 class RoundSchedule {
  public:
   /// @param robot_index in [0, robot_count)

@@ -12,7 +12,7 @@ namespace {
 constexpr double kAnywhere_m = 1e9;
 constexpr double kRounding = 1e-9;
 
-// Order: least f first; ties: the later step first.
+// Nodes with the least f come first; of nodes with equal f, the later step comes first.
 constexpr auto kAfter = [](const auto& a, const auto& b) {
   return a.f > b.f || (a.f == b.f && a.state < b.state);
 };

@@ -13,7 +13,7 @@
 namespace vantage::sim {
 
 /// Simulated sensor of one robot that measures range and bearing of landmarks and teammates. The
-/// law is that of SightingSpec, implemented separately from the localizer.
+/// measurement model is that of SightingSpec, implemented separately from the localizer.
 class LandmarkSensor {
  public:
   /// @param robot  index in `spec`, which has a section `simulation`

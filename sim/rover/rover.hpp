@@ -47,7 +47,7 @@ class StoppingPath {
                const RoverParameters& parameters, double period_s);
 
   [[nodiscard]] std::span<const Eigen::Vector2d> points_m() const { return {points_m_.data(), n_}; }
-  /// Returns the largest distance of a point of the path from the path's first point, m.
+  /// Returns the largest distance between the path's first point and any point of the path, m.
   [[nodiscard]] double reach_m() const { return reach_m_; }
 
  private:

@@ -94,7 +94,7 @@ class VehicleNode : public bus::Node {
 
  protected:
   /// @param name  name of the process in HEALTH_<name>
-  /// @param landing  time for the vehicle to stop when the driver is requested to end
+  /// @param landing  time for the vehicle to stop when the driver is asked to shut down
   /// @param own   last argument of Driver, after scenario, robot and limits
   /// @param limits  nullopt: limits_for(scenario, robot)
   // Long function: it subscribes to all channels of a vehicle.
@@ -204,7 +204,7 @@ class VehicleNode : public bus::Node {
   LatencyRecord frame_latency_;
   /// latency from a frame's arrival here to the sending of the resulting messages
   LatencyRecord answer_latency_;
-  LatencyRecord stack_latency_;  ///< sum of both latencies
+  LatencyRecord stack_latency_;  ///< sum of the two latencies
   std::array<std::uint8_t, 2048> buffer_{};
 };
 

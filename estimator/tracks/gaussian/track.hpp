@@ -58,7 +58,7 @@ enum class [[nodiscard]] Use{kUsed, kGated, kSingular};
 /// compatible with z.
 /// Precondition: z has measurement_dim rows.
 /// Cost: about 1 µs if linear, else that of posterior_moments(). No allocation.
-/// Source: dissertation 3.3; algorithms §4.
+/// Source: dissertation, section 3.3; algorithms §4.
 Use measure(models::Information& belief, const models::SensorModel& sensor,
             const models::Viewpoint& from, const models::Measurement& measurement,
             double gate_sigma);

@@ -2,12 +2,12 @@
 
 #include "models/sensor/law.hpp"
 
-// The laws of the built-in sensors, one file for each sensor, and functions that several laws
-// share.
+// Measurement models of the built-in sensors, one file for each sensor, and functions that several
+// of them share.
 
 namespace vantage::models::sensor_kinds {
 
-// The list of all laws is in kinds.cpp.
+// The list of all measurement models is in kinds.cpp.
 extern const SensorLaw position;
 extern const SensorLaw range;
 extern const SensorLaw bearing;
@@ -15,7 +15,7 @@ extern const SensorLaw range_bearing;
 extern const SensorLaw camera;
 extern const SensorLaw range_rate;
 
-/// Returns a law with the required functions; the caller sets the optional fields.
+/// Returns a measurement model with the required functions; the caller sets the optional fields.
 constexpr SensorLaw law_of(std::string_view name, decltype(SensorLaw::measurement_dim) dim,
                            decltype(SensorLaw::observe) observe,
                            decltype(SensorLaw::jacobian) jacobian,

@@ -3,7 +3,7 @@
 #include "models/target/kinds/kinds.hpp"
 
 // A target whose noise grows while it is not seen: y' = y + w, W = q k I, q in m². k: steps since
-// the target was last seen, at the start of the step. Source: dissertation 4 F.3.
+// the target was last seen, at the start of the step. Source: dissertation, section 4.F.3.
 
 namespace vantage::models::target_kinds {
 namespace {

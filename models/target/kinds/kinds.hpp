@@ -2,11 +2,11 @@
 
 #include "models/target/law.hpp"
 
-// The laws of the built-in target models, one file for each model.
+// Motion models of the built-in target kinds, one file for each kind.
 
 namespace vantage::models::target_kinds {
 
-// The list of all laws is in kinds.cpp.
+// The list of all motion models is in kinds.cpp.
 extern const TargetLaw static_target;
 extern const TargetLaw random_walk;
 extern const TargetLaw double_integrator;
