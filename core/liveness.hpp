@@ -19,7 +19,7 @@ class LivenessSender {
   /// Environment variable that contains the number of the descriptor to write to.
   static constexpr const char* kDescriptorVariable = "VANTAGE_LIFE_FD";
 
-  /// Uses the descriptor named in the environment; without one nothing is written.
+  /// Uses the descriptor named in the environment. If none is named, nothing is written.
   LivenessSender();
   /// Uses `descriptor` and closes it in the destructor.
   explicit LivenessSender(int descriptor) : descriptor_(descriptor) {}

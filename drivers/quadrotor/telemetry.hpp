@@ -45,7 +45,7 @@ class Telemetry {
   /// settings.
   [[nodiscard]] std::int64_t reconnections() const { return reconnections_; }
 
-  /// True if EXTENDED_SYS_STATE reports on ground; without such a report, true while disarmed.
+  /// True if EXTENDED_SYS_STATE reports on ground. If it was not received, true while disarmed.
   [[nodiscard]] bool is_on_ground() const;
   /// Returns the lowest charge of all batteries reported in the last 10 s, in [0, 1]; nullopt if
   /// none is known. With a BatterySpec, the charge of a battery is the lower of the autopilot's

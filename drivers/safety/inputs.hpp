@@ -80,8 +80,8 @@ struct SafetyInputs : Surroundings {
   double lift_climb_error_mps = 0.0;  ///< m/s; mocap minus autopilot, in the first lift
   double lift_turn_error_radps = 0.0;
   double unordered_rise_m = 0.0;  ///< m; rise while armed without a take-off command
-  /// m; minimum horizontal distance to a body within take_off_prediction_s; without stationary
-  /// robots
+  /// m; minimum horizontal distance to a body within take_off_prediction_s. Stationary robots do
+  /// not count.
   double near_m = kNever;
   bool is_found_flying = false;   ///< armed and in the air without a command of this driver
   bool is_found_landing = false;  ///< as is_found_flying, with the autopilot in its landing mode

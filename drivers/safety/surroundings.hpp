@@ -15,7 +15,7 @@ namespace vantage::drivers {
 struct OtherBody {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();    ///< m; extrapolated to now
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< m/s; measured velocity
-  /// m/s; velocity that its plan will command next; without a plan the measured velocity. The
+  /// m/s; velocity that its plan will command next, or the measured velocity if it has no plan. The
   /// prediction uses the velocity that brings the body nearer.
   Eigen::Vector3d planned_world_mps = Eigen::Vector3d::Zero();
   double brake_mps2 = 0.0;  ///< m/s²; braking deceleration of a robot; 0: that of this vehicle

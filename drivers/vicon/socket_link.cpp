@@ -26,7 +26,7 @@ void set_option(int fd, int level, int name, int value) {
 }
 
 void enlarge_receive_buffer(int fd) {
-  // The privileged option may exceed net.core.rmem_max; without the privilege, the kernel limits
+  // The privileged option may exceed net.core.rmem_max. Without the privilege, the kernel limits
   // the buffer to that value.
   const int bytes = kReceiveBufferBytes;
   if (setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0) {

@@ -23,8 +23,8 @@ namespace vantage::estimator {
 
 /// Bus node of a DistributedFilter. Inputs are the team's MEASUREMENT_*, VICON and the teammates'
 /// BELIEF_*. It publishes MIXTURE_R for beliefs that are not Gaussian, then BELIEF_R and, in a
-/// mapping scenario, MAP_R. The filter decides which teammates' observations are in range; with a
-/// neighbourhood, the node subscribes only to the teammates in it.
+/// mapping scenario, MAP_R. The filter decides which teammates' observations are in range. If
+/// neighbourhoods are used, the node subscribes only to teammates in the robot's neighbourhood.
 ///
 /// A step belongs to the instant t = kτ of absolute time and is computed τ/10 later, so that the
 /// measurement of t has arrived. The robot's own observation may arrive later, because it is

@@ -20,7 +20,7 @@ enum class AttackKind {
 /// Returns the robots (indices, ascending) that are attacked while the routes of this planning
 /// period are driven; for kPreviousPlans, while the routes of the next period are driven. The worst
 /// case is approximated greedily: each step adds the robot without which the value of the remaining
-/// robots is least (ties: the lowest index).
+/// robots is least. If several robots qualify, it adds the one with the lowest index.
 /// Source: dissertation, section 4.F (attack models).
 std::vector<int> attacked_robots(AttackKind kind, int attacks,
                                  const std::vector<planner::MapRoute>& routes,

@@ -19,8 +19,8 @@ Compared compare_range(const std::string& what, double ours, double low, double 
 Compared compare_claim(const std::string& what, const std::string& ours, const std::string& printed,
                        bool holds);
 
-/// Returns the mean and its 95 % interval as "8.34 ± 1.6"; without the interval for fewer than two
-/// values.
+/// Returns the mean and its 95 % interval as "8.34 ± 1.6". Leaves out the interval for fewer than
+/// two values.
 std::string mean_text(const Sample& sample);
 
 }  // namespace vantage::experiments

@@ -14,7 +14,7 @@
 
 namespace vantage::logs {
 
-/// True target positions of the last `memory_s` seconds, and the least distance between robots.
+/// True target positions of the last `memory_s` seconds, and the smallest distance between robots.
 class TruthHistory {
  public:
   explicit TruthHistory(double memory_s = 10.0) : memory_s_(memory_s) {}

@@ -22,9 +22,10 @@ struct ExplorationSpec {
 
 /// Returns exploration landmarks: static planar pseudo-targets N(l, landmark_sigma_m² I₂) at the
 /// frontiers of the explored area. Returns the `landmarks_max` landmarks nearest to `from_m`, by
-/// ascending distance (ties: in grid order). A plan that observes a landmark gains information, so
-/// the planner explores. Landmarks depend only on the grid, so a landmark disappears once its area
-/// is explored. Empty when `landmarks_max` ≤ 0 or everything is explored. Allocates.
+/// ascending distance (at equal distances in grid order). A plan that observes a landmark gains
+/// information, so the planner explores. Landmarks depend only on the grid, so a landmark
+/// disappears once its area is explored. Empty when `landmarks_max` ≤ 0 or everything is explored.
+/// Allocates.
 /// Source: dissertation, section 3.4, algorithm 5.
 std::vector<Gaussian> exploration_landmarks(const VisibilityGrid& grid, const ExplorationSpec& spec,
                                             const Eigen::Vector2d& from_m, Time now);

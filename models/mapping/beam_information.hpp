@@ -23,7 +23,7 @@ inline constexpr double kCutoffSigmas = 10.0;
 /// over the events e_j "the first occupied cell is j" and e_0 "no cell is occupied". p are their
 /// probabilities, and w their probabilities when every cell's odds are squared. μ_j is the mean
 /// reading at the middle of cell j, and μ_0 = range_max. This is the form of Charrow et al. with
-/// every sum divided by Π_i (o_i² + (1 − o_i)²). The factor cancels in I; without the division the
+/// every sum divided by Π_i (o_i² + (1 − o_i)²). The factor cancels in I. Without this division the
 /// sums would underflow on long beams.
 ///
 /// ≥ 0; 0 when every cell is certain. Pairs of events farther apart than `cutoff_sigmas` σ are

@@ -17,7 +17,8 @@ struct Attack {
 };
 
 /// Returns the attack on at most `attacks_max` robots that leaves `choice` the smallest value, by
-/// enumeration. Ties: the fewest and lowest-numbered robots. Cost: Σ_{k≤α} C(n, k) oracle calls.
+/// enumeration. Of equal attacks, prefers the one on fewer robots, then on lower numbers. Cost:
+/// Σ_{k≤α} C(n, k) oracle calls.
 Attack worst_attack(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
 /// Returns the greedy worst-case attack: repeatedly removes the robot without which the remaining
@@ -27,14 +28,16 @@ Attack worst_attack(const TeamOracle& oracle, const Choice& choice, int attacks_
 Attack greedy_attack(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
 /// Returns the attack on the `attacks_max` robots with the trajectories of greatest individual
-/// value. Ties: the lower numbers. Robust trajectory planning selects its bait by the same
-/// criterion, which ignores overlap with other robots. Cost: α oracle calls.
+/// value. Of robots with equal values, those with lower numbers are attacked. Robust trajectory
+/// planning selects its bait by the same criterion, which ignores overlap with other robots. Cost:
+/// α oracle calls.
 Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
 /// Returns the attack on the robots with the trajectories of greatest joint value, selected
 /// greedily: starting from the empty set, each step adds the robot that maximises J(A) of the
-/// attacked set A, until it has `attacks_max` robots or all. Ties: the lower number. With one
-/// attack it equals attack_on_best_alone(). Cost: O(n α) oracle calls.
+/// attacked set A, until it has `attacks_max` robots or all. Of equally good robots it adds the one
+/// with the lower number. With one attack it equals attack_on_best_alone(). Cost: O(n α) oracle
+/// calls.
 Attack attack_on_best_together(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
 /// Attacker model; every attacker knows the team's plans.

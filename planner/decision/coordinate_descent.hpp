@@ -21,11 +21,11 @@ struct DescentOptions {
 
 /// Coordinate descent: each robot in turn chooses the candidate with the greatest positive gain,
 /// given the choices of the robots before it; no candidate if no gain is positive. In later rounds
-/// each robot chooses again with all others fixed; J never decreases. Ties: the candidate with the
-/// greater individual value, then the lowest id. For monotone submodular J: J ≥ ½ J*, in any order.
-/// The deadline counts oracle calls as nodes. When it expires, the current robot takes the best
-/// candidate found so far, or keeps its previous one if that is better. Later robots keep their
-/// candidates.
+/// each robot chooses again with all others fixed; J never decreases. Of equal gains, it
+/// prefers the candidate with the greater individual value, then the lowest id. For monotone
+/// submodular J: J ≥ ½ J*, in any order. The deadline counts oracle calls as nodes. When it
+/// expires, the current robot takes the best candidate found so far, or keeps its previous one if
+/// that is better. Later robots keep their candidates.
 /// Source: dissertation, sections 3.B and 3.D; Atanasov et al. 2015. Cost: ≤ N oracle calls per
 /// round.
 TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& options,

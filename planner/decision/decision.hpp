@@ -22,7 +22,7 @@ struct TeamDecision {
 
 /// Condition under which a local operation counts as an improvement: g' ≥ (1 + α/N⁴) g with g = J +
 /// O ≥ 0, and a strict increase of J. For N above about 10⁴, α/N⁴ is below the resolution of a
-/// double; with the first condition alone the search could then cycle among equal solutions.
+/// double. With the first condition alone, the search could then cycle among equal solutions.
 /// Source: dissertation Alg. 6 and eq. 3.18.
 class ImprovementRule {
  public:

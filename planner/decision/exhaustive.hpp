@@ -7,8 +7,8 @@
 namespace vantage::planner {
 
 /// Returns the choice with the greatest J over `robots`, each with one candidate or none; the other
-/// robots get none. Ties: the first by id. Cost: Π (|Mᵢ| + 1) oracle calls, so it is only for small
-/// teams and as reference in tests.
+/// robots get none. Of equal choices, returns the first by id. Cost: Π (|Mᵢ| + 1) oracle calls, so
+/// it is only for small teams and as reference in tests.
 TeamDecision exhaustive_optimum(const TeamOracle& oracle, const std::vector<int>& robots);
 
 /// Maximises, over choices, the minimum J over attacks on at most `attacks_max` robots, by

@@ -12,8 +12,8 @@ namespace vantage::planner {
 struct DriveOptions {
   double radius_m = 0.2;
   /// Cells with at least this probability of being occupied are avoided. With a value just above
-  /// 1/2, the robot may enter unknown cells (it has a bumper); with a value below 1/2, only
-  /// observed cells.
+  /// 1/2, the robot may enter unknown cells (it has a bumper). With a value below 1/2, it may
+  /// enter only observed cells.
   double occupied_from = 0.51;
   /// Cells with at most this probability of being occupied are assumed to be free.
   double free_up_to = 0.35;

@@ -61,10 +61,10 @@ class MappingSearch {
   MappingSearch(ViewTable& views, const DriveMap& drive, const MappingSearchOptions& options);
 
   /// Returns the best of all |U|^T routes from `start`, given the scans of the routes `fixed`.
-  /// Excludes routes that may not be driven or that come too near to a fixed route. Ties: the first
-  /// in the order of the controls. If no route is allowed, the robot stays: the result has no
-  /// controls. The search is exhaustive except for leaves excluded by a bound. Cost: O(|U|^T) times
-  /// the cells of a view.
+  /// Excludes routes that may not be driven or that come too near to a fixed route. Of equally
+  /// good routes, returns the first in the order of the controls. If no route is allowed, the robot
+  /// stays: the result has no controls. The search is exhaustive except for leaves excluded by a
+  /// bound. Cost: O(|U|^T) times the cells of a view.
   ///
   /// The deadline is checked before each examined step; between two checks at most one view is
   /// computed (tens of µs). If the deadline expires, returns the best route so far; the greedy

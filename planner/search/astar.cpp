@@ -23,7 +23,7 @@ enum NodeState : std::uint8_t {
   kClosed = 4
 };
 
-// Least key first; ties: the younger node, which is usually deeper.
+// Nodes with the least key come first; of nodes with equal keys, the younger, usually deeper one.
 constexpr auto kAfter = [](const auto& a, const auto& b) {
   return a.key > b.key || (a.key == b.key && a.id < b.id);
 };

@@ -3,7 +3,7 @@
 import { on_refresh } from "./refresh_timer.js";
 
 const kLive_s = 300; // s; displayed time of a live view
-const kTick_px = 64; // least distance of ticks
+const kTick_px = 64; // smallest distance between two ticks
 /** Lanes of the events, from top to bottom: label and kinds of events. The last lane takes all other kinds. */
 export const kLanes = [
   ["targets", ["found", "lost"]],
@@ -13,7 +13,7 @@ export const kLanes = [
 ];
 const lane_of = (kind) => kLanes.findIndex(([, kinds], i) => kinds.includes(kind) || i === kLanes.length - 1);
 
-/** Returns the distance of ticks, 1, 2 or 5 times a power of ten, so that a range has at most `count` ticks. */
+/** Returns the distance between two ticks, 1, 2 or 5 times a power of ten, so that a range has at most `count` ticks. */
 export function tick_step(range_s, count) {
   const least = Math.max(range_s, 1e-3) / Math.max(1, count);
   const power = 10 ** Math.floor(Math.log10(least));
