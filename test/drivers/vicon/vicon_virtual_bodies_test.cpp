@@ -57,7 +57,7 @@ TEST(VirtualBodies, YieldToRealBodiesOfTheSameName) {
   EXPECT_EQ(bodies.names_taken(), 1);
 }
 
-TEST(VirtualBodies, DisappearIfTheTruthIsOlderOrNewerThanTheFrame) {
+TEST(VirtualBodies, DisappearIfTruthAndFrameDifferByMoreThan200Ms) {
   VirtualBodies bodies;
   for (const Duration away : {Duration{-201'000}, Duration{201'000}, Duration{-86'400'000'000}}) {
     bodies.on_truth(truth_at(kCapture + away));
