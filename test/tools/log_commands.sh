@@ -112,6 +112,9 @@ json 'max(abs(r["drive"]["delay_s"] + r["drive"]["lag_s"] - 0.15) for r in d["ro
   | grep -q True || fail "fit-sensor: command delay"
 exits_with 0 "$vantage" check fitted.yaml
 "$vantage" log fit-sensor set.lcmlog | grep -q "^localizer:" || fail "fit-sensor prints no section"
+"$vantage" log fit-sensor set.lcmlog --without-truth --json > blind.json
+json 'all(r["range_is_depth"] and abs(r["range_scale"] - 1.03) < 0.02 for r in d["robots"])' < blind.json \
+  | grep -q True || fail "fit-sensor --without-truth"
 rmse() { "$vantage" log localize "$@" --json | json 'd["position_m"]["rmse"]'; }
 below() { python3 -c "import sys; sys.exit(not float(sys.argv[1]) < float(sys.argv[2]))" "$1" "$2" || fail "$3: $1"; }
 [[ $(rmse set --scenario fitted.yaml) == "$(rmse set.lcmlog --scenario fitted.yaml)" ]] || fail "localize a folder"

@@ -9,6 +9,7 @@
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "core/write_file.hpp"
+#include "localizer/fit/blind_fit.hpp"
 #include "localizer/fit/sensor_fit.hpp"
 #include "scenario/reader/localizer_text.hpp"
 #include "tools/live/screen.hpp"
@@ -23,6 +24,7 @@ struct FitSensorArguments {
   std::string source;
   std::string parameters;  ///< scenario file; empty: start from the parameters of the log
   std::string output;      ///< scenario to write; empty: the section is printed
+  bool is_without_truth = false;
   bool as_json = false;
 };
 
@@ -36,6 +38,27 @@ struct RobotFit {
 
 bool is_commanded(const localizer::RobotRecording& robot) {
   return robot.odometry.front().kind == models::OdometryKind::kCommand;
+}
+
+/// Fits all robots without true poses and writes the fitted sensors and drives to `team`.
+std::vector<RobotFit> fit_team_without_truth(TeamRecording& team) {
+  localizer::BlindFit blind;
+  for (std::size_t robot = 0; robot < team.recording.size(); ++robot) {
+    if (!is_commanded(team.recording[robot])) {
+      throw StartupError(team.source + ": the odometry of robot " + team.spec.robots[robot].name +
+                         " consists of increments; --without-truth needs commands");
+    }
+  }
+  try {
+    blind = localizer::fit_without_truth(team.spec, team.recording);
+  } catch (const UsageError& error) {
+    throw StartupError(team.source + ": " + error.what());
+  }
+  std::vector<RobotFit> fits;
+  for (std::size_t robot = 0; robot < team.recording.size(); ++robot) {
+    fits.push_back({team.spec.robots[robot].name, blind.sensors[robot], blind.drives[robot], true});
+  }
+  return fits;
 }
 
 /// Fits all robots with their true poses and writes the fitted sensors and drives to `team`.
@@ -158,7 +181,8 @@ int fit_sensors(const FitSensorArguments& arguments) {
   if (!arguments.parameters.empty()) {
     use_parameters(trial::scenario_path(arguments.parameters), team);
   }
-  const std::vector<RobotFit> fits = fit_team(team);
+  const std::vector<RobotFit> fits =
+      arguments.is_without_truth ? fit_team_without_truth(team) : fit_team(team);
   const std::string section = scenario::localizer_text(team.spec);
   if (arguments.as_json) {
     print_json(sensors_to_json(fits));
@@ -194,6 +218,9 @@ void add_log_fit_sensor_command(CLI::App& log, Runner& chosen) {
       "--out", arguments->output,
       "scenario to write: that of the log with the fitted section; default: only the "
       "section is printed");
+  command->add_flag("--without-truth", arguments->is_without_truth,
+                    "use no true poses: alternate between estimating all paths in hindsight and "
+                    "fitting to these paths; the stamp delay keeps its value in the scenario");
   command->add_flag("--json", arguments->as_json, "print one JSON object instead of the section");
   command->footer(
       "Two laws of the range are fitted: the distance, and the depth along the sensor's axis. "
@@ -206,7 +233,8 @@ void add_log_fit_sensor_command(CLI::App& log, Runner& chosen) {
       "allowance for errors that are correlated in time.\n"
       "Examples:\n"
       "  vantage log fit-sensor six.lcmlog\n"
-      "  vantage log fit-sensor MRCLAM_Dataset6 --out fitted.yaml");
+      "  vantage log fit-sensor MRCLAM_Dataset6 --out fitted.yaml\n"
+      "  vantage log fit-sensor six.lcmlog --without-truth");
   command->callback(
       [&chosen, arguments] { chosen = [arguments] { return fit_sensors(*arguments); }; });
 }

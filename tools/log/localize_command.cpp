@@ -132,49 +132,82 @@ std::string csv_of(const std::vector<TimedPose>& poses, const TeamRecording& tea
   return text;
 }
 
-/// Positions of the robots' estimates and whether they are worse than those of a reference run.
-class LostRobots {
- public:
-  /// Receives an estimate of the reference run.
-  void add_reference(std::size_t robot, Time time, const Pose2& pose) {
-    reference_[{robot, time}] = pose.position_m();
-  }
-  void add(std::size_t robot, Time time, const Pose2& pose) {
-    estimates_[{robot, time}] = pose.position_m();
-  }
-  /// Returns the names of the robots whose position is more than 0.3 m worse than in the reference
-  /// run for more than 10 s.
-  [[nodiscard]] std::vector<std::string> names(const TeamRecording& team) const {
-    constexpr double kWorseM = 0.3;
-    constexpr double kLostS = 10.0;
-    std::vector<std::string> lost;
-    for (std::size_t robot = 0; robot < team.recording.size(); ++robot) {
-      std::optional<Time> since;
-      bool is_lost = false;
-      for (auto each = estimates_.lower_bound({robot, Time::min()});
-           each != estimates_.end() && each->first.first == robot; ++each) {
-        const Time time = each->first.second;
-        const auto truth = team.recording[robot].truth.at(time);
-        const auto other = reference_.find(each->first);
-        if (!truth || other == reference_.end()) {
-          continue;
-        }
-        const bool is_worse = (each->second - truth->position_m()).norm() >
-                              (other->second - truth->position_m()).norm() + kWorseM;
-        since = !is_worse ? std::nullopt : since ? since : std::optional(time);
-        is_lost = is_lost || (since && to_seconds(time - *since) > kLostS);
-      }
-      if (is_lost) {
-        lost.push_back(team.spec.robots[robot].name);
+/// Returns the names of the robots whose position is more than 0.3 m worse than in the reference
+/// run for more than 10 s. Both lists are sorted by time.
+std::vector<std::string> lost_robots(const std::vector<TimedPose>& reference,
+                                     const std::vector<TimedPose>& poses,
+                                     const TeamRecording& team) {
+  constexpr double kWorseM = 0.3;
+  constexpr double kLostS = 10.0;
+  std::vector<std::string> lost;
+  for (std::size_t robot = 0; robot < team.recording.size(); ++robot) {
+    std::map<Time, Eigen::Vector2d> before;
+    for (const TimedPose& each : reference) {
+      if (each.robot == robot) {
+        before[each.time] = each.world_from_body.position_m();
       }
     }
-    return lost;
+    std::optional<Time> since;
+    bool is_lost = false;
+    for (const TimedPose& each : poses) {
+      const auto truth = team.recording[robot].truth.at(each.time);
+      const auto other = before.find(each.time);
+      if (each.robot != robot || !truth || other == before.end()) {
+        continue;
+      }
+      const Eigen::Vector2d true_m = truth->position_m();
+      const bool is_worse = (each.world_from_body.position_m() - true_m).norm() >
+                            (other->second - true_m).norm() + kWorseM;
+      since = !is_worse ? std::nullopt : since ? since : std::optional(each.time);
+      is_lost = is_lost || (since && to_seconds(each.time - *since) > kLostS);
+    }
+    if (is_lost) {
+      lost.push_back(team.spec.robots[robot].name);
+    }
   }
+  return lost;
+}
 
- private:
-  std::map<std::pair<std::size_t, Time>, Eigen::Vector2d> reference_;
-  std::map<std::pair<std::size_t, Time>, Eigen::Vector2d> estimates_;
+/// Result of one run of the localisers.
+struct Run {
+  localizer::JudgeFigures figures;
+  std::vector<TimedPose> poses;  ///< sorted by time, then by robot
 };
+
+Run run_of(const TeamRecording& team, localizer::JudgeOptions options,
+           const std::vector<bool>& trusted) {
+  Run run;
+  options.watch = [&](std::size_t robot, Time time, const Pose2& pose,
+                      const Eigen::Matrix3d& covariance) {
+    run.poses.push_back({robot, time, pose, covariance});
+  };
+  run.figures = localizer::judge(team.spec, team.recording, options, trusted);
+  std::stable_sort(run.poses.begin(), run.poses.end(), [](const TimedPose& a, const TimedPose& b) {
+    return a.time != b.time ? a.time < b.time : a.robot < b.robot;
+  });
+  return run;
+}
+
+/// Prints the figures, and the lost robots unless `lost` is absent.
+void print(const LocalizeArguments& arguments, const TeamRecording& team, const Run& run,
+           const std::optional<std::vector<std::string>>& lost) {
+  if (arguments.as_json) {
+    nlohmann::ordered_json json = to_json(run.figures, names_of(team));
+    if (lost) {
+      json["lost_robots"] = *lost;
+    }
+    print_json(json);
+    return;
+  }
+  for (const std::string& line : to_lines(run.figures, names_of(team))) {
+    print_line(line);
+  }
+  if (lost) {
+    print_line(fmt::format("lost robots: {}", lost->empty()
+                                                  ? std::string("none")
+                                                  : fmt::format("{}", fmt::join(*lost, ", "))));
+  }
+}
 
 /// Removes the ids of all sightings.
 void remove_ids(TeamRecording& team) {
@@ -209,6 +242,22 @@ void check_options(const LocalizeArguments& arguments) {
   }
 }
 
+/// Returns the options of the run. Hides the landmarks of `team` if they shall be unknown.
+localizer::JudgeOptions options_of(const LocalizeArguments& arguments, TeamRecording& team) {
+  localizer::JudgeOptions options;
+  options.is_start_known = arguments.start == "known";
+  options.loss = arguments.loss;
+  options.seed = arguments.seed;
+  options.hindsight_s =
+      arguments.is_smoothed ? std::numeric_limits<double>::infinity() : arguments.late_s;
+  if (arguments.landmarks == "unknown") {
+    options.hidden_landmarks = std::move(team.spec.landmarks);
+    team.spec.landmarks.clear();
+    team.spec.unknown_landmarks_max = static_cast<int>(options.hidden_landmarks.size());
+  }
+  return options;
+}
+
 int localize(const LocalizeArguments& arguments) {
   check_options(arguments);
   if (!arguments.table.empty()) {
@@ -225,67 +274,61 @@ int localize(const LocalizeArguments& arguments) {
   if (!arguments.log.empty()) {
     log.emplace(arguments.log, std::vector{arguments.source}, arguments.force);
   }
-  std::vector<TimedPose> poses;
-  localizer::JudgeOptions options;
-  options.is_start_known = arguments.start == "known";
-  options.loss = arguments.loss;
-  options.seed = arguments.seed;
-  options.hindsight_s =
-      arguments.is_smoothed ? std::numeric_limits<double>::infinity() : arguments.late_s;
-  if (arguments.landmarks == "unknown") {
-    options.hidden_landmarks = std::move(team.spec.landmarks);
-    team.spec.landmarks.clear();
-    team.spec.unknown_landmarks_max = static_cast<int>(options.hidden_landmarks.size());
-  }
-  LostRobots lost;
+  const localizer::JudgeOptions options = options_of(arguments, team);
+  std::optional<Run> reference;
   if (arguments.is_without_ids) {
-    options.watch = [&](std::size_t robot, Time time, const Pose2& pose, const Eigen::Matrix3d&) {
-      lost.add_reference(robot, time, pose);
-    };
-    static_cast<void>(localizer::judge(team.spec, team.recording, options, trusted));
+    reference = run_of(team, options, trusted);
     remove_ids(team);
   }
-  options.watch = [&](std::size_t robot, Time time, const Pose2& pose,
-                      const Eigen::Matrix3d& covariance) {
-    if (arguments.is_without_ids) {
-      lost.add(robot, time, pose);
-    }
-    if (log || !arguments.table.empty()) {
-      poses.push_back({robot, time, pose, covariance});
-    }
-  };
-  const localizer::JudgeFigures figures =
-      localizer::judge(team.spec, team.recording, options, trusted);
-  const std::vector<std::string> lost_names = lost.names(team);
-  if (arguments.as_json) {
-    nlohmann::ordered_json json = to_json(figures, names_of(team));
-    if (arguments.is_without_ids) {
-      json["lost_robots"] = lost_names;
-    }
-    print_json(json);
-  } else {
-    for (const std::string& line : to_lines(figures, names_of(team))) {
-      print_line(line);
-    }
-    if (arguments.is_without_ids) {
-      print_line(fmt::format("lost robots: {}",
-                             lost_names.empty() ? std::string("none")
-                                                : fmt::format("{}", fmt::join(lost_names, ", "))));
-    }
-  }
-  std::stable_sort(poses.begin(), poses.end(), [](const TimedPose& a, const TimedPose& b) {
-    return a.time != b.time ? a.time < b.time : a.robot < b.robot;
-  });
+  const Run run = run_of(team, options, trusted);
+  print(arguments, team, run,
+        reference ? std::optional(lost_robots(reference->poses, run.poses, team)) : std::nullopt);
   if (log) {
-    if (const std::string failure = write_log(poses, team, *log); !failure.empty()) {
+    if (const std::string failure = write_log(run.poses, team, *log); !failure.empty()) {
       print_line("vantage: " + failure, stderr);
       return 1;
     }
   }
   if (!arguments.table.empty()) {
-    write_file(arguments.table, csv_of(poses, team));
+    write_file(arguments.table, csv_of(run.poses, team));
   }
   return 0;
+}
+
+void add_protocol_options(CLI::App& command, LocalizeArguments& arguments) {
+  command
+      .add_option("--start", arguments.start,
+                  "known: each robot knows the true start, sigma 0.01 m and 0.01 rad; unknown: "
+                  "the first 60 s are not judged")
+      ->check(one_of({"known", "unknown"}))
+      ->capture_default_str();
+  command
+      .add_option("--loss", arguments.loss,
+                  "probability that a robot misses a message of a teammate, 0 to 1")
+      ->check(number_between(0.0, 1.0))
+      ->capture_default_str();
+  command.add_option("--seed", arguments.seed, "seed of the lost messages")
+      ->check(seed_number())
+      ->capture_default_str();
+  command
+      .add_option("--late-s", arguments.late_s,
+                  "use also the data of this many seconds after each estimate's time, in one "
+                  "filter for all robots; 0: none")
+      ->check(number_between(0.0, 3600.0))
+      ->capture_default_str();
+  command.add_flag("--smoothed", arguments.is_smoothed,
+                   "use all data for each estimate, in one filter for all robots");
+  command
+      .add_option("--landmarks", arguments.landmarks,
+                  "known: at the positions of the log; unknown: the filters map them, and the "
+                  "estimates are compared with the truth after one rotation and translation")
+      ->check(one_of({"known", "unknown"}))
+      ->capture_default_str();
+  command.add_flag("--without-ids", arguments.is_without_ids,
+                   "remove the ids of all sightings, and report robots that get lost: more than "
+                   "0.3 m worse than with ids for more than 10 s");
+  command.add_option("--heading", arguments.heading,
+                     "robots whose true heading is accurate enough to judge; default: all robots");
 }
 
 }  // namespace
@@ -302,39 +345,7 @@ void add_log_localize_command(CLI::App& log, Runner& chosen) {
   command->add_option("--scenario", arguments->parameters,
                       "scenario with the parameters of sensors, drives and noise (section "
                       "localizer); default: those of the log");
-  command
-      ->add_option("--start", arguments->start,
-                   "known: each robot knows the true start, sigma 0.01 m and 0.01 rad; unknown: "
-                   "the first 60 s are not judged")
-      ->check(one_of({"known", "unknown"}))
-      ->capture_default_str();
-  command
-      ->add_option("--loss", arguments->loss,
-                   "probability that a robot misses a message of a teammate, 0 to 1")
-      ->check(number_between(0.0, 1.0))
-      ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "seed of the lost messages")
-      ->check(seed_number())
-      ->capture_default_str();
-  command
-      ->add_option("--late-s", arguments->late_s,
-                   "use also the data of this many seconds after each estimate's time, in one "
-                   "filter for all robots; 0: none")
-      ->check(number_between(0.0, 3600.0))
-      ->capture_default_str();
-  command->add_flag("--smoothed", arguments->is_smoothed,
-                    "use all data for each estimate, in one filter for all robots");
-  command
-      ->add_option("--landmarks", arguments->landmarks,
-                   "known: at the positions of the log; unknown: the filters map them, and the "
-                   "estimates are compared with the truth after one rotation and translation")
-      ->check(one_of({"known", "unknown"}))
-      ->capture_default_str();
-  command->add_flag("--without-ids", arguments->is_without_ids,
-                    "remove the ids of all sightings, and report robots that get lost: more than "
-                    "0.3 m worse than with ids for more than 10 s");
-  command->add_option("--heading", arguments->heading,
-                      "robots whose true heading is accurate enough to judge; default: all robots");
+  add_protocol_options(*command, *arguments);
   command->add_option("--out", arguments->log, "log to write, with the estimates as POSE_R");
   command->add_option("--csv", arguments->table,
                       "table (CSV) to write, with one row per robot and instant");
