@@ -157,9 +157,9 @@ enum class PlanObjective {
 
 /// Names of the library's search algorithms; search_names() also returns algorithms that were
 /// added. A test checks that this list agrees with planner/search/catalogue.
-inline constexpr std::array<std::string_view, 10> kSearchNames = {
-    "arvi",  "beam",   "rvi",   "fvi",         "greedy",
-    "astar", "wastar", "aegis", "random_walk", "lawn_mower"};
+inline constexpr std::array<std::string_view, 11> kSearchNames = {
+    "arvi",   "beam",  "rvi",           "fvi",         "greedy",    "astar",
+    "wastar", "aegis", "sampling_tree", "random_walk", "lawn_mower"};
 
 struct PlannerSpec {
   Publisher publisher = Publisher::kVantage;  ///< publisher of PLAN

@@ -10,6 +10,7 @@
 #include "models/target/law.hpp"
 #include "planner/search/astar.hpp"
 #include "planner/search/beam.hpp"
+#include "planner/search/sampling_tree.hpp"
 #include "scenario/search_name.hpp"
 
 namespace vantage::planner {
@@ -104,6 +105,12 @@ std::vector<Algorithm>& algorithms() {
                  BestFirst::kAegis),
       reduced("greedy", "picks the best next step, once per step of the horizon",
               ReducedSearch::kGreedy),
+      with_bounds<SamplingTree, SamplingTreeOptions>(
+          "sampling_tree", "grows random branches; converges to the optimum over the controls",
+          false, SamplingTreeOptions{},
+          [](const AlgorithmOptions& asked, SamplingTreeOptions& options) {
+            options.yaw_weight_m_per_rad = asked.yaw_weight_m_per_rad;
+          }),
       {"random_walk", "a random safe path, determined by the problem's seed", 1.0, false, false,
        [](const SearchCapacity& capacity, const AlgorithmOptions&) {
          return std::make_unique<RandomWalkAdapter>(capacity, RandomWalkOptions{});

@@ -195,7 +195,7 @@ TEST(TeamSafetyFromAbove, RobotsDoNotFlyOverEachOther) {
 
 INSTANTIATE_TEST_SUITE_P(Planner, TeamSafety,
                          ::testing::Values("arvi", "beam", "astar", "wastar", "aegis", "greedy",
-                                           "random_walk", "lawn_mower"),
+                                           "sampling_tree", "random_walk", "lawn_mower"),
                          [](const auto& each) { return std::string(each.param); });
 
 TEST(RobotPlanner, ContinuesItsPlanAfterALateSearch) {

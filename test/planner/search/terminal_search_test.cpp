@@ -166,7 +166,8 @@ TEST(TerminalSearch, AllocatesNothingInPlan) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the sanitizer has its own allocator";
   }
-  for (const char* const name : {"beam", "arvi", "rvi", "fvi", "astar", "wastar", "aegis"}) {
+  for (const char* const name :
+       {"beam", "arvi", "rvi", "fvi", "astar", "wastar", "aegis", "sampling_tree"}) {
     const auto search = algorithm_called(name).make(test::small_capacity(), {});
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
       const test::OwnedProblem owned = problem_with_tour(seed);
@@ -204,7 +205,7 @@ TEST(TerminalSearch, DrivesTowardsTheFirstStopOfTheTour) {
     }
   }
   problem.terminal = {{{0, 4.0, 0.0}}, fields};
-  for (const char* const name : {"beam", "arvi", "greedy", "astar", "aegis"}) {
+  for (const char* const name : {"beam", "arvi", "greedy", "astar", "aegis", "sampling_tree"}) {
     const auto search = algorithm_called(name).make({200'000, 2'000'000, 4, 8, 1}, {});
     const SearchResult& result = search->plan(problem, Deadline::nodes(50'000));
     ASSERT_TRUE(result.found) << name;

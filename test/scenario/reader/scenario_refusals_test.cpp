@@ -83,7 +83,7 @@ const BadEdit kValues[] = {
     {"NegativeSeed", "seed: 1 ", "@seed: -1 ", "seed: must be a whole number of at least 0"},
     {"SeedOverflow", "seed: 1 ", "@seed: 18446744073709551616 ", "seed: must be a whole number of at least 0"},
     {"WordForFlag", "variance_grows_with_range: false", "@variance_grows_with_range: no", "must be true or false, is 'no'"},
-    {"UnknownWord", "algorithm: arvi", "@algorithm: dijkstra", "must be one of arvi, beam, rvi, fvi, greedy, astar, wastar, aegis, random_walk, lawn_mower, external; is 'dijkstra'"},
+    {"UnknownWord", "algorithm: arvi", "@algorithm: dijkstra", "must be one of arvi, beam, rvi, fvi, greedy, astar, wastar, aegis, sampling_tree, random_walk, lawn_mower, external; is 'dijkstra'"},
     {"UnknownAutopilotKey", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:14540\", port: 1}\n", "autopilot.port: unknown key"},
     {"AutopilotWithoutAUrl", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4}\n", "url"},
     {"AutopilotWithAStrangeUrl", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"tcp://h:1\"}\n", "must begin with udp://, udpout:// or serial:"},
