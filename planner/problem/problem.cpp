@@ -109,6 +109,32 @@ bool add_own_information(const SearchProblem& problem, const SearchTarget& targe
   return is_measured;
 }
 
+double cost_of(const SearchProblem& problem, const models::Gaussian& belief) {
+  return problem.cost == CostKind::kLogDet ? models::log_det(belief.covariance)
+                                           : belief.covariance.trace();
+}
+
+// Predicts the belief of target m from depth t to t + 1 and updates it with the information there.
+// True if the robot's own sensors give any.
+bool step_belief(const SearchProblem& problem, std::size_t m, std::size_t t, const Pose2& pose,
+                 models::Gaussian& belief) {
+  const SearchTarget& target = problem.targets[m];
+  const int p = target.model.position_dim;
+  belief = models::predict(belief, target.model, problem.step_s);
+  models::PositionMatrix M = models::PositionMatrix::Zero(p, p);
+  if (!problem.fixed_information.empty() && problem.fixed_information[m][t].size() > 0) {
+    const models::StateMatrix& fixed = problem.fixed_information[m][t];
+    if (fixed.rows() == p) {
+      M += fixed;
+    } else {
+      belief.covariance = models::update_state_covariance(belief.covariance, fixed);
+    }
+  }
+  const bool is_measured = add_own_information(problem, target, pose, belief, M);
+  belief.covariance = models::update_covariance(belief.covariance, M);
+  return is_measured;
+}
+
 }  // namespace
 
 void require_valid(const SearchProblem& problem) {
@@ -186,24 +212,10 @@ models::Trajectory to_trajectory(const SearchProblem& problem, std::span<const i
 double score(const SearchProblem& problem, const std::vector<Pose2>& poses) {
   double cost = terminal_cost(problem, poses);
   for (std::size_t m = 0; m < problem.targets.size(); ++m) {
-    const SearchTarget& target = problem.targets[m];
-    const int p = target.model.position_dim;
-    models::Gaussian belief = target.prior;
+    models::Gaussian belief = problem.targets[m].prior;
     for (std::size_t t = 0; t < poses.size(); ++t) {
-      belief = models::predict(belief, target.model, problem.step_s);
-      models::PositionMatrix M = models::PositionMatrix::Zero(p, p);
-      if (!problem.fixed_information.empty() && problem.fixed_information[m][t].size() > 0) {
-        const models::StateMatrix& fixed = problem.fixed_information[m][t];
-        if (fixed.rows() == p) {
-          M += fixed;
-        } else {
-          belief.covariance = models::update_state_covariance(belief.covariance, fixed);
-        }
-      }
-      add_own_information(problem, target, poses[t], belief, M);
-      belief.covariance = models::update_covariance(belief.covariance, M);
-      cost += problem.cost == CostKind::kLogDet ? models::log_det(belief.covariance)
-                                                : belief.covariance.trace();
+      step_belief(problem, m, t, poses[t], belief);
+      cost += cost_of(problem, belief);
     }
   }
   return cost;
@@ -214,20 +226,22 @@ double terminal_cost(const SearchProblem& problem, const std::vector<Pose2>& pos
     return 0.0;
   }
   std::vector<std::uint16_t> measured;
+  std::vector<double> costs;
   for (std::size_t m = 0; m < problem.targets.size(); ++m) {
     const SearchTarget& target = problem.targets[m];
     models::Gaussian belief = target.prior;
+    bool is_measured = false;
     for (std::size_t t = 0; t + 1 < poses.size(); ++t) {
-      belief = models::predict(belief, target.model, problem.step_s);
-      const int p = target.model.position_dim;
-      models::PositionMatrix M = models::PositionMatrix::Zero(p, p);
-      if (add_own_information(problem, target, poses[t], belief, M)) {
-        measured.push_back(static_cast<std::uint16_t>(m));
-        break;
-      }
+      is_measured = step_belief(problem, m, t, poses[t], belief) || is_measured;
+    }
+    if (is_measured) {
+      measured.push_back(static_cast<std::uint16_t>(m));
+      costs.push_back(cost_of(problem, belief));
     }
   }
-  return problem.terminal.at(problem.terminal.rest(measured), poses.back().position_m());
+  return problem.terminal.at(
+      problem.terminal.rest(measured, [&](std::size_t k) { return costs[k]; }),
+      poses.back().position_m());
 }
 
 double required_separation_m(const SearchProblem& problem, std::size_t i) {

@@ -1,7 +1,6 @@
 #include "planner/problem/terminal_value.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -22,6 +21,8 @@ TerminalValue::TerminalValue(std::vector<Stop> stops, Fields fields)
            "terminal value: rate_per_s must be ≥ 0");
     demand(stop.after_s >= before_s && std::isfinite(stop.after_s),
            "terminal value: after_s must be ≥ 0 and ascending");
+    demand(std::isfinite(stop.open) && std::isfinite(stop.done) && stop.done <= stop.open,
+           "terminal value: done must be ≤ open, both finite");
     before_s = stop.after_s;
     stop_of_.resize(std::max(stop_of_.size(), index(stop.target) + 1), -1);
     demand(stop_of_[index(stop.target)] < 0, "terminal value: a target must have at most one stop");
@@ -40,7 +41,8 @@ TerminalValue::TerminalValue(std::vector<Stop> stops, Fields fields)
                      [](double t_s) { return t_s >= 0.0 && std::isfinite(t_s); }),
          "terminal value: travel times must be finite and ≥ 0");
   set_slopes();
-  whole_ = rest_without(0);
+  const std::vector<double> left(stops_.size(), 1.0);
+  whole_ = rest_of(left.data());
 }
 
 void TerminalValue::set_slopes() {
@@ -76,32 +78,22 @@ double TerminalValue::time_s(int field, const Eigen::Vector2d& p_m) const {
   return (1.0 - v) * ((1.0 - u) * low[0] + u * low[1]) + v * ((1.0 - u) * high[0] + u * high[1]);
 }
 
-TerminalValue::Rest TerminalValue::rest_without(std::uint64_t visited) const {
-  const int first = std::countr_one(visited);
+TerminalValue::Rest TerminalValue::rest_of(const double* left) const {
   const int count = static_cast<int>(stops_.size());
+  const int first = static_cast<int>(
+      std::find_if(left, left + count, [](double share) { return share > 0.0; }) - left);
   Rest rest;
   if (first >= count) {
     return rest;
   }
   for (int i = first; i < count; ++i) {
-    if ((visited >> static_cast<unsigned>(i) & 1U) == 0) {
-      const Stop& stop = stops_[index(i)];
-      rest.rate_per_s += stop.rate_per_s;
-      rest.offset += stop.rate_per_s * (stop.after_s - stops_[index(first)].after_s);
-    }
+    const Stop& stop = stops_[index(i)];
+    const double rate_per_s = left[i] * stop.rate_per_s;
+    rest.rate_per_s += rate_per_s;
+    rest.offset += rate_per_s * (stop.after_s - stops_[index(first)].after_s);
   }
   rest.field = first < kFieldsMax ? first : -1;
   return rest;
-}
-
-TerminalValue::Rest TerminalValue::rest(std::span<const std::uint16_t> measured) const {
-  std::uint64_t visited = 0;
-  for (const std::uint16_t m : measured) {
-    if (m < stop_of_.size() && stop_of_[m] >= 0) {
-      visited |= std::uint64_t{1} << static_cast<unsigned>(stop_of_[m]);
-    }
-  }
-  return visited == 0 ? whole_ : rest_without(visited);
 }
 
 double TerminalValue::least_within(const Rest& rest, const Eigen::Vector2d& p_m,

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -12,15 +15,20 @@ namespace vantage::planner {
 /// that the plan has measured. A search adds it to the cost of a complete plan.
 ///
 /// A tour visits stops, each the position of one target. Every second until the arrival at stop i
-/// costs `rate_i`. Let U be the stops whose targets were not measured and j the first of them in
-/// the order of the tour. Then V(x, U) = Σ_{i ∈ U} rate_i (t_j(x) + after_i − after_j), where t_j
-/// is the travel time to stop j, and V = 0 if U is empty. t_j is interpolated bilinearly from a
-/// square grid, so a query is O(1). Only the first kFieldsMax stops have a grid; for later stops
-/// t_j = 0.
+/// costs `rate_i`. Let φ_i be the share of stop i that the plan's measurements leave, and j the
+/// first stop in the order of the tour with φ_j > 0. Then
+/// V(x, φ) = Σ_{i ≥ j} φ_i rate_i (t_j(x) + after_i − after_j), where t_j is the travel time to
+/// stop j, and V = 0 if all φ_i are 0. t_j is interpolated bilinearly from a square grid, so a
+/// query is O(1). Only the first kFieldsMax stops have a grid; for later stops t_j = 0.
 ///
-/// V ≥ 0. V does not increase if more targets are measured, because travel times obey the triangle
-/// inequality at every grid point and interpolation preserves it. Allocates only in its
-/// constructor.
+/// φ_i = 1 if the target was not measured. Otherwise φ_i = (c − done_i) / (open_i − done_i),
+/// limited to [0, 1], where c is the log det (or trace) of the target's covariance; φ_i = 0 if
+/// done_i = open_i. So one distant measurement leaves most of a stop, if the stop asks for more
+/// information.
+///
+/// V ≥ 0. V does not increase if covariances are smaller or more targets are measured, because
+/// travel times obey the triangle inequality at every grid point and interpolation preserves it.
+/// Allocates only in its constructor.
 class TerminalValue {
  public:
   static constexpr int kStopsMax = 64;
@@ -30,6 +38,8 @@ class TerminalValue {
     int target = 0;           ///< index into SearchProblem::targets; each target at most once
     double rate_per_s = 0.0;  ///< ≥ 0; cost of arriving one second later
     double after_s = 0.0;     ///< s, ascending; travel time from the first stop along the tour
+    double open = 0.0;  ///< nat or m²; cost of the covariance at which the whole stop is left
+    double done = 0.0;  ///< ≤ open; cost of the covariance at which nothing is left
   };
 
   /// Travel times to the first stops on a square grid.
@@ -53,9 +63,33 @@ class TerminalValue {
     double rate_per_s = 0.0;
     int field = -1;  ///< index of the grid of travel times; −1: V does not depend on x
   };
-  /// Returns the rest of the tour after measurements of the targets `measured`. O(targets), and
-  /// O(stops) if a stop is among them.
-  [[nodiscard]] Rest rest(std::span<const std::uint16_t> measured) const;
+  /// Returns the rest of the tour if nothing is left of the stops of the targets `measured`.
+  /// O(targets), and O(stops) if a stop is among them.
+  [[nodiscard]] Rest rest(std::span<const std::uint16_t> measured) const {
+    return rest(measured, [](std::size_t) { return -std::numeric_limits<double>::infinity(); });
+  }
+  /// Returns the rest of the tour after measurements of the targets `measured`. `cost_of(k)`
+  /// returns the log det or trace of the covariance of measured[k]; it is called only for stops.
+  template <class CostOf>
+  [[nodiscard]] Rest rest(std::span<const std::uint16_t> measured, const CostOf& cost_of) const {
+    double left[kStopsMax];
+    bool has_changed = false;
+    for (std::size_t k = 0; k < measured.size(); ++k) {
+      const std::uint16_t m = measured[k];
+      if (m < stop_of_.size() && stop_of_[m] >= 0) {
+        if (!has_changed) {
+          std::fill_n(left, stops_.size(), 1.0);
+          has_changed = true;
+        }
+        const Stop& stop = stops_[static_cast<std::size_t>(stop_of_[m])];
+        left[stop_of_[m]] =
+            stop.done < stop.open
+                ? std::clamp((cost_of(k) - stop.done) / (stop.open - stop.done), 0.0, 1.0)
+                : 0.0;
+      }
+    }
+    return has_changed ? rest_of(left) : whole_;
+  }
 
   /// Returns V at `p_m`. O(1).
   [[nodiscard]] double at(const Rest& rest, const Eigen::Vector2d& p_m) const {
@@ -74,7 +108,8 @@ class TerminalValue {
 
  private:
   [[nodiscard]] double time_s(int field, const Eigen::Vector2d& p_m) const;
-  [[nodiscard]] Rest rest_without(std::uint64_t visited) const;
+  /// `left`: share left of each stop.
+  [[nodiscard]] Rest rest_of(const double* left) const;
   void set_slopes();
 
   std::vector<Stop> stops_;

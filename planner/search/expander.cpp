@@ -211,7 +211,7 @@ bool Expander::expand(Tree& tree, NodeId id, Children& out) {
   forget_blocks();
   if (has_terminal_) {
     const double here = terminal_value(tree, id);
-    const TerminalValue::Rest rest = problem_->terminal.rest(tree.posterior(id).targets);
+    const TerminalValue::Rest rest = rest_of_tour(tree.posterior(id));
     for (int i = 0; i < out.count; ++i) {
       out.terminal_rise[i] =
           problem_->terminal.at(rest, out.world_from_body[i].position_m()) - here;
@@ -226,8 +226,21 @@ double Expander::terminal_value(const Tree& tree, NodeId id) const {
   if (!has_terminal_ || node.parent == kNoNode) {
     return 0.0;
   }
-  return problem_->terminal.at(problem_->terminal.rest(tree.posterior(node.parent).targets),
+  return problem_->terminal.at(rest_of_tour(tree.posterior(node.parent)),
                                node.world_from_body.position_m());
+}
+
+TerminalValue::Rest Expander::rest_of_tour(const Blocks& blocks) const {
+  std::size_t at = 0;  // index of the target that `block` points to
+  const double* block = blocks.packed;
+  return problem_->terminal.rest(blocks.targets, [&](std::size_t k) {
+    for (; at < k; ++at) {
+      block += packed_size(beliefs_.layout(blocks.targets[at]));
+    }
+    const BlockLayout layout = beliefs_.layout(blocks.targets[k]);
+    return beliefs_.cost() == CostKind::kTrace ? trace(layout, block)
+                                               : std::log(determinant(layout, block));
+  });
 }
 
 Expander::Kept Expander::update_blocks(const Pose2& at, double cos_yaw, double sin_yaw, int t,
@@ -306,8 +319,7 @@ double Expander::cost_of_hovering(const Tree& tree, NodeId id) {
   double terminal = node.cost - cost;  // terminal value of a node at the last depth
   for (int t = node.depth + 1; t <= problem_->horizon_steps; ++t) {
     if (has_terminal_ && t == problem_->horizon_steps) {
-      terminal = problem_->terminal.at(problem_->terminal.rest(blocks.targets),
-                                       node.world_from_body.position_m());
+      terminal = problem_->terminal.at(rest_of_tour(blocks), node.world_from_body.position_m());
     }
     predict_blocks(blocks, t);
     candidates_ = grid_.near(node.world_from_body.position_m(), t);

@@ -120,6 +120,8 @@ class Expander {
     const std::int32_t slot = slot_of_[index(m)];
     return slot < 0 ? beliefs_.open_loop(m, t) : &predicted_[kMaxPacked * index(slot)];
   }
+  /// Returns the rest of the tour of the terminal value after the measurements of `blocks`.
+  [[nodiscard]] TerminalValue::Rest rest_of_tour(const Blocks& blocks) const;
   /// Returns the stage cost of depth t with the predicted blocks and no measurement.
   [[nodiscard]] double predicted_cost(int t) const;
   struct Kept {

@@ -251,7 +251,15 @@ void add_random_tour(std::mt19937_64& rng, planner::SearchProblem& problem) {
       after_s = stops.back().after_s + uniform(rng, 0.0, 1.0) +
                 (position_m - positions_m.back()).norm() / speed_mps;
     }
-    stops.push_back({target, scale * uniform(rng, 0.0, 2.0), after_s});
+    // Two of three stops ask for more information than one measurement may give.
+    const models::StateMatrix& prior =
+        problem.targets[static_cast<std::size_t>(target)].prior.covariance;
+    const bool is_log_det = problem.cost == planner::CostKind::kLogDet;
+    const double now = is_log_det ? models::log_det(prior) : prior.trace();
+    const double open = is_log_det ? now + uniform(rng, -1.0, 3.0) : now * uniform(rng, 0.5, 2.0);
+    const double gain = pick(rng, 0, 2) == 0 ? 0.0 : uniform(rng, 0.0, 1.0);
+    const double done = open - gain * (is_log_det ? 6.0 : open);
+    stops.push_back({target, scale * uniform(rng, 0.0, 2.0), after_s, open, done});
     positions_m.push_back(position_m);
   }
   planner::TerminalValue::Fields fields;

@@ -59,6 +59,27 @@ TEST(TerminalValue, ChargesEachUnmeasuredStopForTheTimeOfItsArrival) {
   EXPECT_EQ(value.target_count(), 5);
 }
 
+// A stop with open > done keeps the share of its rate that the covariance's cost states.
+TEST(TerminalValue, KeepsTheShareOfAStopThatTheCovarianceLeaves) {
+  const TerminalValue value({{4, 3.0, 0.0, 2.0, -2.0}, {1, 5.0, 4.0}}, two_fields());
+  const Eigen::Vector2d p_m(3.0, 4.0);  // 2.5 s from both stops
+  const std::uint16_t first[] = {0, 4};
+  struct Row {
+    double cost;
+    double expected;
+  };
+  for (const Row& row :
+       {Row{9.0, 3.0 * 2.5 + 5.0 * 6.5}, Row{2.0, 3.0 * 2.5 + 5.0 * 6.5},
+        Row{1.0, 0.75 * 3.0 * 2.5 + 5.0 * 6.5}, Row{-1.5, 0.125 * 3.0 * 2.5 + 5.0 * 6.5},
+        Row{-2.0, 5.0 * 2.5}, Row{-7.0, 5.0 * 2.5}}) {
+    const auto cost_of = [&](std::size_t k) {
+      EXPECT_EQ(k, 1u) << "target 0 has no stop";
+      return row.cost;
+    };
+    EXPECT_DOUBLE_EQ(value.at(value.rest(first, cost_of), p_m), row.expected) << row.cost;
+  }
+}
+
 TEST(TerminalValue, InterpolatesBetweenGridPoints) {
   const TerminalValue value = two_stops();
   const std::uint16_t second[] = {1};
@@ -124,6 +145,7 @@ TEST(TerminalValue, RefusesArgumentsThatBreakARule) {
       {"rate_per_s", [](auto& stops, auto&) { stops[0].rate_per_s = -1.0; }},
       {"rate_per_s", [](auto& stops, auto&) { stops[0].rate_per_s = std::nan(""); }},
       {"ascending", [](auto& stops, auto&) { stops[0].after_s = 5.0; }},
+      {"done", [](auto& stops, auto&) { stops[0].done = 1.0; }},
       {"at most one stop", [](auto& stops, auto&) { stops[0].target = stops[1].target; }},
       {"target", [](auto& stops, auto&) { stops[0].target = -1; }},
       {"64 stops",

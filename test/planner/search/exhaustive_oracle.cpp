@@ -68,7 +68,12 @@ void search(const planner::SearchProblem& problem, const OracleState& state, dou
     if (!problem.terminal.is_empty()) {
       next.measured = measured_from(problem, next.beliefs, next.world_from_body, state.measured);
       if (next.depth == problem.horizon_steps) {
-        next_cost += problem.terminal.at(problem.terminal.rest(state.measured),
+        const auto cost_of = [&](std::size_t k) {
+          const models::StateMatrix& covariance = state.beliefs[state.measured[k]].covariance;
+          return problem.cost == planner::CostKind::kLogDet ? models::log_det(covariance)
+                                                            : covariance.trace();
+        };
+        next_cost += problem.terminal.at(problem.terminal.rest(state.measured, cost_of),
                                          next.world_from_body.position_m());
       }
     }
