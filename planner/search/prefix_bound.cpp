@@ -56,7 +56,10 @@ void PrefixBound::reset(const SearchProblem& problem, Expander& expander) {
   open_.clear();
   reference_count_ = 0;
   proven_ = -kInfinity;
-  is_exhausted_ = lattice_.reference_size() > references_.size();
+  // The lattice needs motion: without it, the bound of a robot that only turns would be too large.
+  const bool moves = std::any_of(problem.controls.begin(), problem.controls.end(),
+                                 [](const auto& control) { return control.speed_mps > 0.0; });
+  is_exhausted_ = !moves || lattice_.reference_size() > references_.size();
 }
 
 void PrefixBound::push(NodeId id, double f) {

@@ -10,6 +10,7 @@
 #include "core/check.hpp"
 #include "planner/problem/block_kernels.hpp"
 #include "planner/search/astar.hpp"
+#include "planner/search/root_bound.hpp"
 #include "scenario/scenario.hpp"
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/solved_problems.hpp"
@@ -209,6 +210,20 @@ TEST(Catalogue, ProvesNoFalseOptimumForAnyYawWeight) {
       expect_true_proofs(owned.problem, best, "seed " + std::to_string(seed));
     }
   }
+}
+
+TEST(RootBound, IsAtMostTheOptimumOfARobotThatOnlyTurns) {
+  const SearchProblem problem = turning_problem();
+  const test::OracleAnswer best = test::best_completion(problem, test::start_of(problem));
+  RootBound root(8, 8);
+  BeliefTable beliefs(8, 8);
+  Expander expander(8, 8, 4);
+  beliefs.reset(problem);
+  expander.reset(problem);
+  EXPECT_LE(root.of_any_plan(problem, beliefs), best.cost);
+  std::int64_t work_nodes = 0;
+  EXPECT_LE(root.of_moving_plan(Deadline::never(), work_nodes).cost, best.cost);
+  EXPECT_LE(root.raise(expander, 1'000'000, Deadline::never(), work_nodes).cost, best.cost);
 }
 
 TEST(Catalogue, DescribesEachAlgorithm) {
