@@ -30,4 +30,17 @@ struct ExplorationSpec {
 std::vector<Gaussian> exploration_landmarks(const VisibilityGrid& grid, const ExplorationSpec& spec,
                                             const Eigen::Vector2d& from_m, Time now);
 
+/// Unexplored part of one square region of the world.
+struct UnexploredRegion {
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();  ///< mean position of the unexplored cells
+  double share = 0.0;  ///< share of the whole unexplored area, in (0, 1]
+};
+
+/// Divides the grid into squares of edge `region_m` and returns the unexplored part of each, in
+/// the order of the squares. Cells count by the cube of unexplored_share(). The centre is moved to
+/// the nearest unexplored cell of the square. Returns the `regions_max` regions with the largest
+/// shares that are at least 0.2 % of the area. Allocates.
+std::vector<UnexploredRegion> unexplored_regions(const VisibilityGrid& grid, double region_m,
+                                                 int regions_max, Time now);
+
 }  // namespace vantage::models

@@ -270,6 +270,15 @@ bool VisibilityGrid::is_explored(int cell, Time now) const {
          (memory_s_ <= 0.0 || to_seconds(now - from_utime(last_seen)) <= memory_s_);
 }
 
+double VisibilityGrid::unexplored_share(int cell, Time now) const {
+  const std::int64_t last_seen = last_seen_[index(cell)];
+  if (last_seen == kNeverSeen) {
+    return 1.0;
+  }
+  return memory_s_ > 0.0 ? std::clamp(to_seconds(now - from_utime(last_seen)) / memory_s_, 0.0, 1.0)
+                         : 0.0;
+}
+
 std::vector<Eigen::Vector2d> VisibilityGrid::frontiers(Time now, double spacing_m) const {
   const auto is_known = [&](int cell) { return is_free(cell) && is_explored(cell, now); };
   bool anything_known = false;

@@ -89,6 +89,10 @@ class VisibilityGrid {
     return merge_stamps(geometry_, last_seen_, geometry, last_seen_utime, limit_utime);
   }
   [[nodiscard]] bool is_explored(int cell, Time now) const;
+  /// Returns the probability that an undiscovered target is in a free cell, relative to that of a
+  /// cell that was never seen, in [0, 1]: the time since the cell was seen as a share of the
+  /// memory.
+  [[nodiscard]] double unexplored_share(int cell, Time now) const;
   [[nodiscard]] bool is_free(int cell) const { return free_[index(cell)] != 0; }
   /// Returns the centres of unexplored free cells next to an explored free cell (4 neighbours). A
   /// centre nearer than `spacing_m` to a selected centre is skipped, in index order, so the result

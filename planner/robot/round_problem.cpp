@@ -132,6 +132,12 @@ class Builder {
   template <class Then>
   [[nodiscard]] std::vector<SearchTarget> components_of(int target_id, const Then& then) const;
   void add_landmarks(const models::RobotBelief& belief);
+  /// True if unexplored regions are the landmarks and stops of the tour.
+  [[nodiscard]] bool has_regions() const {
+    return scenario_.planner.tour.horizon_s > 0.0 && scenario_.planner.tour.region_m > 0.0;
+  }
+  /// Adds a landmark for each unexplored region, in which `undiscovered` targets are expected.
+  void add_regions(const models::VisibilityGrid& grid, double undiscovered);
   void add_teammates(const std::vector<int>& robots_without_sensing);
   void add_waiting_positions();
   void add_bodies();
@@ -153,6 +159,7 @@ class Builder {
   const scenario::RobotSpec& spec_;
   const PlanInputs& inputs_;
   RoundProblem round_;
+  TourRegions regions_;
 };
 
 void Builder::begin(std::size_t robot, const models::Trajectory& committed) {
@@ -270,6 +277,11 @@ void Builder::add_landmarks(const models::RobotBelief& belief) {
   }
   const models::VisibilityGrid& grid = workspace_.ground(belief.grid, belief.last_seen_utime);
   const models::TargetModel still{models::TargetKind::kStatic, 2, 0.0};
+  if (has_regions()) {
+    add_regions(grid, std::max(0.0, static_cast<double>(scenario_.targets.size()) -
+                                        static_cast<double>(belief.targets.size())));
+    return;
+  }
   for (const models::Gaussian& landmark : models::exploration_landmarks(
            grid, exploration, round_.search.start.position_m(), inputs_.slot.activation)) {
     round_.search.targets.push_back({still, landmark});
@@ -409,6 +421,31 @@ void Builder::add_bodies() {
   }
 }
 
+void Builder::add_regions(const models::VisibilityGrid& grid, double undiscovered) {
+  const scenario::EstimatorSpec& estimator = scenario_.estimator;
+  const models::ExplorationSpec& exploration = scenario_.planner.exploration;
+  const models::TargetModel& model = estimator.target_model;
+  SearchTarget& target = regions_.undiscovered;
+  target.model = model.as_planned(0.0, scenario_.planner.step_s);
+  target.prior.mean = models::StateVector::Zero(model.dim());
+  target.prior.covariance = models::StateMatrix::Zero(model.dim(), model.dim());
+  for (int i = 0; i < model.dim(); ++i) {
+    const double sigma = i < model.position_dim ? estimator.undiscovered_position_sigma_m
+                                                : estimator.prior_velocity_sigma_mps;
+    target.prior.covariance(i, i) = sigma * sigma;
+  }
+  const models::TargetModel still{models::TargetKind::kStatic, 2, 0.0};
+  const double sigma_m = exploration.landmark_sigma_m;
+  for (const models::UnexploredRegion& region :
+       models::unexplored_regions(grid, scenario_.planner.tour.region_m, exploration.landmarks_max,
+                                  inputs_.slot.activation)) {
+    regions_.regions.push_back(
+        {static_cast<int>(round_.search.targets.size()), undiscovered * region.share});
+    round_.search.targets.push_back(
+        {still, {region.centre_m, sigma_m * sigma_m * Eigen::Matrix2d::Identity()}});
+  }
+}
+
 void Builder::add_tour() {
   const scenario::TourSpec& tour = scenario_.planner.tour;
   if (tour.horizon_s <= 0.0 || round_.search.targets.empty()) {
@@ -416,7 +453,7 @@ void Builder::add_tour() {
   }
   const std::vector<FixedTeammate> none;
   const bool is_alone = scenario_.network.communication_range_m <= 0.0;
-  workspace_.tours().plan(round_.search, is_alone ? none : round_.teammates, tour);
+  workspace_.tours().plan(round_.search, is_alone ? none : round_.teammates, tour, regions_);
   round_.search.terminal = workspace_.tours().terminal_value();
 }
 

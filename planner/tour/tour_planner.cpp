@@ -10,6 +10,11 @@
 namespace vantage::planner {
 namespace {
 
+constexpr double kReach = 0.6;   // share of the range at which a robot has reached a stop
+constexpr double kEnough = 0.7;  // share of a visit's saved cost after which a stop is done
+// Weight of a discovery: a discovered target can also be visited after the horizon.
+constexpr double kDiscoveryWeight = 4.0;
+
 // Sorts indices by their value, smallest first; equal values by index.
 constexpr auto kBefore = [](const auto& a, const auto& b) {
   return a.key < b.key || (a.key == b.key && a.index < b.index);
@@ -46,6 +51,33 @@ models::PositionMatrix information_of_look(const SearchProblem& problem,
   return M;
 }
 
+/// A visit: one measurement per step for `visit_s`, at least one.
+class Visit {
+ public:
+  Visit(const SearchProblem& problem, const models::TargetModel& model, double visit_s,
+        const models::PositionVector& mean_m)
+      : looks_(std::max(1, static_cast<int>(std::lround(visit_s / problem.step_s)))),
+        look_(information_of_look(problem, mean_m)),
+        step_(model.transition(problem.step_s)),
+        noise_(model.process_noise(problem.step_s, 1)) {}
+
+  /// Returns the covariance after a visit that begins with `before`.
+  [[nodiscard]] models::StateMatrix after(const models::StateMatrix& before) const {
+    models::StateMatrix P = models::update_covariance(before, look_);
+    for (int k = 1; k < looks_; ++k) {
+      const models::StateMatrix predicted = step_ * P * step_.transpose() + noise_;
+      P = models::update_covariance(predicted, look_);
+    }
+    return P;
+  }
+
+ private:
+  int looks_;
+  models::PositionMatrix look_;
+  models::StateMatrix step_;
+  models::StateMatrix noise_;
+};
+
 // Returns the probability that a planar Gaussian error with this mean variance is within
 // `radius_m`.
 double probability_within(double radius_m, double variance_m2) {
@@ -62,6 +94,8 @@ TourPlanner::TourPlanner(int targets_max)
   beliefs_.reserve(kStopsMax);
   targets_.reserve(kStopsMax);
   positions_m_.reserve(kStopsMax);
+  opens_.reserve(kStopsMax);
+  dones_.reserve(kStopsMax);
   starts_.reserve(1 + kTeammatesMax);
   tour_.reserve(kStopsMax);
 }
@@ -69,8 +103,9 @@ TourPlanner::TourPlanner(int targets_max)
 std::span<const TourStop> TourPlanner::plan(const SearchProblem& problem,
                                             std::span<const FixedTeammate> teammates,
                                             const scenario::TourSpec& spec,
-                                            const Deadline& deadline) {
+                                            const TourRegions& regions, const Deadline& deadline) {
   problem_ = &problem;
+  regions_ = &regions;
   spec_ = spec;
   tour_.clear();
   speed_mps_ = 0.0;
@@ -81,6 +116,11 @@ std::span<const TourStop> TourPlanner::plan(const SearchProblem& problem,
     return tour_;
   }
   reach_m_ = speed_mps_ * problem.step_s * problem.horizon_steps;
+  double range_max_m = 0.0;
+  for (const models::SensorModel& sensor : problem.sensors) {
+    range_max_m = std::max(range_max_m, sensor.range_max_m);
+  }
+  near_m_ = kReach * range_max_m;
   choose_teammates(teammates);
   choose_stops();
   tours_.resize(static_cast<int>(targets_.size()), static_cast<int>(starts_.size()),
@@ -127,6 +167,8 @@ void TourPlanner::choose_stops() {
   beliefs_.clear();
   targets_.clear();
   positions_m_.clear();
+  opens_.clear();
+  dones_.clear();
   for (const Ranked& each : ranked_) {
     const models::Gaussian belief = belief_at_end(*problem_, index(each.index), starts_.size() > 1);
     Eigen::Vector2d position_m = belief.mean.head<2>();
@@ -147,60 +189,74 @@ void TourPlanner::measure_travel() {
     const Start& start = starts_[index(robot)];
     geodesics_.find_visible_corners(start.position_m, visible);
     for (int stop = 0; stop < tours_.stop_count(); ++stop) {
-      tours_.start_s(robot, stop) = start.free_s + geodesics_.path_m(visible, stop) / speed_mps_;
+      tours_.start_s(robot, stop) =
+          start.free_s + std::max(0.0, geodesics_.path_m(visible, stop) - near_m_) / speed_mps_;
     }
   }
   for (int i = 0; i < tours_.stop_count(); ++i) {
     geodesics_.find_visible_corners(positions_m_[index(i)], visible);
     for (int j = 0; j < i; ++j) {
-      const double travel_s = geodesics_.path_m(visible, j) / speed_mps_;
+      const double travel_s = std::max(0.0, geodesics_.path_m(visible, j) - near_m_) / speed_mps_;
       tours_.travel_s(i, j) = travel_s;
       tours_.travel_s(j, i) = travel_s;
     }
   }
 }
 
+const TourRegions::Region* TourPlanner::region_of(int m) const {
+  const auto& all = regions_->regions;
+  const auto found = std::lower_bound(
+      all.begin(), all.end(), m,
+      [](const TourRegions::Region& each, int landmark) { return each.landmark < landmark; });
+  return found != all.end() && found->landmark == m ? &*found : nullptr;
+}
+
+double TourPlanner::found_at(int stop, const models::StateMatrix& covariance) const {
+  const TourRegions::Region* const region = region_of(targets_[index(stop)]);
+  return region != nullptr ? kDiscoveryWeight * region->expected_targets
+                           : probability_within(0.5 / kReach * near_m_,
+                                                0.5 * (covariance(0, 0) + covariance(1, 1)));
+}
+
 // Sums the saved cost of a visit at each sample, by the trapezoidal rule.
 void TourPlanner::tabulate_gains(int stop) {
-  const SearchTarget& target = problem_->targets[index(targets_[index(stop)])];
-  const models::Gaussian& belief = beliefs_[index(stop)];
-  const int p = target.model.position_dim;
+  const bool is_region = region_of(targets_[index(stop)]) != nullptr;
+  const SearchTarget& target =
+      is_region ? regions_->undiscovered : problem_->targets[index(targets_[index(stop)])];
   const double sample_s = tours_.sample_s();
   const models::StateMatrix A = target.model.transition(sample_s);
   const models::StateMatrix W = target.model.process_noise(
       sample_s, std::max(1, static_cast<int>(std::lround(sample_s / problem_->step_s))));
-  const models::PositionVector mean_m = belief.mean.head(p);
-  const double looks = std::max(1.0, std::round(spec_.visit_s / problem_->step_s));
-  const models::PositionMatrix M = looks * information_of_look(*problem_, mean_m);
-  double range_max_m = 0.0;
-  for (const models::SensorModel& sensor : problem_->sensors) {
-    range_max_m = std::max(range_max_m, sensor.range_max_m);
-  }
+  const auto later = [&](const models::StateMatrix& P) -> models::StateMatrix {
+    return A * P * A.transpose() + W;
+  };
+  const Visit visit(*problem_, target.model, spec_.visit_s,
+                    beliefs_[index(stop)].mean.head(target.model.position_dim));
+  const models::StateMatrix now =
+      is_region ? target.prior.covariance : beliefs_[index(stop)].covariance;
   std::array<double, kSamples> unvisited{};
-  models::StateMatrix open = belief.covariance;
+  models::StateMatrix open = now;
   for (int k = 0; k < kSamples; ++k) {
-    if (k > 0) {
-      open = A * open * A.transpose() + W;
-    }
+    open = k > 0 ? later(open) : open;
     unvisited[index(k)] = cost_of(*problem_, open);
   }
-  open = belief.covariance;
-  const double steps = sample_s / problem_->step_s;
+  opens_.push_back(unvisited[0]);
+  // The landmark of a region needs one measurement only.
+  const double visited_now = is_region ? unvisited[0] : cost_of(*problem_, visit.after(now));
+  dones_.push_back(unvisited[0] - kEnough * std::max(0.0, unvisited[0] - visited_now));
+  open = now;
   for (int k = 0; k + 1 < kSamples; ++k) {
-    if (k > 0) {
-      open = A * open * A.transpose() + W;
-    }
-    models::StateMatrix visited = models::update_covariance(open, M);
+    open = k > 0 ? later(open) : open;
+    models::StateMatrix visited = visit.after(open);
     double saved = unvisited[index(k)] - cost_of(*problem_, visited);
     double sum = 0.0;
     for (int l = k + 1; l < kSamples; ++l) {
-      visited = A * visited * A.transpose() + W;
+      visited = later(visited);
       const double then = unvisited[index(l)] - cost_of(*problem_, visited);
       sum += 0.5 * (saved + then);
       saved = then;
     }
-    const double found = probability_within(0.5 * range_max_m, 0.5 * (open(0, 0) + open(1, 1)));
-    const double gain = found * sum * steps;
+    const double gain = found_at(stop, open) * sum * sample_s / problem_->step_s;
     tours_.gain(stop, k) = std::isfinite(gain) ? std::max(0.0, gain) : 0.0;
   }
   tours_.gain(stop, kSamples - 1) = 0.0;
@@ -209,7 +265,11 @@ void TourPlanner::tabulate_gains(int stop) {
 void TourPlanner::write_tour() {
   const std::span<const std::uint16_t> tour = solver_.tour(0);
   double at_s = 0.0;
+  double path_s = 0.0;
   for (std::size_t i = 0; i < tour.size(); ++i) {
+    if (i > 0) {
+      path_s += tours_.visit_s() + geodesics_.path_between_m(tour[i - 1], tour[i]) / speed_mps_;
+    }
     at_s = i == 0 ? tours_.start_s(0, tour[0])
                   : at_s + tours_.visit_s() + tours_.travel_s(tour[i - 1], tour[i]);
     if (!std::isfinite(at_s)) {
@@ -217,8 +277,9 @@ void TourPlanner::write_tour() {
     }
     const double later_s = at_s + tours_.sample_s();
     const double lost = tours_.gain_at(tour[i], at_s) - tours_.gain_at(tour[i], later_s);
-    tour_.push_back(
-        {targets_[tour[i]], positions_m_[tour[i]], at_s, std::max(0.0, lost / tours_.sample_s())});
+    tour_.push_back({targets_[tour[i]], positions_m_[tour[i]], at_s,
+                     std::max(0.0, lost / tours_.sample_s()), path_s, opens_[tour[i]],
+                     dones_[tour[i]]});
   }
 }
 
@@ -231,8 +292,9 @@ TerminalValue TourPlanner::terminal_value() const {
     if (stop.rate_per_s <= 0.0 || stops.size() == index(TerminalValue::kStopsMax)) {
       continue;
     }
-    first_s = stops.empty() ? stop.arrival_s : first_s;
-    stops.push_back({stop.target, spec_.weight * stop.rate_per_s, stop.arrival_s - first_s});
+    first_s = stops.empty() ? stop.path_s : first_s;
+    stops.push_back(
+        {stop.target, spec_.weight * stop.rate_per_s, stop.path_s - first_s, stop.open, stop.done});
     const auto found = std::find(targets_.begin(), targets_.end(), stop.target);
     points.push_back(static_cast<int>(found - targets_.begin()));
   }

@@ -22,6 +22,20 @@ struct TourStop {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   double arrival_s = 0.0;   ///< s after the problem's start
   double rate_per_s = 0.0;  ///< gain lost per second of later arrival, ≥ 0
+  double path_s = 0.0;      ///< s; travel and visits until the stop, along its positions
+  double open = 0.0;        ///< see TerminalValue::Stop
+  double done = 0.0;
+};
+
+/// Unexplored regions as stops of a tour.
+struct TourRegions {
+  /// A target that was not discovered, at the problem's start.
+  SearchTarget undiscovered;
+  struct Region {
+    int landmark = 0;  ///< index into SearchProblem::targets of the landmark in the region
+    double expected_targets = 0.0;  ///< expected number of undiscovered targets in the region
+  };
+  std::vector<Region> regions;  ///< by ascending landmark
 };
 
 /// Planner of the order in which a robot visits the targets of a search problem beyond its horizon.
@@ -29,10 +43,14 @@ struct TourStop {
 /// Every target is a stop at its mean at the horizon's end: a target, a component of a mixture, or
 /// the landmark of an unexplored region. A visit at time a gains the cost (log det or trace, summed
 /// over steps of step_s until horizon_s) that the measurements of one visit save. Without a visit
-/// the covariance follows the target's motion model. A visit measures from half the sensor's range,
-/// straight ahead. Its gain is multiplied by the probability that the target is within half the
-/// range of its mean. The planned measurements of teammates are assumed to be made. Travel times
-/// are shortest paths around obstacles at the greatest speed.
+/// the covariance follows the target's motion model. A visit measures once per step for visit_s,
+/// from half the sensor's range, straight ahead. Its gain is multiplied by the probability that the
+/// target is within half the range of its mean. A visit of an unexplored region gains what the
+/// visit of one undiscovered target saves, times the weighted expected number of them in the
+/// region. The planned measurements of teammates are
+/// assumed to be made. Travel times are shortest paths around
+/// obstacles at the greatest speed, shortened by 0.6 of the sensor's range per stop. A stop is left
+/// in the terminal value until the plan has saved 0.7 of a visit's gain at once.
 ///
 /// In a team, the stops are allocated to all robots: the teammates start where and when their plans
 /// end. The robot's own tour is the result. Only the kStopsMax targets with the greatest covariance
@@ -56,7 +74,7 @@ class TourPlanner {
   /// the next call.
   std::span<const TourStop> plan(const SearchProblem& problem,
                                  std::span<const FixedTeammate> teammates,
-                                 const scenario::TourSpec& spec,
+                                 const scenario::TourSpec& spec, const TourRegions& regions = {},
                                  const Deadline& deadline = Deadline::nodes(kVisitsMax));
 
   /// Returns the terminal value of the last planned tour. Stops without a rate are left out.
@@ -74,12 +92,18 @@ class TourPlanner {
   void choose_teammates(std::span<const FixedTeammate> teammates);
   void measure_travel();
   void tabulate_gains(int stop);
+  /// Returns the expected number of targets that a visit finds; discoveries are weighted.
+  [[nodiscard]] double found_at(int stop, const models::StateMatrix& covariance) const;
+  /// Returns the region with target m as its landmark, or null.
+  [[nodiscard]] const TourRegions::Region* region_of(int m) const;
   void write_tour();
 
   const SearchProblem* problem_ = nullptr;
+  const TourRegions* regions_ = nullptr;
   scenario::TourSpec spec_;
   double speed_mps_ = 0.0;
   double reach_m_ = 0.0;
+  double near_m_ = 0.0;  ///< distance at which a stop counts as reached
   GeodesicTable geodesics_;
   TourProblem tours_;
   TourSolver solver_;
@@ -94,6 +118,8 @@ class TourPlanner {
   std::vector<Ranked> ranked_;
   std::vector<models::Gaussian> beliefs_;  ///< belief about each stop's target at the horizon's end
   std::vector<int> targets_;               ///< index of each stop's target
+  std::vector<double> opens_;              ///< `open` of each stop; see TerminalValue::Stop
+  std::vector<double> dones_;              ///< `done` of each stop; see TerminalValue::Stop
   std::vector<Eigen::Vector2d> positions_m_;
   std::vector<Start> starts_;  ///< start of each robot; the first is this robot
   std::vector<TourStop> tour_;

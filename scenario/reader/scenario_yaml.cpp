@@ -169,6 +169,7 @@ void read_tour(Mapping& from, TourSpec& tour) {
   from.number("horizon_s", tour.horizon_s, from_to(0.0, kDurationMaxS));
   from.number("weight", tour.weight, at_least(0.0));
   from.number("visit_s", tour.visit_s, at_least(0.0));
+  from.number("region_m", tour.region_m, at_least(0.0));
 }
 
 void check_round(Mapping& from, const PlannerSpec& planner) {

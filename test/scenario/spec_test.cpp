@@ -180,6 +180,7 @@ TEST(ScenarioDefaults, AreAppliedToEstimatorAndPlanner) {
   EXPECT_EQ(planner.tour.horizon_s, 0.0);
   EXPECT_EQ(planner.tour.weight, 1.0);
   EXPECT_EQ(planner.tour.visit_s, 1.0);
+  EXPECT_EQ(planner.tour.region_m, 0.0);
   EXPECT_EQ(kDefaultNodeBudget, 20'000);
   const models::MappingSpec& mapping = scenario.mapping;
   EXPECT_EQ(mapping.scanner.beams, 96);

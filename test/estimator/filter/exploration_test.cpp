@@ -1,5 +1,7 @@
 #include "models/belief/exploration.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "test/estimator/filter_support.hpp"
@@ -65,6 +67,62 @@ TEST_F(ExplorationLandmarks, ReturnWhenTheMemoryExpires) {
 TEST_F(ExplorationLandmarks, AreEmptyWhenTheLimitIsZero) {
   spec_.landmarks_max = 0;
   EXPECT_TRUE(exploration_landmarks(grid_, spec_, {0.0, 0.0}, instant(0)).empty());
+}
+
+/// A world of 10 × 10 m without obstacles, in regions of 5 m.
+class UnexploredRegions : public ::testing::Test {
+ protected:
+  UnexploredRegions() {
+    world_.bounds = {{-5.0, -5.0}, {5.0, 5.0}};
+    grid_ = VisibilityGrid(world_, 0.25, 40.0);
+    sensor_.range_max_m = 100.0;
+  }
+  World world_;
+  VisibilityGrid grid_;
+  SensorModel sensor_;
+};
+
+TEST_F(UnexploredRegions, AreAllEqualBeforeTheFirstScan) {
+  const auto regions = unexplored_regions(grid_, 5.0, 10, instant(0));
+  ASSERT_EQ(regions.size(), 4u);
+  for (const UnexploredRegion& region : regions) {
+    EXPECT_DOUBLE_EQ(region.share, 0.25);
+    EXPECT_NEAR(std::abs(region.centre_m.x()), 2.5, 0.2);
+    EXPECT_NEAR(std::abs(region.centre_m.y()), 2.5, 0.2);
+  }
+}
+
+TEST_F(UnexploredRegions, GrowWithTheTimeSinceTheLastScan) {
+  grid_.see(sensor_, at(0, 0), world_, instant(0));
+  EXPECT_TRUE(unexplored_regions(grid_, 5.0, 10, instant(0)).empty());
+  EXPECT_EQ(unexplored_regions(grid_, 5.0, 10, instant(10)).size(), 4u);
+  // A quarter was seen again: for 10 s instead of 30 s without a scan.
+  sensor_.range_max_m = 3.4;
+  grid_.see(sensor_, at(2.5, 2.5), world_, instant(20));
+  const auto regions = unexplored_regions(grid_, 5.0, 10, instant(30));
+  ASSERT_EQ(regions.size(), 4u);
+  double sum = 0.0;
+  for (const UnexploredRegion& region : regions) {
+    const bool is_seen = region.centre_m.x() > 0.0 && region.centre_m.y() > 0.0;
+    EXPECT_NEAR(region.share, is_seen ? 1.0 / 82.0 : 27.0 / 82.0, 0.03);
+    sum += region.share;
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+  EXPECT_EQ(grid_.unexplored_share(grid_.geometry().index_of({-4.0, -4.0}), instant(30)), 0.75);
+  EXPECT_EQ(grid_.unexplored_share(grid_.geometry().index_of({-4.0, -4.0}), instant(99)), 1.0);
+}
+
+TEST_F(UnexploredRegions, KeepTheLargestSharesUpToTheMaximum) {
+  world_.obstacles.push_back({{{-5.0, -5.0}, {0.0, 0.0}}, 10.0});
+  world_.obstacles.push_back({{{0.0, 0.0}, {4.0, 5.0}}, 10.0});
+  grid_ = VisibilityGrid(world_, 0.25, 40.0);
+  const auto regions = unexplored_regions(grid_, 5.0, 2, instant(0));
+  ASSERT_EQ(regions.size(), 2u);
+  for (const UnexploredRegion& region : regions) {
+    EXPECT_LT(region.centre_m.x() * region.centre_m.y(), 0.0) << "the free quarters";
+    EXPECT_GT(region.share, 0.4);
+  }
+  EXPECT_TRUE(unexplored_regions(grid_, 5.0, 0, instant(0)).empty());
 }
 
 }  // namespace

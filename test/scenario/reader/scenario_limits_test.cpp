@@ -241,6 +241,7 @@ TEST(ScenarioLimits, AreEnforcedForPlans) {
       {"planner.tour.horizon_s", "-0.1", "0", "86400", "86401"},
       {"planner.tour.weight", "-0.1", "0", "", ""},
       {"planner.tour.visit_s", "-0.1", "0", "", ""},
+      {"planner.tour.region_m", "-0.1", "0", "", ""},
   });
 }
 
