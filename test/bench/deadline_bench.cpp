@@ -37,6 +37,7 @@ struct Arguments {
   std::size_t long_runs = 1'000;
   std::size_t memory_mb = 600;
   bool uses_timer = false;
+  bool has_tour = false;
   RealTime real_time;
 };
 
@@ -181,7 +182,10 @@ void run(const Arguments& arguments) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     obstructed.push_back(obstructed_problem(25, 12, seed % 2 == 0 ? 20 : 60, seed));
   }
-  const std::vector<planner::SearchProblem> problems = problems_of(tracking, obstructed);
+  std::vector<planner::SearchProblem> problems = problems_of(tracking, obstructed);
+  if (arguments.has_tour) {
+    std::for_each(problems.begin(), problems.end(), add_tour);
+  }
   const planner::Algorithm& algorithm = planner::algorithm_called(arguments.algorithm);
   const std::unique_ptr<planner::Search> search = algorithm.make(
       planner::capacity_for(algorithm, tracking.back().problem, arguments.memory_mb << 20,
@@ -224,6 +228,7 @@ int main(int argc, char** argv) {
     app.add_option("--short-runs", arguments.short_runs, "plans a budget up to 20 ms")
         ->capture_default_str();
     app.add_flag("--timer", arguments.uses_timer, "read the CPU clock at the deadline by a signal");
+    app.add_flag("--tour", arguments.has_tour, "add the terminal value of a tour to each problem");
     app.add_option("--long-runs", arguments.long_runs, "plans a longer budget")
         ->capture_default_str();
     CLI11_PARSE(app, argc, argv);

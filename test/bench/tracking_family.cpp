@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "planner/tour/tour_planner.hpp"
+
 namespace vantage::bench {
 
 tools::PlanningProblem tracking_problem(int targets, std::uint64_t seed, double fov_deg) {
@@ -46,6 +48,12 @@ std::vector<tools::PlanningProblem> hundred_problems(double fov_deg, std::uint64
     }
   }
   return problems;
+}
+
+void add_tour(planner::SearchProblem& problem) {
+  planner::TourPlanner tours(static_cast<int>(problem.targets.size()));
+  tours.plan(problem, {}, {120.0, 1.0, 1.0});
+  problem.terminal = tours.terminal_value();
 }
 
 }  // namespace vantage::bench

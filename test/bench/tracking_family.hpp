@@ -20,4 +20,7 @@ tools::PlanningProblem tracking_problem(int targets, std::uint64_t seed, double 
 std::vector<tools::PlanningProblem> hundred_problems(double fov_deg = 94.0,
                                                      std::uint64_t first_seed = 1);
 
+/// Adds the terminal value of a tour over the targets, with a horizon of 120 s.
+void add_tour(planner::SearchProblem& problem);
+
 }  // namespace vantage::bench

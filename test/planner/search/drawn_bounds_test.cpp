@@ -17,7 +17,8 @@
 #include "tools/plan/plan_report.hpp"
 #include "tools/plan/solver.hpp"
 
-// No lower bound is above the best cost found by any search, on random problems of both families.
+// No lower bound is above the best cost found by any search, on random problems of both families
+// and on problems with a terminal value.
 // VANTAGE_BOUND_PROBLEMS sets the number of problems; default 300.
 
 namespace vantage::planner {
@@ -46,12 +47,14 @@ class Bounds {
 
   void expect_below_every_plan(const SearchProblem& problem) {
     double cost = kInfinity;
-    for (tools::Solver* const solver : {&beam_, &a_star_}) {
+    for (tools::Solver* const solver : {&beam_, &a_star_, &sampling_tree_}) {
       const SearchResult& result = solver->solve(problem).result;
       if (tools::is_complete(problem, result)) {
         cost = std::min(cost, result.cost);
       }
-      bounds_[solver == &beam_ ? kBeam : kAStar] = result.lower_bound;
+      bounds_[solver == &beam_     ? kBeam
+              : solver == &a_star_ ? kAStar
+                                   : kSamplingTree] = result.lower_bound;
     }
     beliefs_.reset(problem);
     bounds_[kAnyPlan] = root_.of_any_plan(problem, beliefs_);
@@ -74,14 +77,15 @@ class Bounds {
   }
 
  private:
-  enum Bound { kBeam, kAStar, kAnyPlan, kMovingPlan, kRaised, kBounds };
-  static constexpr const char* kNames[kBounds] = {"beam", "A*", "root, any plan",
-                                                  "root, moving plan", "root, raised"};
+  enum Bound { kBeam, kAStar, kSamplingTree, kAnyPlan, kMovingPlan, kRaised, kBounds };
+  static constexpr const char* kNames[kBounds] = {
+      "beam", "A*", "sampling tree", "root, any plan", "root, moving plan", "root, raised"};
   tools::Solver beam_ = solver_by("beam");
   tools::Solver a_star_ = solver_by("astar");
+  tools::Solver sampling_tree_ = solver_by("sampling_tree");
   RootBound root_{25, 12};
   BeliefTable beliefs_{25, 12};
-  Expander expander_{25, 12, 0};
+  Expander expander_{25, 12, 4};
   double bounds_[kBounds] = {};
   int plans_ = 0;
   double least_gap_ = kInfinity;
@@ -118,6 +122,30 @@ TEST(BoundsOfRandomProblems, AreBelowEveryMappingPlan) {
     return test::random_landmark_problem(seed, test::pick(rng, 1, 12));
   });
   EXPECT_GT(share, 0.5);  // from some starts no path is feasible
+}
+
+// Every second problem is a small one with a drawn tour. The others are tracking problems with a
+// planned tour, mostly beyond the horizon.
+TEST(DrawnBounds, AreBelowEveryPlanWithATour) {
+  const double share = expect_below_every_plan([](std::mt19937_64& rng, std::uint64_t seed) {
+    tools::PlanningProblem drawn;
+    if (seed % 2 == 0) {
+      test::OwnedProblem owned = test::random_problem(seed);
+      test::add_random_tour(rng, owned.problem);
+      drawn.world = std::move(owned.world);
+      drawn.field = std::move(owned.field);
+      drawn.problem = std::move(owned.problem);
+      drawn.problem.seed = seed;
+      return drawn;
+    }
+    drawn = bench::tracking_problem(test::pick(rng, 2, 25), seed);
+    for (SearchTarget& target : drawn.problem.targets) {
+      target.prior.mean.head<2>() *= 1.5;
+    }
+    bench::add_tour(drawn.problem);
+    return drawn;
+  });
+  EXPECT_GT(share, 0.5);  // small problems can have no feasible path
 }
 
 }  // namespace
