@@ -43,4 +43,7 @@ Sweep surveillance(const Extent& extent);
 /// Fig. 4.9, simulated: two robots and two targets, with one robot jammed at all times.
 Sweep resilient_hardware(const Extent& extent);
 
+/// Not in the dissertation: plans of searches and of the sampling tree at equal instructions.
+Sweep search_or_sampling(const Extent& extent);
+
 }  // namespace vantage::experiments

@@ -334,4 +334,30 @@ std::string tracking_clutter_figure(std::span<const char* const> methods) {
           panel(5, "OSPA [m]") + panel(7, "swaps per minute"));
 }
 
+std::string search_or_sampling_figure() {
+  constexpr std::array<const char*, 4> kMethods = {"beam", "arvi", "astar", "sampling_tree"};
+  constexpr std::array<const char*, 4> kColours = {"#0072B2", "#555555", "#E69F00", "#D55E00"};
+  std::string losses = "  set ylabel 'loss [%]'\n  plot ";
+  for (std::size_t i = 0; i < kMethods.size(); ++i) {
+    // The points are shifted sideways so that the intervals do not overlap.
+    losses += fmt::format(
+        "{}'summary.csv' every {}::{} using ($0 + {}):4:5{} with yerrorbars lw 2 pt 7 lc rgb '{}' "
+        "title '{}'",
+        i == 0 ? "" : ", ", kMethods.size(), i + 1, 0.12 * static_cast<double>(i),
+        i == 0 ? ":xtic(1)" : "", kColours[i], kMethods[i]);
+  }
+  return figure(
+      "search-or-sampling", "1200,500",
+      "  unset logscale x\n  unset xlabel\n  set multiplot layout 1,2\n  set offsets 0.3, 0.3, 0, "
+      "0\n"
+      "  set key tmargin center horizontal noenhanced\n"
+      "  set xtics rotate by -45 noenhanced\n  set yrange [0:*]\n" +
+          losses +
+          "\n  set offsets 0, 0, 0, 0\n  set key off\n  set yrange [*:*]\n  set xtics norotate\n"
+          "  set logscale x\n  set xlabel 'horizon [s]'\n"
+          "  set ylabel 'loss of sampling\\_tree minus loss of beam [%]'\n"
+          "  plot 0 lc rgb '#999999', 'differences.csv' every ::1 using 2:4:1 with "
+          "points pt 7 ps 0.5 lc variable\n");
+}
+
 }  // namespace vantage::experiments

@@ -40,5 +40,8 @@ std::string surveillance_figures();
 /// Draws, for resilient-hardware, the paths of one trial and the distances to both targets, for
 /// both planners.
 std::string resilient_hardware_figure();
+/// Draws, for search-or-sampling, the loss of each method in each family from summary.csv, and the
+/// difference between the sampling tree and the beam as a function of the horizon.
+std::string search_or_sampling_figure();
 
 }  // namespace vantage::experiments
