@@ -96,7 +96,7 @@ TEST_F(UnexploredRegions, GrowWithTheTimeSinceTheLastScan) {
   grid_.see(sensor_, at(0, 0), world_, instant(0));
   EXPECT_TRUE(unexplored_regions(grid_, 5.0, 10, instant(0)).empty());
   EXPECT_EQ(unexplored_regions(grid_, 5.0, 10, instant(10)).size(), 4u);
-  // A quarter was seen again: for 10 s instead of 30 s without a scan.
+  // A quarter was seen again: it is without a scan for 5 s, the others for 15 s.
   sensor_.range_max_m = 3.4;
   grid_.see(sensor_, at(2.5, 2.5), world_, instant(20));
   const auto regions = unexplored_regions(grid_, 5.0, 10, instant(30));
@@ -108,7 +108,7 @@ TEST_F(UnexploredRegions, GrowWithTheTimeSinceTheLastScan) {
     sum += region.share;
   }
   EXPECT_NEAR(sum, 1.0, 1e-12);
-  EXPECT_EQ(grid_.unexplored_share(grid_.geometry().index_of({-4.0, -4.0}), instant(30)), 0.75);
+  EXPECT_EQ(grid_.unexplored_share(grid_.geometry().index_of({-4.0, -4.0}), instant(30)), 0.375);
   EXPECT_EQ(grid_.unexplored_share(grid_.geometry().index_of({-4.0, -4.0}), instant(99)), 1.0);
 }
 
