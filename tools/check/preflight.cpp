@@ -15,6 +15,7 @@
 #include "models/plan/plan.hpp"
 #include "models/target/law.hpp"
 #include "models/world/world.hpp"
+#include "scenario/reader/localizer_yaml.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 #include "scenario/search_name.hpp"
 #include "scenario/vehicle_kinds.hpp"
@@ -58,6 +59,17 @@ void describe(const Scenario& scenario, std::vector<std::string>& out) {
       scenario.network.communication_range_m > 0.0
           ? fmt::format("communication within {:g} m", scenario.network.communication_range_m)
           : std::string("no communication of beliefs")));
+  if (const auto localizer = scenario::localizer_of(scenario)) {
+    const bool is_simulated = localizer->simulation.has_value();
+    out.push_back(fmt::format(
+        "{} robots compute their pose with {} landmarks{}{}; rovers {} by it without mocap",
+        localizer->robots.size(), localizer->landmarks.size(),
+        is_simulated ? "; odometry and sightings are simulated" : "",
+        is_simulated && !localizer->simulation->mocap_withheld.empty()
+            ? ", motion capture is withheld"
+            : "",
+        localizer->safety.rovers_may_drive ? "drive" : "do not drive"));
+  }
   const scenario::PlannerSpec& planner = scenario.planner;
   const double round_s = planner.execute_steps * planner.step_s;
   const std::string budget =

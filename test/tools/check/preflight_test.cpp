@@ -36,6 +36,10 @@ TEST(CheckPreflight, ReportsWhetherDetectionsHaveIds) {
                        [&](const auto& line) { return line.find(words) != std::string::npos; });
   };
   EXPECT_TRUE(understands(lab(), "5 targets; communication"));
+  EXPECT_TRUE(understands(
+      scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab-nomocap.yaml"),
+      "3 robots compute their pose with 10 landmarks; odometry and sightings are simulated, motion "
+      "capture is withheld; rovers do not drive by it without mocap"));
   EXPECT_TRUE(understands(scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab-unlabelled.yaml"),
                           "5 targets, detected without ids; communication"));
 }

@@ -144,8 +144,9 @@ INSTANTIATE_TEST_SUITE_P(Rows, ScenarioWithoutPurpose, ::testing::ValuesIn(kRows
                          [](const auto& row) { return std::string(row.param.name); });
 
 TEST(PurposeNotes, AreEmptyForTheInstalledScenarios) {
-  for (const char* name : {"field", "lab", "lab-ardupilot", "lab-attack", "lab-energy",
-                           "lab-ground", "lab-hil", "lab-px4", "lab-unlabelled", "mapping"}) {
+  for (const char* name :
+       {"field", "lab", "lab-ardupilot", "lab-attack", "lab-energy", "field-odometry", "lab-ground",
+        "lab-hil", "lab-nomocap", "lab-px4", "lab-unlabelled", "mapping"}) {
     const std::string path = std::string(VANTAGE_SOURCE_DIR "/config/") + name + ".yaml";
     const std::vector<std::string> notes = purpose_notes(scenario::load_scenario(path));
     EXPECT_TRUE(notes.empty()) << name << ": " << notes.front();
