@@ -19,7 +19,8 @@ set(vantage_models_libraries models mapping_models)
 set(vantage_models_needs core)
 set(vantage_models_packages)
 set(vantage_models_public
-  models/belief/gaussian models/belief/mixture models/exchange/messages models/exchange/pose_messages
+  models/belief/gaussian models/belief/mixture models/exchange/compact_belief models/exchange/messages
+  models/exchange/pose_messages
   models/mapping/beam
   models/mapping/mapping_spec models/mapping/occupancy_belief models/motion/unicycle
   models/motion/vehicle_limits models/plan/plan models/sensor/kind models/sensor/kinds/kinds

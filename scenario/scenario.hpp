@@ -190,11 +190,21 @@ struct PlannerSpec {
   TourSpec tour;
 };
 
+/// Simulated faults of the network between robots, in trials in virtual time only.
+struct SimulatedNetworkSpec {
+  double loss = 0.0;         ///< share of lost Ethernet frames, per receiver; in [0, 1)
+  double rate_kbitps = 0.0;  ///< rate of each robot's link, kbit/s; 0: unlimited
+};
+
 struct NetworkSpec {
   double communication_range_m = 0.0;  ///< range of exchanged beliefs; ≤ 0: no exchange
   /// Horizontal distance beyond which a robot ignores robots and targets. 0: no limit. See
   /// scenario/neighbourhood.
   double neighbourhood_m = 0.0;
+  /// Rate at which one robot may send to other hosts, kbit/s; 0: unlimited. With a budget, beliefs
+  /// are sent in compact form (COMPACT_BELIEF_R), and messages for the own host stay on it.
+  double budget_kbitps = 0.0;
+  SimulatedNetworkSpec simulation;
   std::string url = "udpm://239.255.76.67:7667?ttl=0";
 };
 

@@ -42,9 +42,11 @@ MakeFor planners_of(const scenario::Scenario& scenario) {
 std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario) {
   const std::vector<scenario::CameraSpec> cameras = scenario::cameras_of(scenario);
   std::vector<NodeRecipe> out;
-  out.push_back({"SIM", [&scenario](bus::Bus& bus, const bus::Clock& clock) {
+  out.push_back({"SIM",
+                 [&scenario](bus::Bus& bus, const bus::Clock& clock) {
                    return std::make_unique<sim::SimNode>(bus, clock, scenario);
-                 }});
+                 },
+                 ""});
   const std::array<MakeFor, kProcessOrder.size()> makes = {
       from<localizer::LocalizerNode>(scenario), from<drivers::SensorNode>(scenario),
       from<estimator::EstimatorNode>(scenario), planners_of(scenario)};
@@ -57,7 +59,8 @@ std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario) {
         out.push_back({node_name(process_name("camera", robot.name)),
                        [&scenario, spec = *camera](bus::Bus& bus, const bus::Clock& clock) {
                          return simulated_camera(bus, clock, scenario, spec);
-                       }});
+                       },
+                       robot.name});
       }
       const std::vector<std::string> own = own_processes(scenario, robot);
       if (std::find(own.begin(), own.end(), kProcessOrder[i]) == own.end()) {
@@ -66,7 +69,8 @@ std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario) {
       out.push_back({node_name(process_name(kProcessOrder[i], robot.name)),
                      [make = makes[i], name = robot.name](bus::Bus& bus, const bus::Clock& clock) {
                        return make(bus, clock, name);
-                     }});
+                     },
+                     robot.name});
     }
   }
   return out;

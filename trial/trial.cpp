@@ -22,7 +22,7 @@ Trial::Trial(const scenario::Scenario& scenario, const std::vector<NodeRecipe>& 
     : start_(trial_start(scenario)),
       planned_end_(start_ + from_seconds(scenario.duration_s)),
       now_(start_),
-      loop_(start_) {
+      loop_(start_, scenario) {
   require(scenario.planner.node_budget > 0, "a trial in virtual time needs a node budget");
   if (!log_path.empty()) {
     log_ = std::make_unique<logs::LogWriter>(log_path);
@@ -70,6 +70,9 @@ TrialResult Trial::result() {
   TrialResult result;
   result.summary = metrics.finish(now_, loop_.messages_lost() + unrecorded);
   result.scene = observer_->scene();
+  if (loop_.network() != nullptr) {
+    result.air_bytes = loop_.network()->bytes_sent();
+  }
   result.was_stopped = now_ < planned_end_;
   result.log_error = std::move(log_error);
   return result;

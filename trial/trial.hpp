@@ -32,6 +32,9 @@ struct TrialOptions {
 struct TrialResult {
   logs::TrialSummary summary;
   logs::Scene scene;
+  /// Bytes that the robots sent to other robots, by kind of channel; empty without
+  /// network.budget_kbitps and network.simulation.
+  std::vector<models::NamedCount> air_bytes;
   bool was_stopped = false;  ///< true: the trial ended before the scenario's duration
   /// error that made the log incomplete and ended the trial
   std::optional<Error> log_error = std::nullopt;

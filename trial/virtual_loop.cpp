@@ -7,20 +7,34 @@
 
 namespace vantage::trial {
 
-bus::Bus& VirtualTimeLoop::add_bus(std::int64_t run_id) {
+VirtualTimeLoop::VirtualTimeLoop(Time start, const scenario::Scenario& scenario) : clock_(start) {
+  const scenario::NetworkSpec& spec = scenario.network;
+  limited_ = spec.budget_kbitps > 0.0 ? &scenario : nullptr;
+  if (limited_ != nullptr || spec.simulation.loss > 0.0 || spec.simulation.rate_kbitps > 0.0) {
+    network_ = std::make_unique<SimulatedNetwork>(scenario, clock_);
+    hub_.use_network(network_.get());
+  }
+}
+
+bus::Bus& VirtualTimeLoop::add_bus(std::int64_t run_id, const std::string& host) {
   Participant participant;
   waiting_.push_back(0);
-  participant.transport = hub_.connect([this, index = participants_.size()] {
-    waiting_count_ += waiting_[index] == 0 ? 1U : 0U;
-    waiting_[index] = 1;
-  });
+  participant.transport = hub_.connect(
+      [this, index = participants_.size()] {
+        waiting_count_ += waiting_[index] == 0 ? 1U : 0U;
+        waiting_[index] = 1;
+      },
+      host);
   participant.bus = std::make_unique<bus::Bus>(*participant.transport, run_id);
+  if (limited_ != nullptr) {
+    participant.bus->limit_air(std::make_unique<bus::AirBudget>(*limited_), clock_);
+  }
   participants_.push_back(std::move(participant));
   return *participants_.back().bus;
 }
 
 void VirtualTimeLoop::add_node(const NodeRecipe& recipe, std::int64_t run_id) {
-  add_bus(run_id);
+  add_bus(run_id, recipe.host);
   Participant& participant = participants_.back();
   participant.node = recipe.make(*participant.bus, clock_);
   participant.health = std::make_unique<bus::HealthReporter>(*participant.bus, *participant.node);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "bus/node/bus.hpp"
@@ -10,6 +11,7 @@
 #include "bus/transport/transport.hpp"
 #include "core/time.hpp"
 #include "trial/recipe.hpp"
+#include "trial/simulated_network.hpp"
 
 namespace vantage::trial {
 
@@ -20,13 +22,16 @@ namespace vantage::trial {
 class VirtualTimeLoop {
  public:
   explicit VirtualTimeLoop(Time start) : clock_(start) {}
+  /// As above, with the network of `scenario` between the robots: its budget and its simulated
+  /// faults. `scenario` must outlive the loop.
+  VirtualTimeLoop(Time start, const scenario::Scenario& scenario);
 
   [[nodiscard]] const bus::Clock& clock() const { return clock_; }
   /// Returns an endpoint for raw bytes. Its caller must call handle(). It receives all messages
   /// published after this call.
   std::unique_ptr<bus::Transport> connect() { return hub_.connect(); }
-  /// Adds a bus. This loop calls its handle().
-  bus::Bus& add_bus(std::int64_t run_id);
+  /// Adds a bus of a process on `host` (NodeRecipe::host). This loop calls its handle().
+  bus::Bus& add_bus(std::int64_t run_id, const std::string& host = "");
   /// Creates a node, which this loop executes from now on, including its HEALTH reports.
   void add_node(const NodeRecipe& recipe, std::int64_t run_id);
   /// Sets an action that is called after each delivery, for example to empty the queue of a
@@ -41,6 +46,8 @@ class VirtualTimeLoop {
   /// Returns the number of messages lost: gaps in the streams of all buses, and messages dropped by
   /// full queues.
   [[nodiscard]] std::int64_t messages_lost() const;
+  /// Returns the simulated network; null: all messages arrive.
+  [[nodiscard]] const SimulatedNetwork* network() const { return network_.get(); }
 
  private:
   struct Participant {
@@ -54,6 +61,8 @@ class VirtualTimeLoop {
   [[nodiscard]] std::size_t next_waiting(std::size_t from) const;
 
   bus::VirtualClock clock_;
+  std::unique_ptr<SimulatedNetwork> network_;    ///< outlives hub_
+  const scenario::Scenario* limited_ = nullptr;  ///< scenario with a budget; null: no budget
   bus::InProcessHub hub_;
   std::vector<std::uint8_t> waiting_;  ///< per participant: 1 if its queue has a message
   std::size_t waiting_count_ = 0;

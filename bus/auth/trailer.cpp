@@ -44,6 +44,7 @@ constexpr std::array kFamilies{
     Family{"SIGHTINGS_", Role::kNode, true},
     Family{"SCAN_", Role::kNode, true},
     Family{"BELIEF_", Role::kNode, true},
+    Family{"COMPACT_BELIEF_", Role::kNode, true},
     Family{"MIXTURE_", Role::kNode, true},
     Family{"MAP_", Role::kNode, true},
     Family{"ATTACK", Role::kNode, true},

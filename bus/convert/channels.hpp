@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/time.hpp"
+#include "models/exchange/compact_belief.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/exchange/pose_messages.hpp"
 
@@ -50,6 +51,9 @@ inline Channel<models::PoseEstimate> pose_channel(const std::string& robot) {
 }
 inline Channel<models::RobotBelief> belief_channel(const std::string& robot) {
   return {"BELIEF_" + robot};
+}
+inline Channel<models::CompactBelief> compact_belief_channel(const std::string& robot) {
+  return {"COMPACT_BELIEF_" + robot};
 }
 inline Channel<models::BeliefMixture> mixture_channel(const std::string& robot) {
   return {"MIXTURE_" + robot};

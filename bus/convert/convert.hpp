@@ -7,6 +7,7 @@
 #include "vantage_lcm/belief_t.hpp"
 #include "vantage_lcm/collision_t.hpp"
 #include "vantage_lcm/command_t.hpp"
+#include "vantage_lcm/compact_belief_t.hpp"
 #include "vantage_lcm/health_t.hpp"
 #include "vantage_lcm/host_t.hpp"
 #include "vantage_lcm/map_t.hpp"
@@ -24,6 +25,7 @@
 #include "vantage_lcm/truth_t.hpp"
 #include "vantage_lcm/vehicle_t.hpp"
 
+#include "models/exchange/compact_belief.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/exchange/pose_messages.hpp"
 
@@ -54,6 +56,9 @@ std::optional<models::PoseEstimate> from_wire(const vantage_lcm::pose_estimate_t
 
 vantage_lcm::belief_t to_wire(const models::RobotBelief& belief);
 std::optional<models::RobotBelief> from_wire(const vantage_lcm::belief_t& wire);
+
+vantage_lcm::compact_belief_t to_wire(const models::CompactBelief& belief);
+std::optional<models::CompactBelief> from_wire(const vantage_lcm::compact_belief_t& wire);
 
 vantage_lcm::mixture_t to_wire(const models::BeliefMixture& mixture);
 std::optional<models::BeliefMixture> from_wire(const vantage_lcm::mixture_t& wire);

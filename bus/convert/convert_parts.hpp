@@ -144,19 +144,26 @@ void grid_to(const models::GridGeometry& grid, Wire& wire) {
   wire.grid_rows = grid.rows;
 }
 
-/// Returns the grid of a message. `cells`: number of elements in each array that has one per cell.
+/// Returns the grid of a message that has no array with one element per cell.
 template <class Wire>
-std::optional<models::GridGeometry> grid_from(const Wire& wire, std::size_t cells) {
+std::optional<models::GridGeometry> grid_from(const Wire& wire) {
   if (!are_finite(wire.grid_origin_x_m, wire.grid_origin_y_m, wire.grid_resolution_m) ||
       wire.grid_resolution_m <= 0.0 || wire.grid_columns < 0 || wire.grid_rows < 0 ||
-      !is_count(wire.num_cells, cells, kCellsMax) ||
-      std::int64_t{wire.grid_columns} * wire.grid_rows != wire.num_cells) {
+      std::int64_t{wire.grid_columns} * wire.grid_rows > static_cast<std::int64_t>(kCellsMax)) {
     return std::nullopt;
   }
   return models::GridGeometry{{wire.grid_origin_x_m, wire.grid_origin_y_m},
                               wire.grid_resolution_m,
                               wire.grid_columns,
                               wire.grid_rows};
+}
+
+/// Returns the grid of a message. `cells`: number of elements in each array that has one per cell.
+template <class Wire>
+std::optional<models::GridGeometry> grid_from(const Wire& wire, std::size_t cells) {
+  const bool is_complete = is_count(wire.num_cells, cells, kCellsMax) &&
+                           std::int64_t{wire.grid_columns} * wire.grid_rows == wire.num_cells;
+  return is_complete ? grid_from(wire) : std::nullopt;
 }
 
 /// The common fields of beliefs and maps: the robot's step, its viewpoint, the grid and the inputs.

@@ -1,10 +1,12 @@
 #include "bus/node/bus.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <random>
 #include <utility>
 
 #include "bus/auth/authenticator.hpp"
+#include "bus/node/air_budget.hpp"
 #include "bus/node/command_claim.hpp"
 #include "core/deadline.hpp"
 #include "models/exchange/counts.hpp"
@@ -70,6 +72,16 @@ void Bus::secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock
   }
 }
 
+void Bus::limit_air(std::unique_ptr<AirBudget> budget, const Clock& clock) {
+  air_ = std::move(budget);
+  air_clock_ = &clock;
+}
+
+std::size_t Bus::air_left(const std::string& channel) const {
+  return air_ ? air_->payload_left(channel, air_clock_->now())
+              : std::numeric_limits<std::size_t>::max();
+}
+
 void Bus::act_as_vehicle(const std::string& robot) {
   vehicle_ = robot;
   if (authenticator_) {
@@ -120,7 +132,24 @@ int Bus::handle(std::chrono::microseconds timeout) { return transport_.handle(ti
 std::int64_t Bus::next_sequence(const std::string& channel) { return next_sequence_[channel]++; }
 
 bool Bus::send(const std::string& channel, std::span<const std::uint8_t> bytes) {
-  return transport_.publish(channel, bytes);
+  if (!air_) {
+    return transport_.publish(channel, bytes);
+  }
+  if (air_->admit(channel, bytes.size(), air_clock_->now()) == Reach::kHost) {
+    return transport_.publish_on_host(channel, bytes);
+  }
+  bool is_sent = transport_.publish(channel, bytes);
+  for (int copy = 1; copy < air_->copies_on(channel); ++copy) {
+    // Receivers refuse a second message with the same signature, but drop one with the same
+    // sequence number quietly.
+    if (const auto sealed = authenticator_ ? auth::split(buffer_) : std::nullopt) {
+      buffer_.resize(sealed->payload.size());
+      seal(channel, "");
+    }
+    air_->admit(channel, buffer_.size(), air_clock_->now());
+    is_sent = transport_.publish(channel, buffer_) || is_sent;
+  }
+  return is_sent;
 }
 
 void Bus::add_subscription(Subscription subscription) {
@@ -221,7 +250,7 @@ void Bus::count_fault(Delivery& delivery, std::map<std::string, std::int64_t>& c
 std::int64_t Bus::messages_lost() const {
   std::int64_t lost = unsubscribed_counts_.lost;
   for (const auto& [name, counts] : stream_counts()) {
-    lost += counts.lost;
+    lost += air_ && air_->is_thinned(name) ? 0 : counts.lost;
   }
   return lost;
 }
@@ -254,6 +283,10 @@ std::vector<models::NamedCount> Bus::counters() const {
       {"transport.kernel_drops", stats.kernel_drops},
       {"transport.receive_buffer_short_bytes", stats.receive_buffer_short_bytes},
       {"bus.streams_refused", streams_refused_}};
+  if (air_) {
+    const std::vector<models::NamedCount> of_air = air_->counters();
+    counts.insert(counts.end(), of_air.begin(), of_air.end());
+  }
   for (const auto& [name, count] : decode_errors_) {
     counts.push_back({name + ".decode_errors", count});
   }
@@ -265,8 +298,11 @@ std::vector<models::NamedCount> Bus::counters() const {
   }
   const auto add_stream = [&](const std::string& name, const StreamCounts& stream) {
     counts.push_back({name + ".fresh", stream.fresh});
-    counts.push_back({name + ".lost", stream.lost});
-    counts.push_back({name + ".duplicates", stream.duplicates});
+    // Senders on other hosts leave out messages of these channels.
+    const bool is_thinned = air_ && air_->is_thinned(name);
+    counts.push_back({name + (is_thinned ? ".skipped" : ".lost"), stream.lost});
+    const bool is_repeated = air_ && air_->copies_on(name) > 1;
+    counts.push_back({name + (is_repeated ? ".repeated" : ".duplicates"), stream.duplicates});
     counts.push_back({name + ".reordered", stream.reordered});
     counts.push_back({name + ".old_runs", stream.old_runs});
     counts.push_back({name + ".too_far_ahead", stream.too_far_ahead});

@@ -26,6 +26,7 @@ namespace auth {
 class Authenticator;
 enum class Refusal : std::uint8_t;
 }  // namespace auth
+class AirBudget;
 
 /// Returns a random, positive id for one start of a process.
 std::int64_t random_run_id();
@@ -58,6 +59,11 @@ class Bus {
   /// Also calls use_clock(). An authenticator made by replay_authenticator_for() only signs.
   /// `clock` must outlive the Bus (docs/guide/security.md). nullptr: no effect.
   void secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock);
+  /// Limits what this Bus sends to other hosts. `clock` must outlive the Bus. nullptr: no limit.
+  void limit_air(std::unique_ptr<AirBudget> budget, const Clock& clock);
+  /// Returns the largest payload on `channel` that the budget has room for; without a budget, no
+  /// limit.
+  [[nodiscard]] std::size_t air_left(const std::string& channel) const;
   /// Declares this process to be the vehicle `robot`: commands must be addressed to `robot` and
   /// echo its session. Commands that make it safer are always delivered. No effect without
   /// secure().
@@ -164,6 +170,8 @@ class Bus {
   const Clock* clock_ = nullptr;
   std::unique_ptr<auth::Authenticator> authenticator_;
   const Clock* signing_clock_ = nullptr;
+  std::unique_ptr<AirBudget> air_;
+  const Clock* air_clock_ = nullptr;
   std::string vehicle_;
   bool receives_signed_ = false;
   std::int64_t run_id_;

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "bus/auth/authenticator.hpp"
+#include "bus/node/air_budget.hpp"
 #include "bus/node/flights.hpp"
 #include "bus/node/process_usage.hpp"
 #include "bus/transport/transport.hpp"
@@ -106,6 +107,9 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
     } else {
       bus.secure(auth::authenticator_for(scenario), clock);
       bus.use_clock(clock);
+      if (scenario.network.budget_kbitps > 0.0) {
+        bus.limit_air(std::make_unique<AirBudget>(scenario), clock);
+      }
     }
     apply(real_time);  // after the transport's threads start, before the node allocates
     const std::unique_ptr<Node> node = make_node(bus, clock, scenario, arguments);

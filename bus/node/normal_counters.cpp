@@ -13,8 +13,9 @@ bool is_rejection(std::string_view counter) {
 
 bool is_normal_counter(std::string_view counter) {
   return counter == "transport.messages_sent" || counter == "transport.messages_received" ||
-         counter.ends_with(".fresh") || counter.ends_with("_us") || counter.ends_with("_rounds") ||
-         is_rejection(counter);
+         counter.ends_with(".fresh") || counter.ends_with(".skipped") ||
+         counter.ends_with(".repeated") || counter == "air.held" || counter.ends_with("_us") ||
+         counter.ends_with("_rounds") || is_rejection(counter);
 }
 
 }  // namespace vantage::bus

@@ -31,12 +31,13 @@ struct InProcessHub::State {
   /// once.
   ByName<std::vector<Endpoint*>> listeners;
   std::vector<Endpoint*> pattern_listeners;
+  HubNetwork* network = nullptr;
 };
 
 class InProcessHub::State::Endpoint : public Transport {
  public:
-  Endpoint(State& hub, std::function<void()> on_arrival)
-      : hub_(hub), on_arrival_(std::move(on_arrival)) {}
+  Endpoint(State& hub, std::function<void()> on_arrival, std::string host)
+      : hub_(hub), on_arrival_(std::move(on_arrival)), host_(std::move(host)) {}
 
   ~Endpoint() override {
     const std::lock_guard lock(hub_.mutex);
@@ -86,19 +87,29 @@ class InProcessHub::State::Endpoint : public Transport {
   }
 
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override {
+    return post(channel, bytes, Reach::kAll);
+  }
+  bool publish_on_host(const std::string& channel, std::span<const std::uint8_t> bytes) override {
+    return post(channel, bytes, Reach::kHost);
+  }
+
+  bool post(const std::string& channel, std::span<const std::uint8_t> bytes, Reach reach) {
     auto posting = std::make_shared<Posted>();
     posting->channel = channel;
     posting->bytes.assign(bytes.begin(), bytes.end());
     const std::shared_ptr<const Posted> posted = std::move(posting);
     const std::lock_guard lock(hub_.mutex);
+    if (hub_.network != nullptr) {
+      hub_.network->send(channel, bytes.size(), reach);
+    }
     if (const auto found = hub_.listeners.find(channel); found != hub_.listeners.end()) {
       for (Endpoint* endpoint : found->second) {
-        endpoint->enqueue(posted);
+        endpoint->accept(posted);
       }
     }
     for (Endpoint* endpoint : hub_.pattern_listeners) {
       if (endpoint->matches_by_pattern_only(channel)) {
-        endpoint->enqueue(posted);
+        endpoint->accept(posted);
       }
     }
     const std::lock_guard own_lock(mutex_);
@@ -150,6 +161,12 @@ class InProcessHub::State::Endpoint : public Transport {
            });
   }
 
+  void accept(const std::shared_ptr<const Posted>& posted) {
+    if (hub_.network == nullptr || host_.empty() || hub_.network->arrives_at(host_)) {
+      enqueue(posted);
+    }
+  }
+
   void enqueue(const std::shared_ptr<const Posted>& posted) {
     const std::lock_guard lock(mutex_);
     if (queue_.size() >= hub_.queue_capacity) {
@@ -184,6 +201,7 @@ class InProcessHub::State::Endpoint : public Transport {
 
   State& hub_;
   std::function<void()> on_arrival_;
+  std::string host_;
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
   std::deque<Subscription> subscriptions_;
@@ -200,8 +218,14 @@ InProcessHub::InProcessHub(std::size_t queue_capacity) : state_(std::make_unique
 
 InProcessHub::~InProcessHub() = default;
 
-std::unique_ptr<Transport> InProcessHub::connect(std::function<void()> on_arrival) {
-  return std::make_unique<State::Endpoint>(*state_, std::move(on_arrival));
+std::unique_ptr<Transport> InProcessHub::connect(std::function<void()> on_arrival,
+                                                 std::string host) {
+  return std::make_unique<State::Endpoint>(*state_, std::move(on_arrival), std::move(host));
+}
+
+void InProcessHub::use_network(HubNetwork* network) {
+  const std::lock_guard lock(state_->mutex);
+  state_->network = network;
 }
 
 }  // namespace vantage::bus

@@ -31,6 +31,12 @@ struct TransportStats {
   std::int64_t network_losses = 0;  ///< datagrams lost on the route or by the network card
 };
 
+/// Receivers of a message.
+enum class Reach : std::uint8_t {
+  kHost,  ///< the processes of the sender's host
+  kAll,
+};
+
 /// Result of handle() when no more messages can arrive.
 inline constexpr int kSourceEnded = -1;
 
@@ -57,6 +63,11 @@ class Transport {
   virtual void unsubscribe(const std::string& channel) = 0;
   /// Returns false when the message could not be handed to the network (counted).
   virtual bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) = 0;
+  /// As publish(), but the message does not leave this host. By default the same as publish(), for
+  /// transports that do not reach other hosts.
+  virtual bool publish_on_host(const std::string& channel, std::span<const std::uint8_t> bytes) {
+    return publish(channel, bytes);
+  }
   /// Waits up to `timeout` for a message, then dispatches all messages that have arrived. Returns
   /// their number, or kSourceEnded if no more can arrive (a log was read to its end). An exception
   /// of a handler is passed on to the caller and leaves the transport usable. Must not be called
@@ -80,6 +91,21 @@ using ReportNetwork = std::function<void(const std::string& words)>;
 /// this function for processes that must run without a network, such as the driver of a vehicle.
 std::unique_ptr<Transport> open_waiting_transport(const std::string& url, ReportNetwork report);
 
+/// Network between the hosts of an InProcessHub, for simulations.
+class HubNetwork {
+ public:
+  HubNetwork() = default;
+  virtual ~HubNetwork() = default;
+  HubNetwork(const HubNetwork&) = delete;
+  HubNetwork& operator=(const HubNetwork&) = delete;
+  HubNetwork(HubNetwork&&) = delete;
+  HubNetwork& operator=(HubNetwork&&) = delete;
+  /// Called once for each published message.
+  virtual void send(std::string_view channel, std::size_t bytes, Reach reach) = 0;
+  /// True if the message of the last send() arrives at `host`.
+  virtual bool arrives_at(const std::string& host) = 0;
+};
+
 /// Bus within one process. Every endpoint receives the messages of all endpoints, including its
 /// own, in order of publication. Thread-safe across endpoints; each endpoint has its own bounded
 /// queue.
@@ -95,7 +121,11 @@ class InProcessHub {
   /// Creates an endpoint. The hub must outlive the endpoint. For every message put into the
   /// endpoint's queue, the publisher's thread calls `on_arrival`, which must be quick and must not
   /// use the hub.
-  std::unique_ptr<Transport> connect(std::function<void()> on_arrival = {});
+  /// With a network, an endpoint with a nonempty `host` receives only messages that arrive there.
+  std::unique_ptr<Transport> connect(std::function<void()> on_arrival = {}, std::string host = "");
+  /// Sets the network between hosts; null: every message arrives everywhere. `network` must outlive
+  /// the hub.
+  void use_network(HubNetwork* network);
 
  private:
   struct State;

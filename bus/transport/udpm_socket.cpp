@@ -161,13 +161,20 @@ void MulticastSocket::open_sender(const UdpmAddress& address) {
   const int fd = sender_.fd();
   require_option(fd, IPPROTO_IP, IP_MULTICAST_TTL, static_cast<std::uint8_t>(address.ttl),
                  "IP_MULTICAST_TTL");
+  ttl_set_ = address.ttl;
   require_option(fd, IPPROTO_IP, IP_MULTICAST_LOOP, std::uint8_t{1}, "IP_MULTICAST_LOOP");
   set_option(fd, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);  // the kernel may grant less
   require_option(fd, SOL_SOCKET, SO_SNDTIMEO, timeval{0, kSendTimeoutUs}, "SO_SNDTIMEO");
 }
 
 bool MulticastSocket::send(std::span<const std::uint8_t> head,
-                           std::span<const std::uint8_t> payload) {
+                           std::span<const std::uint8_t> payload, bool stays_on_host) {
+  const int ttl = stays_on_host ? 0 : address_.ttl;
+  if (ttl != ttl_set_ &&
+      !set_option(sender_.fd(), IPPROTO_IP, IP_MULTICAST_TTL, static_cast<std::uint8_t>(ttl))) {
+    return false;
+  }
+  ttl_set_ = ttl;
   // sendmsg() only reads through these pointers, but its C interface requires non-const pointers.
   std::array<iovec, 2> pieces{
       iovec{const_cast<std::uint8_t*>(head.data()), head.size()},         // NOLINT

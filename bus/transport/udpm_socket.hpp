@@ -45,7 +45,9 @@ class MulticastSocket {
 
   /// Sends `head` and `payload` as one datagram. Returns false when the network refuses it, or when
   /// the send buffer stays full for 100 ms.
-  bool send(std::span<const std::uint8_t> head, std::span<const std::uint8_t> payload);
+  /// @param stays_on_host  true: the datagram does not leave this host, as with ttl=0
+  bool send(std::span<const std::uint8_t> head, std::span<const std::uint8_t> payload,
+            bool stays_on_host = false);
   /// After a loss of the network, tries to join the group again, at most once per kRetryPeriodNs.
   /// Returns true while the network is present.
   bool keep_joined(std::int64_t monotonic_ns);
@@ -108,6 +110,7 @@ class MulticastSocket {
   std::string fault_;
   std::int64_t network_losses_ = 0;
   std::int64_t next_try_ns_ = 0;
+  int ttl_set_ = 0;  ///< of the sender
 };
 
 }  // namespace vantage::bus::udpm

@@ -53,6 +53,9 @@ UdpmTransport::UdpmTransport(const UdpmAddress& address, ReportNetwork report)
       socket_(address, report ? MulticastSocket::Absence::kWait : MulticastSocket::Absence::kError),
       report_(std::move(report)),
       reassembler_(limits_for(message_bytes_max_)) {
+  if (!address.peers.empty()) {
+    relay_.emplace(address);
+  }
   keep_network();
 }
 
@@ -60,6 +63,9 @@ UdpmTransport::UdpmTransport(const UdpmAddress& address, ReportNetwork report)
 // not reported.
 void UdpmTransport::keep_network() {
   const bool is_up = socket_.keep_joined(monotonic_ns());
+  if (relay_) {
+    relay_->keep(monotonic_ns());
+  }
   if (report_ && is_up == is_loss_reported_) {
     is_loss_reported_ = !is_up;
     report_(is_up ? "the network is back" : socket_.fault() + ": waiting for the network");
@@ -113,6 +119,23 @@ void UdpmTransport::unsubscribe(const std::string& channel) {
 }
 
 bool UdpmTransport::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
+  return publish_to(channel, bytes, Reach::kAll);
+}
+
+bool UdpmTransport::publish_on_host(const std::string& channel,
+                                    std::span<const std::uint8_t> bytes) {
+  return publish_to(channel, bytes, Reach::kHost);
+}
+
+bool UdpmTransport::send(std::span<const std::uint8_t> head, std::span<const std::uint8_t> payload,
+                         Reach reach) {
+  const bool is_sent = socket_.send(head, payload, reach == Reach::kHost);
+  const bool is_for_peers = relay_ && reach == Reach::kAll;
+  return (!is_for_peers || relay_->send(head, payload)) && is_sent;
+}
+
+bool UdpmTransport::publish_to(const std::string& channel, std::span<const std::uint8_t> bytes,
+                               Reach reach) {
   // Refuses messages that receivers of this class would refuse, so that the caller receives an
   // error.
   const bool is_possible = is_channel_name(channel) && bytes.size() <= message_bytes_max_;
@@ -123,14 +146,14 @@ bool UdpmTransport::publish(const std::string& channel, std::span<const std::uin
   }
   const std::uint32_t sequence = next_sequence_++;
   const bool is_sent = cut->fragments == 1
-                           ? socket_.send(PacketHead::of_short(sequence, channel).bytes(), bytes)
-                           : send_fragments(channel, bytes, *cut, sequence);
+                           ? send(PacketHead::of_short(sequence, channel).bytes(), bytes, reach)
+                           : send_fragments(channel, bytes, *cut, sequence, reach);
   ++(is_sent ? stats_.messages_sent : stats_.send_errors);
   return is_sent;
 }
 
 bool UdpmTransport::send_fragments(const std::string& channel, std::span<const std::uint8_t> bytes,
-                                   const Cut& cut, std::uint32_t sequence) {
+                                   const Cut& cut, std::uint32_t sequence, Reach reach) {
   std::size_t offset = 0;
   for (std::size_t i = 0; i < cut.fragments; ++i) {
     const std::size_t size =
@@ -138,7 +161,7 @@ bool UdpmTransport::send_fragments(const std::string& channel, std::span<const s
     const PacketHead head = PacketHead::of_fragment(
         sequence, static_cast<std::uint32_t>(bytes.size()), static_cast<std::uint32_t>(offset),
         static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(cut.fragments), channel);
-    if (!socket_.send(head.bytes(), bytes.subspan(offset, size))) {
+    if (!send(head.bytes(), bytes.subspan(offset, size), reach)) {
       return false;  // the remaining fragments would be useless
     }
     offset += size;
@@ -245,7 +268,7 @@ void UdpmTransport::dispatch(const AssembledMessage& message) {
 TransportStats UdpmTransport::stats() const {
   TransportStats stats = stats_;
   const ReassemblyCounts& fragments = reassembler_.counts();
-  stats.malformed_datagrams += fragments.conflicting;
+  stats.malformed_datagrams += fragments.conflicting + (relay_ ? relay_->refused() : 0);
   stats.incomplete_messages = fragments.incomplete;
   stats.oversized_messages = fragments.oversized_messages;
   stats.duplicate_fragments = fragments.duplicates;

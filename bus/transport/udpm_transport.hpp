@@ -1,11 +1,13 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <string>
 
 #include "bus/transport/transport.hpp"
 #include "bus/transport/udpm_reassembly.hpp"
 #include "bus/transport/udpm_socket.hpp"
+#include "bus/transport/unicast_relay.hpp"
 
 namespace vantage::bus::udpm {
 
@@ -28,6 +30,7 @@ class UdpmTransport : public Transport {
   void subscribe(const std::string& channel, Handler handler) override;
   void unsubscribe(const std::string& channel) override;
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override;
+  bool publish_on_host(const std::string& channel, std::span<const std::uint8_t> bytes) override;
   /// Dispatches at most 4096 messages, and none later than 5 ms after `timeout`, so that a flood
   /// cannot block the caller. The remaining messages wait for the next call.
   /// @throws UsageError when called from a handler.
@@ -48,8 +51,10 @@ class UdpmTransport : public Transport {
   /// is effective at once.
   void reset_filter();
   void apply_filter();
+  bool publish_to(const std::string& channel, std::span<const std::uint8_t> bytes, Reach reach);
+  bool send(std::span<const std::uint8_t> head, std::span<const std::uint8_t> payload, Reach reach);
   bool send_fragments(const std::string& channel, std::span<const std::uint8_t> bytes,
-                      const Cut& cut, std::uint32_t sequence);
+                      const Cut& cut, std::uint32_t sequence, Reach reach);
   void take_arrived();
   void take(const Datagram& datagram);
   void enqueue(AssembledMessage message);
@@ -60,6 +65,7 @@ class UdpmTransport : public Transport {
   std::int64_t receive_buffer_requested_bytes_;
   std::size_t arrived_bytes_max_;
   MulticastSocket socket_;
+  std::optional<UnicastRelay> relay_;  ///< only with peers
   ReportNetwork report_;
   bool is_loss_reported_ = false;
   Reassembler reassembler_;

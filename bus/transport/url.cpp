@@ -1,5 +1,6 @@
 #include "bus/transport/url.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <sstream>
@@ -31,6 +32,33 @@ std::string checked_interface(const std::string& text) {
                        "', must be the name of a network card (see 'ip link') or its IPv4 address");
   }
   return text;
+}
+
+std::vector<UdpmPeer> checked_peers(const std::string& text) {
+  constexpr std::size_t kPeersMax = 256;
+  std::vector<UdpmPeer> peers;
+  std::istringstream list(text);
+  for (std::string item; std::getline(list, item, ',');) {
+    const std::size_t colon = item.find(':');
+    in_addr host{};
+    const std::string address = item.substr(0, colon);
+    if (colon == std::string::npos || inet_pton(AF_INET, address.c_str(), &host) != 1 ||
+        IN_MULTICAST(ntohl(host.s_addr))) {
+      throw StartupError("LCM url: peer is '" + item +
+                         "', must be the IPv4 address of a host and a port, such as "
+                         "192.168.1.21:7668");
+    }
+    const UdpmPeer peer{address, number_in(item.substr(colon + 1), 1, 65'535, "port of a peer")};
+    if (std::find(peers.begin(), peers.end(), peer) != peers.end()) {
+      throw StartupError("LCM url: peer '" + item + "' is given twice");
+    }
+    peers.push_back(peer);
+  }
+  if (peers.empty() || peers.size() > kPeersMax) {
+    throw StartupError("LCM url: peers has " + std::to_string(peers.size()) +
+                       " entries, must have 1 to " + std::to_string(kPeersMax));
+  }
+  return peers;
 }
 
 }  // namespace
@@ -104,10 +132,16 @@ UdpmAddress parse_udpm(const Url& url) {
       address.message_bytes_max = number_in(value, kBytesMin, kBytesMax, name);
     } else if (name == "interface") {
       address.interface = checked_interface(value);
+    } else if (name == "peers") {
+      address.peers = checked_peers(value);
     } else {
       throw StartupError("LCM url: udpm has no option '" + name +
-                         "' (ttl, recv_buf_size, max_message_size, interface)");
+                         "' (ttl, recv_buf_size, max_message_size, interface, peers)");
     }
+  }
+  if (!address.peers.empty() && address.ttl > 0) {
+    throw StartupError("LCM url: ttl is " + std::to_string(address.ttl) +
+                       ", must be 0 with peers: messages leave this host by unicast");
   }
   return address;
 }

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 namespace vantage::bus {
 
@@ -26,6 +27,13 @@ std::string url_or_default(const std::string& url);
 std::string with_udpm_option(const std::string& url, const std::string& name,
                              const std::string& value);
 
+/// Host that receives unicast copies.
+struct UdpmPeer {
+  std::string address;  ///< IPv4
+  int port = 0;
+  friend bool operator==(const UdpmPeer&, const UdpmPeer&) = default;
+};
+
 /// Content of a udpm:// URL, with LCM's defaults for missing parts.
 struct UdpmAddress {
   std::string group = "239.255.76.67";
@@ -36,11 +44,15 @@ struct UdpmAddress {
   /// Network card to receive and send on, by name ("eth1") or by its own IPv4 address; empty: the
   /// card of the route to the group.
   std::string interface;
+  /// All hosts of the team, if messages leave a host by unicast; see UnicastRelay. This host's own
+  /// entry is the address on which it receives.
+  std::vector<UdpmPeer> peers;
 };
 
-/// Options: ttl, recv_buf_size and max_message_size (bytes), interface.
+/// Options: ttl, recv_buf_size and max_message_size (bytes), interface,
+/// peers (ADDRESS:PORT,ADDRESS:PORT,…).
 /// @throws StartupError for an address that is not multicast, a number out of range, an invalid
-///         interface or an unknown option.
+///         interface or peer, peers together with a ttl above 0, or an unknown option.
 UdpmAddress parse_udpm(const Url& url);
 
 }  // namespace vantage::bus

@@ -1,6 +1,7 @@
 #include "estimator/app/node.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -13,6 +14,9 @@ namespace {
 
 constexpr std::size_t kMeasurementsWaitingPerRobot = 64;
 constexpr std::size_t kPosesKept = 256;
+constexpr std::size_t kPartialBeliefsPerRobot = 8;
+/// Cells by which a teammate's grid may exceed the own grid: windows of a neighbourhood differ.
+constexpr int kGridCellsMore = 10'000;
 
 /// Returns the last instant kτ ≤ `t`.
 Time instant_before(Time t, Duration step) {
@@ -37,6 +41,9 @@ EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
       lag_(step_ / 10),
       lag_max_(step_ / 6) {
   next_instant_ = instant_before(clock.now() - lag_, step_) + step_;
+  if (scenario.network.budget_kbitps > 0.0 && filter_.spec().communication_range_m > 0.0) {
+    sender_.emplace(filter_.spec());
+  }
   subscribe_measurements(robot_);
   bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& frame) {
     neighbours_->on_frame(frame);
@@ -47,6 +54,7 @@ EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
       [this](const std::string& teammate) {
         bus_.unsubscribe(bus::measurement_channel(teammate).name);
         bus_.unsubscribe(bus::belief_channel(teammate).name);
+        bus_.unsubscribe(bus::compact_belief_channel(teammate).name);
         newest_.erase(teammate);
       });
   if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
@@ -65,6 +73,12 @@ void EstimatorNode::subscribe_measurements(const std::string& sender) {
 void EstimatorNode::subscribe_teammate(const std::string& teammate) {
   if (filter_.spec().communication_range_m > 0.0) {
     subscribe_measurements(teammate);
+  }
+  if (sender_) {
+    bus_.subscribe<models::CompactBelief>(
+        bus::compact_belief_channel(teammate),
+        [this, teammate](const auto& m) { on_compact_belief(teammate, m); });
+    return;
   }
   bus_.subscribe_shared<models::RobotBelief>(
       bus::belief_channel(teammate),
@@ -110,6 +124,55 @@ void EstimatorNode::on_belief(const std::string& teammate,
   newest_[teammate] = {name_of(bus::belief_channel(teammate).name, belief->stamp), belief};
 }
 
+void EstimatorNode::on_compact_belief(const std::string& teammate,
+                                      const models::CompactBelief& belief) {
+  if (belief.robot != teammate) {
+    ++misaddressed_;
+    return;
+  }
+  // A short message can announce a large grid, so the size is checked before the memory is used.
+  if (belief.grid.size() > filter_.grid().geometry().size() + kGridCellsMore) {
+    ++grids_too_large_;
+    return;
+  }
+  auto parts = models::expand(belief);
+  if (!parts) {
+    return;  // from_wire() has refused and counted such a message
+  }
+  if (partial_.size() ==
+      kPartialBeliefsPerRobot * std::max<std::size_t>(1, filter_.spec().team.size())) {
+    partial_.erase(partial_.begin());
+    ++beliefs_overflowed_;
+  }
+  partial_.push_back({name_of(bus::compact_belief_channel(teammate).name, belief.stamp),
+                      std::make_shared<const models::RobotBelief>(std::move(*parts))});
+}
+
+void EstimatorNode::send_compact_belief(const models::RobotBelief& own,
+                                        const StepMaterial& material) {
+  const double range_m = filter_.spec().communication_range_m;
+  const auto is_in_range = [&](const models::Viewpoint& theirs) {
+    return distance_m(theirs, own.viewpoint) <= range_m;
+  };
+  for (const auto& belief : material.beliefs) {
+    if (is_in_range(belief.content->viewpoint)) {
+      sender_->receive(*belief.content);
+    }
+  }
+  std::vector<int> observed;
+  for (const auto& look : material.measurements) {
+    if (look.content->robot == robot_ || is_in_range(look.content->viewpoint)) {
+      for (const models::Detection& detection : look.content->detections) {
+        observed.push_back(detection.target_id);
+      }
+    }
+  }
+  const auto channel = bus::compact_belief_channel(robot_);
+  if (auto parts = sender_->select(own, observed, bus_.air_left(channel.name))) {
+    bus_.publish(channel, std::move(*parts));
+  }
+}
+
 StepMaterial EstimatorNode::gather(Time t) {
   StepMaterial material;
   std::deque<NamedMessage<models::RobotMeasurement>> later;
@@ -132,6 +195,12 @@ StepMaterial EstimatorNode::gather(Time t) {
   for (const auto& [teammate, belief] : newest_) {
     material.beliefs.push_back(belief);
   }
+  const auto later_beliefs =
+      std::stable_partition(partial_.begin(), partial_.end(),
+                            [&](const auto& each) { return each.content->stamp.time <= t; });
+  material.beliefs.insert(material.beliefs.end(), std::make_move_iterator(partial_.begin()),
+                          std::make_move_iterator(later_beliefs));
+  partial_.erase(partial_.begin(), later_beliefs);
   return material;
 }
 
@@ -162,6 +231,9 @@ void EstimatorNode::tick(Time now) {
     bus_.publish(bus::mixture_channel(robot_), *mixture);
   }
   made = bus_.publish(bus::belief_channel(robot_), std::move(made));
+  if (sender_) {
+    send_compact_belief(made, material);
+  }
   if (map_) {
     map_->step(made);
   }
@@ -177,7 +249,10 @@ std::vector<models::NamedCount> EstimatorNode::counters() const {
   std::vector<models::NamedCount> all = filter_.counters().named();
   models::append_nonzero(all, {{"looks_overflowed", looks_overflowed_},
                                {"misaddressed", misaddressed_},
-                               {"viewpoint_unknown", viewpoint_unknown_}});
+                               {"viewpoint_unknown", viewpoint_unknown_},
+                               {"beliefs_overflowed", beliefs_overflowed_},
+                               {"grids_too_large", grids_too_large_},
+                               {"beliefs_unsendable", sender_ ? sender_->unsendable() : 0}});
   if (map_) {
     const std::vector<models::NamedCount> of_map = map_->counters();
     all.insert(all.end(), of_map.begin(), of_map.end());

@@ -80,6 +80,14 @@ EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
             beliefs_.add(channel, belief);
             work();
           });
+      bus_.subscribe_named<models::CompactBelief>(
+          bus::compact_belief_channel(teammate.name),
+          [this](const std::string& channel, const auto& belief) {
+            if (const auto parts = models::expand(belief)) {
+              beliefs_.add(channel, *parts);
+              work();
+            }
+          });
     }
   }
   bus_.subscribe<models::RobotBelief>(bus::belief_channel(robot_), [this](const auto& belief) {

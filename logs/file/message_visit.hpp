@@ -38,11 +38,11 @@ bool visit_message(const LogEvent& event, Visit&& visit) {
   attempt_all.template
   operator()<vantage_lcm::mocap_frame_t, vantage_lcm::truth_t, vantage_lcm::measurement_t,
              vantage_lcm::odometry_t, vantage_lcm::sightings_t, vantage_lcm::pose_estimate_t,
-             vantage_lcm::belief_t, vantage_lcm::mixture_t, vantage_lcm::scan_t, vantage_lcm::map_t,
-             vantage_lcm::plan_t, vantage_lcm::proposal_t, vantage_lcm::team_proposal_t,
-             vantage_lcm::vehicle_t, vantage_lcm::health_t, vantage_lcm::command_t,
-             vantage_lcm::collision_t, vantage_lcm::attack_t, vantage_lcm::host_t,
-             vantage_lcm::scenario_t>();
+             vantage_lcm::belief_t, vantage_lcm::compact_belief_t, vantage_lcm::mixture_t,
+             vantage_lcm::scan_t, vantage_lcm::map_t, vantage_lcm::plan_t, vantage_lcm::proposal_t,
+             vantage_lcm::team_proposal_t, vantage_lcm::vehicle_t, vantage_lcm::health_t,
+             vantage_lcm::command_t, vantage_lcm::collision_t, vantage_lcm::attack_t,
+             vantage_lcm::host_t, vantage_lcm::scenario_t>();
   return was_visited;
 }
 

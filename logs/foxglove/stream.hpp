@@ -17,6 +17,7 @@
 #include "logs/metrics/origin_times.hpp"
 #include "logs/metrics/team_estimate.hpp"
 #include "logs/metrics/trial_metrics.hpp"
+#include "models/exchange/compact_belief.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/exchange/pose_messages.hpp"
 #include "scenario/scenario.hpp"
@@ -70,6 +71,8 @@ class Stream {
   void on(const models::RobotBelief& belief, Time received_at);
   void on(const models::BeliefMixture& /*mixture*/, Time /*received_at*/) {
   }  // beliefs are shown instead
+  void on(const models::CompactBelief& /*belief*/, Time /*received_at*/) {
+  }  // not drawn: the complete belief of the same step is drawn
   void on(const models::RangeScan& /*scan*/, Time /*received_at*/) {
   }  // not drawn: the map shows the content of the scans
   void on(const models::OdometryReport& /*odometry*/, Time /*received_at*/) {}

@@ -1,9 +1,13 @@
 #include "logs/record/recorder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <map>
+#include <string>
 #include <utility>
 
+#include "bus/node/air_budget.hpp"
 #include "logs/file/log_event.hpp"
 
 namespace vantage::logs {
@@ -16,20 +20,48 @@ std::int64_t count_of(std::uint64_t bytes) {
   return static_cast<std::int64_t>(std::min(bytes, kMost));
 }
 
+/// Finds the second copies of messages that are published twice. The log contains only the first.
+class Repeats {
+ public:
+  bool is_repeat(std::string_view channel, std::span<const std::uint8_t> data) {
+    if (!bus::may_be_repeated(channel) || data.size() < kHeadBytes) {
+      return false;
+    }
+    Head head{};
+    std::copy_n(data.begin(), kHeadBytes, head.begin());
+    const auto known = newest_.find(channel);
+    if (known == newest_.end()) {
+      if (newest_.size() < kChannelsMax) {
+        newest_.emplace(channel, head);
+      }
+      return false;
+    }
+    return std::exchange(known->second, head) == head;
+  }
+
+ private:
+  /// Bytes of type, time, run id and sequence number.
+  static constexpr std::size_t kHeadBytes = 32;
+  static constexpr std::size_t kChannelsMax = 4096;  ///< against invented names
+  using Head = std::array<std::uint8_t, kHeadBytes>;
+  std::map<std::string, Head, std::less<>> newest_;  ///< by channel
+};
+
 }  // namespace
 
 Recorder::Recorder(bus::Transport& endpoint, const bus::Clock& clock, Log log,
                    ChannelFilter channels)
     : log_(std::move(log)), channels_(std::move(channels)) {
-  endpoint.subscribe("*",
-                     [this, &clock](std::string_view channel, std::span<const std::uint8_t> data) {
-                       if (!is_event_channel(channel)) {
-                         ++names_refused_;
-                       } else if (channels_.takes(channel)) {
-                         ++received_;
-                         log_(clock.now(), channel, data);
-                       }
-                     });
+  endpoint.subscribe(
+      "*", [this, &clock, repeats = Repeats()](std::string_view channel,
+                                               std::span<const std::uint8_t> data) mutable {
+        if (!is_event_channel(channel)) {
+          ++names_refused_;
+        } else if (channels_.takes(channel) && !repeats.is_repeat(channel, data)) {
+          ++received_;
+          log_(clock.now(), channel, data);
+        }
+      });
 }
 
 RecorderNode::RecorderNode(bus::Transport& transport, const bus::Clock& clock, LogSpool& spool,

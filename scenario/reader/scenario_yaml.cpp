@@ -290,10 +290,25 @@ void check_neighbourhood(Mapping& from, const Scenario& scenario) {
 }
 
 void read_network(Mapping& from, Scenario& scenario) {
+  constexpr double kBudgetMinKbitps = 4.0;
+  constexpr double kBudgetMaxKbitps = 1e6;
+  constexpr double kLossMax = 0.99;
   NetworkSpec& network = scenario.network;
   from.number("communication_range_m", network.communication_range_m, from_to(-1.0, kLengthMaxM));
   from.number("neighbourhood_m", network.neighbourhood_m, from_to(0.0, kLengthMaxM));
   check_neighbourhood(from, scenario);
+  from.number("budget_kbitps", network.budget_kbitps, from_to(0.0, kBudgetMaxKbitps));
+  if (network.budget_kbitps > 0.0 && network.budget_kbitps < kBudgetMinKbitps) {
+    from.refuse("budget_kbitps",
+                fmt::format("must be 0 (unlimited) or at least {:g} kbit/s, the rate of plans and "
+                            "observations alone; is {:g}",
+                            kBudgetMinKbitps, network.budget_kbitps));
+  }
+  from.section("simulation", [&](Mapping& simulation) {
+    simulation.number("loss", network.simulation.loss, from_to(0.0, kLossMax));
+    simulation.number("rate_kbitps", network.simulation.rate_kbitps,
+                      from_to(0.0, kBudgetMaxKbitps));
+  });
   from.text("url", network.url);
   constexpr std::array<std::string_view, 2> kSchemes = {"udpm://", "memq://"};
   const bool is_known = std::any_of(kSchemes.begin(), kSchemes.end(), [&](std::string_view scheme) {

@@ -17,7 +17,8 @@
 // Measures the cost of a trial in virtual time. Prints one line per scenario with wall and CPU
 // time, memory, and the CPU time per robot and planning round. --csv prints a line of a table
 // (header: --csv-head). --log FILE writes a new log and prints the bytes that each robot published
-// per second. --json prints the trial's summary instead, to compare two builds bit for bit.
+// per second. --json prints the trial's summary instead, to compare two builds bit for bit,
+// and the bytes that robots sent to each other.
 
 namespace {
 
@@ -49,9 +50,14 @@ struct Cost {
 };
 
 void print(const vantage::scenario::Scenario& scenario, const Cost& cost,
-           const vantage::logs::TrialSummary& summary, Form form) {
+           const vantage::trial::TrialResult& result, Form form) {
+  const vantage::logs::TrialSummary& summary = result.summary;
   if (form == Form::kJson) {
-    fmt::print("{}\n", vantage::logs::to_json(summary).dump(2));
+    auto json = vantage::logs::to_json(summary);
+    for (const auto& each : result.air_bytes) {
+      json["air_bytes"][each.name] = each.count;
+    }
+    fmt::print("{}\n", json.dump(2));
     return;
   }
   const double rounds =
@@ -95,17 +101,17 @@ int run(const std::string& path, const vantage::scenario::Overrides& overrides, 
   const double cpu_begin_s = cpu_s();
   const std::int64_t begin_ns = vantage::monotonic_ns();
   Cost cost;
-  vantage::logs::TrialSummary summary;
+  vantage::trial::TrialResult result;
   {
     vantage::trial::Trial trial(scenario, vantage::trial::trial_recipes(scenario), log_path);
     cost.built_s = cpu_s() - cpu_begin_s;
     trial.advance_to(trial.planned_end());
-    summary = trial.result().summary;
+    result = trial.result();
   }
   cost.cpu_s = cpu_s() - cpu_begin_s;
   cost.wall_s = static_cast<double>(vantage::monotonic_ns() - begin_ns) * 1e-9;
   if (log_path.empty()) {
-    print(scenario, cost, summary, form);
+    print(scenario, cost, result, form);
   } else {
     print_traffic(scenario, log_path);
   }

@@ -19,6 +19,7 @@
 
 #include <gtest/gtest.h>
 
+#include "test/fuzz/bus/compact_path.hpp"
 #include "test/fuzz/bus/datagram_input.hpp"
 #include "test/fuzz/bus/packet_path.hpp"
 #include "test/fuzz/bus/receive_path.hpp"
@@ -79,6 +80,7 @@ std::vector<Harness> harnesses() {
   const auto vrpn = vicon(MocapProtocol::kVrpn);
   return {
       {"packet", fuzz_packet_path, packet_path_samples, datagrams_of},
+      {"compact", fuzz_compact_path, compact_path_samples},
       {"receive", fuzz_receive_path, receive_path_samples, datagrams_of},
       {"mavlink", fuzz_mavlink, mavlink_samples},
       {"crtp", fuzz_crtp, crtp_samples},

@@ -2,7 +2,7 @@
 vantage_test(fuzz
   SOURCES
     ${CMAKE_CURRENT_LIST_DIR}/fuzz_test.cpp ${CMAKE_CURRENT_LIST_DIR}/bus/packet_path.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/bus/receive_path.cpp ${CMAKE_CURRENT_LIST_DIR}/parsers/mocap_parsers.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/bus/compact_path.cpp ${CMAKE_CURRENT_LIST_DIR}/bus/receive_path.cpp ${CMAKE_CURRENT_LIST_DIR}/parsers/mocap_parsers.cpp
     ${CMAKE_CURRENT_LIST_DIR}/parsers/stream_parsers.cpp
     ${CMAKE_CURRENT_LIST_DIR}/parsers/text_parsers.cpp ${CMAKE_CURRENT_LIST_DIR}/vicon/harness.cpp
   DEPS

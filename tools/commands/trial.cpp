@@ -98,6 +98,22 @@ int compare(const TrialArguments& arguments) {
   return result.collisions == 0 && result.log_errors.empty() && !result.was_stopped ? 0 : 1;
 }
 
+/// Prints what each robot sent to the others, if the trial had a budget or a simulated network.
+void print_air(const trial::TrialResult& result, std::size_t robots) {
+  std::int64_t sum = 0;
+  std::string kinds;
+  const double robot_seconds = static_cast<double>(robots) * result.summary.duration_s;
+  for (const models::NamedCount& each : result.air_bytes) {
+    sum += each.count;
+    kinds += fmt::format("{}{} {:.0f}", kinds.empty() ? "" : ", ", each.name,
+                         static_cast<double>(each.count) / robot_seconds);
+  }
+  if (sum > 0) {
+    print_line(fmt::format("sent to other robots, bytes per robot and second: {:.0f} ({})",
+                           static_cast<double>(sum) / robot_seconds, kinds));
+  }
+}
+
 int run(const TrialArguments& arguments) {
   if (arguments.planners.size() > 1 || !arguments.seeds.empty()) {
     return compare(arguments);
@@ -124,6 +140,9 @@ int run(const TrialArguments& arguments) {
   const trial::TrialResult result =
       trial::run_trial(scenario, trial::trial_recipes(scenario), options);
   report_summary(scenario, result.summary, arguments.as_json);
+  if (!arguments.as_json) {
+    print_air(result, scenario.robots.size());
+  }
   if (result.log_error) {
     print_line(fmt::format("vantage: {}; {} messages are missing in the log",
                            result.log_error->message, result.summary.messages_lost),

@@ -6,16 +6,19 @@
 #include <gtest/gtest.h>
 
 #include "bus/convert/convert.hpp"
+#include "test/bus/convert/sample_compact.hpp"
 
 namespace vantage::test {
 
 /// All message types of the bus.
-using MessageTypes = ::testing::Types<
-    models::MocapFrame, models::RobotMeasurement, models::OdometryReport, models::SightingReport,
-    models::PoseEstimate, models::RobotBelief, models::BeliefMixture, models::RangeScan,
-    models::RobotMap, models::RobotPlan, models::PlanProposal, models::TeamProposal,
-    models::VehicleStatus, models::OperatorCommand, models::TruthFrame, models::CollisionReport,
-    models::AttackNotice, models::ProcessHealth, models::HostReport, models::ScenarioNotice>;
+using MessageTypes =
+    ::testing::Types<models::MocapFrame, models::RobotMeasurement, models::OdometryReport,
+                     models::SightingReport, models::PoseEstimate, models::RobotBelief,
+                     models::CompactBelief, models::BeliefMixture, models::RangeScan,
+                     models::RobotMap, models::RobotPlan, models::PlanProposal,
+                     models::TeamProposal, models::VehicleStatus, models::OperatorCommand,
+                     models::TruthFrame, models::CollisionReport, models::AttackNotice,
+                     models::ProcessHealth, models::HostReport, models::ScenarioNotice>;
 
 /// Returns the bytes published for `message`.
 template <class Message>

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "models/exchange/compact_belief.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/exchange/pose_messages.hpp"
 
@@ -358,6 +359,7 @@ class Flat {
   void add(double x) { list_.push_back(std::to_string(std::bit_cast<std::uint64_t>(x))); }
   void add(std::int64_t x) { list_.push_back(std::to_string(x)); }
   void add(int x) { add(std::int64_t{x}); }
+  void add(std::uint8_t x) { add(std::int64_t{x}); }
   void add(std::int16_t x) { add(std::int64_t{x}); }
   void add(bool x) { list_.emplace_back(x ? "yes" : "no"); }
   void add(Time x) { add(to_utime(x)); }
@@ -393,6 +395,15 @@ class Flat {
     all(x.target_id, x.last_seen);
     add_matrix(x.information.vector);
     add_matrix(x.information.matrix);
+  }
+  void add(const models::CompactTarget& x) {
+    all(x.target_id, x.dim, static_cast<std::int64_t>(x.unseen_ms));
+    for (int i = 0; i < models::kMaxTargetDim; ++i) {
+      all(static_cast<double>(x.mean[index(i)]), x.sigma_code[index(i)]);
+    }
+    for (const std::int16_t code : x.correlation_code) {
+      add(code);
+    }
   }
   void add(const models::Component& x) {
     all(x.weight);
@@ -431,6 +442,11 @@ class Flat {
     all(x.robot, x.step, x.viewpoint, x.degree, x.targets);
     add_matrix(x.grid.origin_m);
     all(x.grid.resolution_m, x.grid.columns, x.grid.rows, x.last_seen_utime, x.inputs);
+  }
+  void fields(const models::CompactBelief& x) {
+    all(x.robot, x.step, x.viewpoint, x.targets);
+    add_matrix(x.grid.origin_m);
+    all(x.grid.resolution_m, x.grid.columns, x.grid.rows, x.runs);
   }
   void fields(const models::BeliefMixture& x) { all(x.robot, x.step, x.targets); }
   void fields(const models::OdometryReport& x) {

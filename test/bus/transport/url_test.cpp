@@ -46,6 +46,20 @@ TEST(ParseUdpm, AppliesDefaults) {
   EXPECT_EQ(full.message_bytes_max, 5000);
 }
 
+TEST(ParseUdpm, ReadsPeers) {
+  const UdpmAddress address =
+      parse_udpm(parse_url("udpm://239.1.2.3:7000?peers=10.0.0.1:7001,10.0.0.2:7002"));
+  EXPECT_EQ(address.peers, (std::vector<UdpmPeer>{{"10.0.0.1", 7001}, {"10.0.0.2", 7002}}));
+}
+
+TEST(ParseUdpm, RefusesInvalidPeers) {
+  for (const char* options :
+       {"peers=", "peers=10.0.0.1", "peers=10.0.0.1:0", "peers=host:7001", "peers=10.0.0.1:7001x",
+        "peers=239.1.2.3:7001", "peers=10.0.0.1:7001,10.0.0.1:7001", "ttl=1&peers=10.0.0.1:7001"}) {
+    EXPECT_THROW(parse_udpm(parse_url(std::string("udpm://?") + options)), StartupError) << options;
+  }
+}
+
 TEST(WithUdpmOption, AddsAMissingOption) {
   const std::pair<const char*, const char*> cases[] = {
       {"udpm://", "udpm://?max_message_size=9000"},

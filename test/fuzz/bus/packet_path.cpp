@@ -10,6 +10,7 @@
 #include <vantage_lcm/belief_t.hpp>
 #include <vantage_lcm/collision_t.hpp>
 #include <vantage_lcm/command_t.hpp>
+#include <vantage_lcm/compact_belief_t.hpp>
 #include <vantage_lcm/health_t.hpp>
 #include <vantage_lcm/host_t.hpp>
 #include <vantage_lcm/map_t.hpp>
@@ -64,11 +65,11 @@ struct Types {
   }
 };
 using All = Types<vantage_lcm::attack_t, vantage_lcm::belief_t, vantage_lcm::collision_t,
-                  vantage_lcm::command_t, vantage_lcm::health_t, vantage_lcm::host_t,
-                  vantage_lcm::map_t, vantage_lcm::measurement_t, vantage_lcm::mixture_t,
-                  vantage_lcm::plan_t, vantage_lcm::proposal_t, vantage_lcm::vehicle_t,
-                  vantage_lcm::scan_t, vantage_lcm::scenario_t, vantage_lcm::team_proposal_t,
-                  vantage_lcm::truth_t, vantage_lcm::mocap_frame_t>;
+                  vantage_lcm::command_t, vantage_lcm::compact_belief_t, vantage_lcm::health_t,
+                  vantage_lcm::host_t, vantage_lcm::map_t, vantage_lcm::measurement_t,
+                  vantage_lcm::mixture_t, vantage_lcm::plan_t, vantage_lcm::proposal_t,
+                  vantage_lcm::vehicle_t, vantage_lcm::scan_t, vantage_lcm::scenario_t,
+                  vantage_lcm::team_proposal_t, vantage_lcm::truth_t, vantage_lcm::mocap_frame_t>;
 
 void deliver(std::string_view channel, std::span<const std::uint8_t> bytes) {
   promise(!channel.empty() && channel.size() <= bus::udpm::kChannelBytesMax, "channels have names");

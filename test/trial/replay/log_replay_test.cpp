@@ -1,7 +1,9 @@
 #include "trial/replay/log_replay.hpp"
 
 #include <algorithm>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <string>
@@ -102,6 +104,28 @@ class ReplayLog : public ::testing::Test {
   static std::unique_ptr<TemporaryFolder> folder_;
 };
 std::unique_ptr<TemporaryFolder> ReplayLog::folder_;
+
+TEST_F(ReplayLog, ReproducesATeamWithABudgetAndLossesExactly) {
+  std::ifstream file(VANTAGE_SOURCE_DIR "/config/lab.yaml");
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string section = "\nnetwork:\n";
+  ASSERT_NE(text.find(section), std::string::npos);
+  text.insert(text.find(section) + section.size(),
+              "  budget_kbitps: 24\n  simulation: {loss: 0.2, rate_kbitps: 0}\n");
+  const std::string path = folder_->file("budget.yaml");
+  std::ofstream(path) << text;
+  scenario::Overrides overrides;
+  overrides.duration_s = 8.0;
+  overrides.node_budget = 300;
+  const scenario::Scenario scenario = scenario::load_scenario_with(path, overrides);
+  TrialOptions options;
+  options.log_path = folder_->file("budget.lcmlog");
+  ASSERT_GT(run_trial(scenario, trial_recipes(scenario), options).summary.messages_lost, 0);
+  for (const char* robot : {"Q1", "Q2", "Q3"}) {
+    expect_made_again(options.log_path, std::string("planner:") + robot, 7);
+    expect_made_again(options.log_path, std::string("estimator:") + robot, 15);
+  }
+}
 
 TEST_F(ReplayLog, ReproducesEveryPlanAndBeliefExactly) {
   for (const char* robot : {"Q1", "Q2", "Q3"}) {
