@@ -149,7 +149,7 @@ double loss_percent(const ComparedPlans& problem, double cost) {
   return 100.0 * (cost - problem.bound) / (problem.open_loop - problem.bound);
 }
 
-// long: one table and the data of one figure.
+// Long function: it writes one table and the data of one figure.
 Summary summarise(const Tables& tables) {
   const std::map<Unit, ComparedPlans> problems = problems_of(tables);
   Summary summary;

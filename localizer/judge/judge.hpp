@@ -47,9 +47,9 @@ struct JudgeFigures {
   ErrorFigures yaw_rad;        ///< heading errors of the robots with trusted true heading
   double nees_position = 0.0;  ///< mean NEES of the positions; ideal: 2
   double nees_pose = 0.0;      ///< mean NEES of the poses of robots with trusted heading; ideal: 3
-  double inside_position = 0.0;        ///< share of positions inside their 95 % ellipse
-  double inside_pose = 0.0;            ///< share of poses inside their 95 % ellipsoid
-  std::vector<double> placed_after_s;  ///< s; time until each robot had a pose; −1: never
+  double inside_position = 0.0;              ///< share of positions inside their 95 % ellipse
+  double inside_pose = 0.0;                  ///< share of poses inside their 95 % ellipsoid
+  std::vector<double> placed_after_s;        ///< s; time until each robot had a pose; −1: never
   std::vector<Eigen::Vector2d> landmarks_m;  ///< positions of found hidden landmarks, not aligned
   double landmarks_rmse_m = 0.0;             ///< m; error of landmarks_m, aligned by the robots
   double landmarks_own_rmse_m = 0.0;         ///< m; error of landmarks_m, aligned by themselves

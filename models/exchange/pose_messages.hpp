@@ -56,7 +56,7 @@ struct PoseEstimate {
   PoseSource source = PoseSource::kNone;  ///< kNone: the pose is unknown and meaningless
   Pose2 world_from_body;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< covariance of x, y and yaw
-  double age_s = 0.0;  ///< s; time since the newest observation of a landmark or teammate, or by mocap
+  double age_s = 0.0;  ///< s; time since the newest observation of a landmark, a teammate or mocap
   Time increments_from{};
   Duration increment{};  ///< duration of each increment
   /// Forward [m], left [m] and turn [rad], in the body frame at the start of each increment.

@@ -52,7 +52,7 @@ std::uint32_t SamplingTree::draw_below(std::size_t count) {
   return static_cast<std::uint32_t>(random_() % count);
 }
 
-// long: the sweeps, and all result fields.
+// Long function: it makes the sweeps and sets all fields of the result.
 const SearchResult& SamplingTree::plan(const SearchProblem& problem,
                                        const SamplingTreeOptions& options,
                                        const Deadline& deadline) {

@@ -81,10 +81,12 @@ class Trial {
     }
     for (const auto& [robot, plan] : planners) {
       recipe_of("planners", "PLANNER_", robot, recipes);
-      recipes.push_back({"EXTERNAL_" + robot, [&value, name = robot, call = kept(plan)](
-                                                  bus::Bus& bus, const bus::Clock& /*clock*/) {
-                           return std::make_unique<PythonPlannerNode>(bus, value, name, call);
-                         }});
+      recipes.push_back(
+          {"EXTERNAL_" + robot,
+           [&value, name = robot, call = kept(plan)](bus::Bus& bus, const bus::Clock& /*clock*/) {
+             return std::make_unique<PythonPlannerNode>(bus, value, name, call);
+           },
+           robot});
     }
     const py::gil_scoped_release release;
     trial_ = std::make_unique<trial::Trial>(value, recipes, log_path);

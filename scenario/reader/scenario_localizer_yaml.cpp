@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/time.hpp"
+#include "scenario/reader/localizer_yaml.hpp"
 #include "scenario/reader/scenario_agents_yaml.hpp"
 #include "scenario/reader/scenario_sections_yaml.hpp"
 
@@ -202,6 +203,22 @@ std::optional<LocalizerSpec> read_localizer(Mapping& top, const Scenario& scenar
     }
   }
   return is_there ? std::optional(std::move(spec)) : std::nullopt;
+}
+
+std::optional<LocalizerSpec> localizer_of(const Scenario& scenario) {
+  if (scenario.source_text.find("localizer") == std::string::npos) {
+    return std::nullopt;  // the scenario has no such section, or was not read from a file
+  }
+  return parse_localizer(scenario.source_text, scenario.name);
+}
+
+int index_of(const LocalizerSpec& spec, const std::string& robot) {
+  for (std::size_t i = 0; i < spec.robots.size(); ++i) {
+    if (spec.robots[i].name == robot) {
+      return static_cast<int>(i);
+    }
+  }
+  return -1;
 }
 
 }  // namespace vantage::scenario

@@ -455,22 +455,6 @@ std::optional<LocalizerSpec> parse_localizer(const std::string& yaml, const std:
   return localizer;
 }
 
-std::optional<LocalizerSpec> localizer_of(const Scenario& scenario) {
-  if (scenario.source_text.find("localizer") == std::string::npos) {
-    return std::nullopt;  // the scenario has no such section, or was not read from a file
-  }
-  return parse_localizer(scenario.source_text, scenario.name);
-}
-
-int index_of(const LocalizerSpec& spec, const std::string& robot) {
-  for (std::size_t i = 0; i < spec.robots.size(); ++i) {
-    if (spec.robots[i].name == robot) {
-      return static_cast<int>(i);
-    }
-  }
-  return -1;
-}
-
 std::vector<KeyRule> keys_of_scenario(const std::string& path) {
   constexpr std::string_view kDefaults = "robot_defaults.";
   KeyTable asked;

@@ -114,7 +114,8 @@ void add_log_replay_command(CLI::App& log, Runner& chosen) {
       "process to replay: planner:ROBOT, estimator:ROBOT or localizer:ROBOT; default: all");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
-      "Every logged plan, belief and pose lists its input messages and the number of search nodes.\n"
+      "Every logged plan, belief and pose lists its input messages and the number of search "
+      "nodes.\n"
       "The same code recomputes each of them from these in virtual time and compares every bit.\n"
       "Exit code 0: all equal; 1: outputs differ, or none could be replayed.\n"
       "Examples:\n"

@@ -296,8 +296,7 @@ TEST_F(InformationHeuristicTest, CountsFromFirstStepInRange) {
           }
           expected += models::log_det(belief.covariance);
         }
-        // The target is in the list of targets with a separate belief. It is therefore not looked
-        // up in the distance table, and its distance is exact.
+        // The target has a separate belief, so its distance is exact instead of tabulated.
         double packed[kMaxPacked];
         pack(beliefs_.layout(0), target.prior.covariance, packed);
         const std::uint16_t touched[] = {0};
