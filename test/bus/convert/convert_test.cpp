@@ -4,8 +4,8 @@
 
 #include "bus/convert/convert_parts.hpp"
 #include "bus/convert/wire_walk.hpp"
-#include "test/bus/convert/message_types.hpp"
 #include "test/bus/convert/flat_message.hpp"
+#include "test/bus/convert/message_types.hpp"
 #include "test/bus/convert/sample_messages.hpp"
 
 namespace vantage::bus {

@@ -3,8 +3,8 @@
 #include <array>
 #include <random>
 
-#include "test/bus/convert/message_types.hpp"
 #include "test/bus/convert/flat_message.hpp"
+#include "test/bus/convert/message_types.hpp"
 #include "test/bus/convert/sample_messages.hpp"
 
 namespace vantage::bus {
