@@ -16,7 +16,7 @@ namespace vantage::trial {
 struct NodeRecipe {
   std::string name;  ///< unique in the trial; determines the run id in virtual time
   std::function<std::unique_ptr<bus::Node>(bus::Bus&, const bus::Clock&)> make;
-  std::string host;  ///< robot whose computer runs the node; empty: a computer of the lab
+  std::string host{};  ///< robot whose computer runs the node; empty: a computer of the lab
 };
 
 /// Returns the recipes of all nodes of a fully simulated trial: the simulator, then the localizers,

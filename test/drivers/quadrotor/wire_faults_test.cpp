@@ -4,6 +4,7 @@
 
 #include "test/drivers/quadrotor/wire_bench.hpp"
 #include "test/drivers/quadrotor/wire_fault_report.hpp"
+#include "test/drivers/safety/expect_outcome.hpp"
 #include "test/drivers/safety/fault_report.hpp"
 
 namespace vantage::test {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <gtest/gtest.h>
-
 #include "test/drivers/safety/fault_parts.hpp"
 
 namespace vantage::test {
@@ -49,16 +47,6 @@ const std::vector<Fault>& fault_catalogue() {
     return all;
   }();
   return kAll;
-}
-
-void expect_outcome(const Fault& fault, const Outcome& outcome) {
-  EXPECT_TRUE(outcome.reacted);
-  for (std::size_t i = 0; i < fault.stages.size(); ++i) {
-    EXPECT_GE(outcome.stage_s[i], 0.0) << "never " << name_of(fault.stages[i].state);
-    EXPECT_LE(outcome.stage_s[i], fault.stages[i].within_s + 1e-9)
-        << name_of(fault.stages[i].state);
-  }
-  EXPECT_STREQ(name_of(outcome.end), name_of(fault.end));
 }
 
 int severity_of(FlightState state) {

@@ -58,9 +58,6 @@ struct Outcome {
   std::vector<std::string> reasons;  ///< in the order of appearance
 };
 
-/// Expects that each stage of `fault` was reached within its time limit, and its final state.
-void expect_outcome(const Fault& fault, const Outcome& outcome);
-
 struct FaultRun {
   std::vector<Outcome> outcomes;  ///< one per fault
   std::vector<std::string> violations;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "test/drivers/safety/expect_outcome.hpp"
 #include "test/drivers/safety/fault_report.hpp"
 
 namespace vantage::test {
