@@ -2,7 +2,7 @@
 """speed.py [--seconds S] [--vantage BINARY] [--scenario FILE] [WHAT…]: measures the speed of the Python module.
 
   env    steps per second of each environment compared with numpy_tasks.py, the same task in plain
-         numpy: the rows of docs/guide/python.md
+         numpy: the rows of docs/reference/environments.md
   plan   overhead of a call of Planner.plan(): time of the call minus time of the search
   trial  time of a trial stepped from Python and of the same `vantage trial`, measured alternately
 

@@ -1,5 +1,5 @@
-// Compares every limit that stops a rover with docs/guide/rovers.md, on both sides of the limit,
-// and also the parameters of its steering.
+// Compares every limit that stops a rover with docs/reference/rover-conditions.md, on both sides of
+// the limit, and also the parameters of its steering.
 
 #include <algorithm>
 #include <string>

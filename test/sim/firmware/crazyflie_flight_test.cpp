@@ -164,7 +164,7 @@ TEST_F(CrazyflieFirmware, TakesOffHoversAndLands) {
   EXPECT_EQ(dropped(), 0);
 }
 
-// The most dangerous property of the firmware (docs/guide/firmware-crazyflie.md).
+// The most dangerous property of the firmware (docs/reference/crazyflie-firmware.md).
 TEST_F(CrazyflieFirmware, FallsAndLocksTwoSecondsAfterTheLastSetpoint) {
   fly_ms(3'500, [&](std::int64_t) { send_position(0.5); });
   if (was_held_up()) {
