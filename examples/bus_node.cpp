@@ -1,6 +1,5 @@
-// Node that receives beliefs and publishes its own belief every second; run_node() reports its
-// health. Needs component bus. Default URL: $LCM_DEFAULT_URL. `bus_node memq:// 3` receives its own
-// beliefs.
+// Node that receives beliefs and publishes its own belief every second. Needs component bus.
+// Default URL: $LCM_DEFAULT_URL. `bus_node memq:// 3` receives its own beliefs.
 #include <cstdio>
 #include <cstdlib>
 

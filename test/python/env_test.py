@@ -148,7 +148,7 @@ class Rules(unittest.TestCase):
         for options, words in (({"robot": 3}, "unknown option robot; valid options are robots"),
                                ({"robots": 0}, "robots: must be ≥ 1"),
                                ({"targets": 2.5}, "targets: must be a whole number, got 2.5"),
-                               ({"attacks": 2}, "attacks: must be ≥ 0 and ≤ robots (1), got 2"),
+                               ({"attacks": 2}, "attacks: must be ≥ 0 and ≤ robots \\(1\\), got 2"),
                                ({"attacker": "evil"}, "attacker: must be one of"),
                                ({"side_m": float("nan")}, "side_m: must be")):
             with self.assertRaisesRegex(vantage.UsageError, words):

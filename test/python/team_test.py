@@ -261,7 +261,7 @@ class Refused(unittest.TestCase):
         for words, algorithm, options in (
                 ("algorithm: must be one of coordinate_descent, greedy, .*, got best", "best", {}),
                 ("attacks_max: is an option of resilient, .*, rain, not of greedy", "greedy", {"attacks_max": 1}),
-                ("attacks_max: must be ≥ 0 and ≤ the number of robots (3), got 4", "resilient", {"attacks_max": 4}),
+                ("attacks_max: must be ≥ 0 and ≤ the number of robots \\(3\\), got 4", "resilient", {"attacks_max": 4}),
                 ("order: is an option of coordinate_descent, not of max_min", "max_min", {"order": [0]}),
                 ("order: must contain robots from 0 to 2, got 3", "coordinate_descent", {"order": [0, 3]}),
                 ("order: must contain each robot at most once, has 1 twice", "coordinate_descent", {"order": [1, 1]}),
@@ -273,9 +273,9 @@ class Refused(unittest.TestCase):
                 ("planner: is an option of rain, not of greedy", "greedy", {"planner": vantage.Planner(nodes=1)}),
                 ("energy: must be one of move_cost, price_nats, .*, got fuel", "greedy", {"energy": {"fuel": 1.0}}),
                 ("energy: move_cost: must be ≥ 0, got -1", "greedy", {"energy": {"move_cost": -1}}),
-                ("energy: must have one entry per robot (3), got 1", "greedy", {"energy": [{}]}),
+                ("energy: must have one entry per robot \\(3\\), got 1", "greedy", {"energy": [{}]}),
                 ("energy: is an option of .*, not of rain", "rain", {"energy": {"move_cost": 1.0}}),
-                ("candidates_max: leaves .* choices", "exhaustive", {"candidates_max": 200})):
+                ("candidates_max: requires the evaluation of .* choices", "exhaustive", {"candidates_max": 200})):
             with self.subTest(words), self.assertRaisesRegex(vantage.UsageError, words):
                 vantage.decide(team(), algorithm, **{**FEW, **options})
 
@@ -296,7 +296,7 @@ class Refused(unittest.TestCase):
 
     def test_too_many_attacks_for_an_exhaustive_search(self):
         decision = vantage.decide(40 * team()[:1], **FEW)
-        with self.assertRaisesRegex(vantage.UsageError, "attacks_max: leaves .* choices"):
+        with self.assertRaisesRegex(vantage.UsageError, "attacks_max: requires the evaluation of .* choices"):
             decision.worst_attack(10)
 
 

@@ -344,8 +344,8 @@ TEST_F(KeyFolder, LimitsTheNumberOfVehiclesPerCommand) {
   for (const DeviceSource device : {DeviceSource::kWire, DeviceSource::kReal}) {
     EXPECT_EQ(faults_of(SecurityMode::kRequire, 65, device),
               (std::vector<std::string>{
-                  "robots: 65 vehicles, but a signed command reaches at most 64; use fewer "
-                  "vehicles, or simulate them without drivers (device: direct)"}));
+                  "robots: the scenario has 65 vehicles, but a signed command can address at most "
+                  "64; use fewer vehicles, or simulate them without drivers (device: direct)"}));
   }
   EXPECT_TRUE(faults_of(SecurityMode::kRequire, 65, DeviceSource::kDirect).empty());
   EXPECT_TRUE(faults_of(SecurityMode::kWarn, 65, DeviceSource::kWire).empty())

@@ -421,7 +421,7 @@ TEST(OrderSender, IgnoresRobotsOfAPlayedLog) {
                [&] { console.others->publish("VEHICLE_Q1", log[played++]); });
   EXPECT_TRUE(console.sender->robots().empty());
   const auto table = console.sender->vehicle_table(console.clock.now(), "");
-  EXPECT_TRUE(mentions(table, "no vehicle received"));
+  EXPECT_TRUE(mentions(table, "no vehicle status received yet"));
   EXPECT_TRUE(mentions(table, "vehicle statuses refused: -1"));
   OrderQueue orders(*console.sender);
   EXPECT_TRUE(mentions(orders.add({OperatorAction::kLand, "Q1"}, console.clock.now()),

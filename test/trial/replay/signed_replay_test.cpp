@@ -196,7 +196,8 @@ TEST_F(SignedReplay, ChecksForTheGivenNode) {
     return "taken";
   };
   for (const std::string none : {"planner", "estimator", "Q1", "", ":Q1", "sim:Q1", "planner Q1"}) {
-    EXPECT_EQ(refusal(none), "node '" + none + "': must be planner:ROBOT or estimator:ROBOT");
+    EXPECT_EQ(refusal(none),
+              "node '" + none + "': must be planner:ROBOT, estimator:ROBOT or localizer:ROBOT");
   }
   for (const std::string none : {"planner:", "planner:Q9", "estimator:planner:Q1"}) {
     EXPECT_EQ(refusal(none), "node '" + none + "': the log has no such robot");
