@@ -52,7 +52,7 @@ class AirBudget {
  public:
   explicit AirBudget(const scenario::Scenario& scenario);
 
-  /// Decides about a message of `payload_bytes` and takes its bytes from the bucket.
+  /// Decides whether a message of `payload_bytes` is sent; takes the bytes of a sent message.
   Reach admit(std::string_view channel, std::size_t payload_bytes, Time now);
   /// Returns the largest payload that the bucket of `channel` has room for.
   [[nodiscard]] std::size_t payload_left(std::string_view channel, Time now) const;

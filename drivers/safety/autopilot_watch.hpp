@@ -34,7 +34,7 @@ struct AutopilotReport {
 
 /// Phase of the flight in which the motion of a vehicle is checked.
 struct FlightPhase {
-  bool is_taking_off = false;  ///< in the first lift, or climbing after it
+  bool is_taking_off = false;  ///< in the lift check, or in the climb that follows
   bool is_descending = false;  ///< descending at its landing spot
 };
 

@@ -8,7 +8,7 @@
 
 namespace vantage::logs {
 
-/// Key numbers of a picture's header.
+/// Summary figures that a picture's header shows.
 enum class KeyNumbers {
   kTrial,     ///< discovery, estimates, safety and punctuality
   kEstimate,  ///< present estimates only, for a task without planning rounds and collisions

@@ -48,7 +48,7 @@ struct TargetModel {
   [[nodiscard]] StateMatrix transition(double dt_s) const;
   /// Returns c + A (y − c).
   [[nodiscard]] StateVector expected(const StateVector& y, double dt_s) const;
-  /// Returns W, dim × dim. `steps_unseen` only affects growing uncertainty.
+  /// Returns W, dim × dim. `steps_unseen` only affects the kind growing uncertainty.
   [[nodiscard]] StateMatrix process_noise(double dt_s, int steps_unseen = 1) const;
   /// Returns W accumulated from `from_steps` to `to_steps` after the target was last seen, for a
   /// kind whose noise depends on the time unseen (TargetLaw::unseen_noise). Growing uncertainty: q

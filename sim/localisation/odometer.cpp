@@ -9,7 +9,7 @@ namespace vantage::sim {
 namespace {
 
 constexpr double kSpeedErrorMin = -0.9;  // keeps 1 + error positive
-constexpr double kSigmaMin = 1e-6;       // m or rad; a covariance is positive definite
+constexpr double kSigmaMin = 1e-6;       // m or rad; keeps the covariance positive definite
 
 }  // namespace
 

@@ -104,7 +104,7 @@ TEST(CandidateGrid, FiltersOnlyAboveFourTargets) {
     BeliefTable beliefs(8, 2);
     beliefs.reset(problem);
     CandidateGrid grid(8, 2);
-    grid.reset(beliefs, {0.0, 0.0}, 2, 2.0, 1.0);  // 2 m per step; lists within 3 m
+    grid.reset(beliefs, {0.0, 0.0}, 2, 2.0, 1.0);  // 2 m per step; a list holds targets within 3 m
     for (const double side : {1.0, -1.0}) {
       const std::span<const std::uint16_t> near = grid.near({1.9 * side, 0.0}, 1);
       std::vector<std::uint16_t> expected;

@@ -151,7 +151,8 @@ TEST(Multirotor, HoversForItsEndurance) {
 }
 
 TEST(SensorBoard, MeasuresGravityInFrdAndNorth) {
-  const Multirotor body(still_air(), 1, {0.0, 0.0, kPi / 2});  // faces y: west in NED
+  const Multirotor body(still_air(), 1,
+                        {0.0, 0.0, kPi / 2});  // faces the y axis of the world, which is west
   SensorBoard board(SensorNoise{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 1);
   const FirmwareSensors sensed = board.sample(body, Duration{0});
   EXPECT_LT((sensed.specific_force_body_mps2 - Eigen::Vector3d(0.0, 0.0, -kGravityMps2)).norm(),
