@@ -236,6 +236,8 @@ function(vantage_test name)
   endif()
   if(CMAKE_CXX_FLAGS MATCHES "-fsanitize|--coverage")
     math(EXPR ARG_TIMEOUT "5 * ${ARG_TIMEOUT}")  # the instrumentation slows programs up to tenfold
+  elseif(CMAKE_CROSSCOMPILING)
+    math(EXPR ARG_TIMEOUT "10 * ${ARG_TIMEOUT}")  # qemu slows programs up to thirtyfold
   endif()
   add_executable(${name}_test ${ARG_SOURCES})
   set_target_properties(${name}_test PROPERTIES CXX_EXTENSIONS OFF)

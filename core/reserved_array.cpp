@@ -11,7 +11,7 @@ namespace vantage {
 namespace {
 
 // Limit of prefault(): most reservations are many times as large as what is used of them.
-constexpr std::size_t kPrefaultMax_bytes = std::size_t{4} << 20U;
+constexpr std::size_t kPrefaultMax_bytes = std::size_t{1} << 20U;
 
 std::size_t page_bytes() { return static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)); }
 

@@ -27,7 +27,7 @@ class ReservedBytes {
 
   [[nodiscard]] void* begin() const { return begin_; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// Commits the first 4 MiB: no page fault occurs there later. The content does not change.
+  /// Commits the first MiB: no page fault occurs there later. The content does not change.
   void prefault();
   /// Returns the committed bytes, in whole pages. For tests and reports; needs a system call.
   [[nodiscard]] std::size_t committed_bytes() const;

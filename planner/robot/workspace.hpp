@@ -51,7 +51,7 @@ class Workspace {
   const models::VisibilityGrid& ground(const models::GridGeometry& part,
                                        const std::vector<std::int64_t>& last_seen_utime);
 
-  /// Commits the first 4 MiB of each array of the searches created so far. Use in real time.
+  /// Commits the first MiB of each array of the searches created so far. Use in real time.
   void prefault();
 
  private:

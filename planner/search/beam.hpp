@@ -51,7 +51,7 @@ class RefiningBeam : private TreeSearch {
  public:
   explicit RefiningBeam(const SearchCapacity& capacity);
 
-  /// Commits the first 4 MiB of each array: plan() causes no page fault there. Use in real time.
+  /// Commits the first MiB of each array: plan() causes no page fault there. Use in real time.
   void prefault();
 
   /// Returns the best plan found by the deadline. The reference is valid until the next call.

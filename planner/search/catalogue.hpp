@@ -37,7 +37,7 @@ class Search {
   /// Returns the best plan found by the deadline. The reference is valid until the next call.
   /// @throws UsageError when `problem` breaks a rule of require_valid or exceeds the capacity.
   virtual const SearchResult& plan(const SearchProblem& problem, const Deadline& deadline) = 0;
-  /// Commits the first 4 MiB of each array: plan() causes no page fault there. Use in real time.
+  /// Commits the first MiB of each array: plan() causes no page fault there. Use in real time.
   virtual void prefault() {}
   /// Returns the peak memory of the last search in nodes, blocks and lists, bytes.
   [[nodiscard]] virtual std::size_t peak_bytes() const = 0;

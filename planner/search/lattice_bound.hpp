@@ -39,7 +39,7 @@ class LatticeBound {
  public:
   LatticeBound(int targets_max, int horizon_max, std::size_t states_max);
 
-  /// Commits the first 4 MiB of each array.
+  /// Commits the first MiB of each array.
   void prefault();
 
   /// Tabulates `problem`. `problem` and `beliefs` must outlive the queries.

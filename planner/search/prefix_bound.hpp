@@ -21,7 +21,7 @@ class PrefixBound {
  public:
   PrefixBound(int targets_max, int horizon_max);
 
-  /// Commits the first 4 MiB of each array.
+  /// Commits the first MiB of each array.
   void prefault();
 
   /// Tabulates `problem`. Call expander.reset(problem) first. Both arguments must outlive the

@@ -49,7 +49,7 @@ class RootBound {
   Answer raise(Expander& expander, std::int64_t until_nodes, const Deadline& deadline,
                std::int64_t& work_nodes);
 
-  /// Commits the first 4 MiB of each array.
+  /// Commits the first MiB of each array.
   void prefault() { prefix_.prefault(); }
 
  private:

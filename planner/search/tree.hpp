@@ -41,7 +41,7 @@ class Tree {
  public:
   Tree(std::size_t nodes_max, std::size_t block_doubles_max);
 
-  /// Commits the first 4 MiB of each array, so that a search causes no page fault there.
+  /// Commits the first MiB of each array, so that a search causes no page fault there.
   void prefault();
 
   void clear();

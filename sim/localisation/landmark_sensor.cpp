@@ -41,13 +41,16 @@ std::vector<models::Sighting> LandmarkSensor::look(const models::TruthFrame& tru
   const Pose2 world_from_sensor = flatten(self->world_from_body) * Pose2{law.forward_m, 0.0, 0.0};
   const double shared_rad = sensor.noise_scale * noise.frame_bearing_sigma_rad * normal();
   const auto add = [&](int id, const Eigen::Vector2d& point_m, double point_sigma_m) {
-    const Eigen::Vector2d error_m(normal(), normal());
+    // Drawn in statements: compilers evaluate the arguments of a call in different orders.
+    const double error_y = normal();
+    const double error_x = normal();
+    const Eigen::Vector2d error(error_x, error_y);
     const double range_error = normal();
     const double bearing_error = normal();
     const bool is_detected =
         std::uniform_real_distribution<double>()(rng_) < sensor.detection_probability;
     const Eigen::Vector2d p_m =
-        inverse(world_from_sensor) * Eigen::Vector2d(point_m + point_sigma_m * error_m);
+        inverse(world_from_sensor) * Eigen::Vector2d(point_m + point_sigma_m * error);
     const double d = p_m.norm();
     const double bearing_rad = std::atan2(p_m.y(), p_m.x());
     if (!is_detected || d < sensor.range_min_m || d > sensor.range_max_m ||

@@ -42,14 +42,14 @@ TEST(ReservedArray, CommitsOnlyWrittenPages) {
 }
 
 TEST(ReservedArray, PrefaultCommitsAllPagesOfASmallArray) {
-  ReservedArray<std::uint32_t> values(300'000);
+  ReservedArray<std::uint32_t> values(200'000);
   values[0] = 7;
   values[1024] = 8;
   values.prefault();
   EXPECT_GE(values.committed_bytes(), values.size() * sizeof(std::uint32_t));
   EXPECT_EQ(values[0], 7U);
   EXPECT_EQ(values[1024], 8U);
-  EXPECT_EQ(values[299'999], 0U);
+  EXPECT_EQ(values[199'999], 0U);
 }
 
 TEST(ReservedArray, PrefaultCommitsOnlyTheBeginningOfALargeArray) {
@@ -57,7 +57,7 @@ TEST(ReservedArray, PrefaultCommitsOnlyTheBeginningOfALargeArray) {
   constexpr std::size_t kMiB = std::size_t{1} << 20U;
   ReservedArray<std::uint8_t> values(64 * kMiB);
   values.prefault();
-  EXPECT_EQ(values.committed_bytes(), 4 * kMiB);
+  EXPECT_EQ(values.committed_bytes(), kMiB);
 }
 
 TEST(ReservedArray, MovesAndSwaps) {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -179,7 +180,9 @@ TEST(UsageCounters, EqualTheKernelsFigures) {
 TEST(UsageOf, ReadsThisProcessAndNoEndedOne) {
   const auto own = usage_of(::getpid());
   ASSERT_TRUE(own);
-  EXPECT_GT(own->memory_bytes, 0);
+  if (std::getenv("QEMU_LD_PREFIX") == nullptr) {  // qemu's user mode reports no memory
+    EXPECT_GT(own->memory_bytes, 0);
+  }
   EXPECT_FALSE(usage_of(-1));
   const auto counters = usage_counters();
   ASSERT_GE(counters.size(), 3U);

@@ -80,8 +80,8 @@ void add_world(std::mt19937_64& rng, OwnedProblem& owned) {
   owned.world->bounds = {{-kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m}};
   const int obstacles = pick(rng, 0, 4);
   while (static_cast<int>(owned.world->obstacles.size()) < obstacles) {
-    const Eigen::Vector2d corner(uniform(rng, -5.0, 4.0), uniform(rng, -5.0, 4.0));
-    const Eigen::Vector2d size(uniform(rng, 0.2, 2.0), uniform(rng, 0.2, 2.0));
+    const Eigen::Vector2d corner = random_point(rng, -5.0, 4.0);
+    const Eigen::Vector2d size = random_point(rng, 0.2, 2.0);
     owned.world->obstacles.push_back({{corner, corner + size}, 10.0});
     if (models::clearance_m(*owned.world, problem.start.position_m()) < problem.clearance_m + 0.3) {
       owned.world->obstacles.pop_back();
@@ -121,6 +121,12 @@ void add_fixed_information(std::mt19937_64& rng, planner::SearchProblem& problem
 
 double uniform(std::mt19937_64& rng, double low, double high) {
   return low + (high - low) * std::generate_canonical<double, 53>(rng);
+}
+
+Eigen::Vector2d random_point(std::mt19937_64& rng, double low, double high) {
+  const double y = uniform(rng, low, high);
+  const double x = uniform(rng, low, high);
+  return {x, y};
 }
 
 int pick(std::mt19937_64& rng, int low, int high) {
@@ -245,7 +251,7 @@ void add_random_tour(std::mt19937_64& rng, planner::SearchProblem& problem) {
   std::vector<planner::TerminalValue::Stop> stops;
   std::vector<Eigen::Vector2d> positions_m;
   for (const int target : targets) {
-    const Eigen::Vector2d position_m(uniform(rng, -9.0, 9.0), uniform(rng, -9.0, 9.0));
+    const Eigen::Vector2d position_m = random_point(rng, -9.0, 9.0);
     double after_s = 0.0;
     if (!stops.empty()) {
       after_s = stops.back().after_s + uniform(rng, 0.0, 1.0) +

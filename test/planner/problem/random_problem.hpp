@@ -25,6 +25,9 @@ models::Trajectory random_teammate(std::mt19937_64& rng, Time around, int steps,
 
 double uniform(std::mt19937_64& rng, double low, double high);
 int pick(std::mt19937_64& rng, int low, int high);  ///< includes both limits
+/// Returns a point with coordinates in [low, high). Equal for all compilers, which evaluate the
+/// arguments of a call in different orders.
+Eigen::Vector2d random_point(std::mt19937_64& rng, double low, double high);
 /// Returns the parameters of a damped oscillator. Every second one has the same A on both axes.
 models::DampedOscillator random_oscillator(std::mt19937_64& rng);
 /// Turns the double integrators of `problem` into damped oscillators.

@@ -215,7 +215,9 @@ TEST(LatticeBound, IsTightForASinglePath) {
     SearchProblem problem;
     problem.start = {uniform(rng, -3.0, 3.0), uniform(rng, -3.0, 3.0), uniform(rng, -kPi, kPi)};
     problem.horizon_steps = pick(rng, 1, 4);
-    problem.controls = {{uniform(rng, 0.2, 0.6), pick(rng, -1, 1) * uniform(rng, 0.2, 1.0)}};
+    const double speed_mps = uniform(rng, 0.2, 0.6);
+    const int side = pick(rng, -1, 1);
+    problem.controls = {{speed_mps, side * uniform(rng, 0.2, 1.0)}};
     models::SensorModel sensor;
     sensor.kind = kKinds[pick(rng, 0, 3)];
     sensor.range_max_m = 5.0;
@@ -225,7 +227,7 @@ TEST(LatticeBound, IsTightForASinglePath) {
     sensor.fov_rad = pick(rng, 0, 1) == 0 ? 2.0 * kPi : uniform(rng, 2.0, 5.0);
     problem.sensors = {sensor};
     for (int m = pick(rng, 1, 2); m > 0; --m) {
-      const Eigen::Vector2d off_m(uniform(rng, -4.0, 4.0), uniform(rng, -4.0, 4.0));
+      const Eigen::Vector2d off_m = test::random_point(rng, -4.0, 4.0);
       problem.targets.push_back(drifting(problem.start.position_m() + off_m,
                                          {uniform(rng, -0.1, 0.1), uniform(rng, -0.1, 0.1)}));
       problem.targets.back().prior.covariance =
