@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 #include <system_error>
 
 #include <sys/socket.h>
@@ -24,8 +25,14 @@ sockaddr_in address_in(const std::string& url, std::size_t scheme_length) {
                                            : require_host(host, port);
 }
 
+/// Returns the kernel's time stamp of the arrival; the present time if the kernel sets none.
 Time arrival_of(Reception<timespec>& reception) {
-  const timespec stamp = reception.ancillary(SCM_TIMESTAMPNS).value_or(timespec{});
+  timespec stamp{};
+  if (const auto received = reception.ancillary(SCM_TIMESTAMPNS)) {
+    stamp = *received;
+  } else {
+    clock_gettime(CLOCK_REALTIME, &stamp);
+  }
   return from_utime(stamp.tv_sec * 1'000'000 + stamp.tv_nsec / 1'000);
 }
 
@@ -42,10 +49,12 @@ VehicleSocket::VehicleSocket(const std::string& driver_url) {
   const sockaddr_in address =
       address_in(driver_url, std::strlen(sends_first ? kDriverWaits : kDriverSpeaks));
   fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  const int on = 1;
-  if (fd_ < 0 || setsockopt(fd_, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0) {
+  if (fd_ < 0) {
     throw StartupError("cannot create a UDP socket: " + std::system_category().message(errno));
   }
+  const int on = 1;
+  // Time stamps are optional: emulated and sandboxed kernels may not support them.
+  static_cast<void>(setsockopt(fd_, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on));
   if (sends_first) {
     driver_ = address;
   } else if (bind(fd_, as_sockaddr(address), sizeof address) != 0) {

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -14,6 +13,8 @@
 #include <sched.h>
 #include <sys/resource.h>
 #include <unistd.h>
+
+#include "test/support/emulation.hpp"
 
 namespace vantage::bus {
 namespace {
@@ -180,7 +181,7 @@ TEST(UsageCounters, EqualTheKernelsFigures) {
 TEST(UsageOf, ReadsThisProcessAndNoEndedOne) {
   const auto own = usage_of(::getpid());
   ASSERT_TRUE(own);
-  if (std::getenv("QEMU_LD_PREFIX") == nullptr) {  // qemu's user mode reports no memory
+  if (!test::is_emulated()) {
     EXPECT_GT(own->memory_bytes, 0);
   }
   EXPECT_FALSE(usage_of(-1));

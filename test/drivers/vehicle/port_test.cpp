@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "core/check.hpp"
+#include "test/support/emulation.hpp"
 #include "test/support/free_port.hpp"
 
 namespace vantage::drivers {
@@ -182,6 +183,9 @@ class Line {
 };
 
 TEST(SerialPort, TransmitsEveryByteUnchanged) {
+  if (test::is_emulated()) {
+    GTEST_SKIP() << "qemu's user mode has no pseudo terminals";
+  }
   const Line line;
   const auto port = open_port("serial:" + line.name + ":921600");
   EXPECT_FALSE(port->is_datagram());
@@ -204,6 +208,9 @@ TEST(SerialPort, WaitsForAMissingDevice) {
 }
 
 TEST(SerialPort, DropsQueuedMessagesWhenTheLineIsCut) {
+  if (test::is_emulated()) {
+    GTEST_SKIP() << "qemu's user mode has no pseudo terminals";
+  }
   Line line;
   const auto port = open_port("serial:" + line.name + ":230400");
   EXPECT_TRUE(read_all(*port, kNow).empty());
@@ -219,6 +226,9 @@ TEST(SerialPort, DropsQueuedMessagesWhenTheLineIsCut) {
 
 // While a line is blocked, only complete messages are dropped, the oldest first.
 TEST(SerialPort, DropsTheOldestWholeMessages) {
+  if (test::is_emulated()) {
+    GTEST_SKIP() << "qemu's user mode has no pseudo terminals";
+  }
   constexpr std::size_t kBytes = 90;
   constexpr int kMessages = 400;
   const Line line;

@@ -21,6 +21,7 @@
 #include "core/check.hpp"
 #include "core/deadline.hpp"
 #include "core/write_file.hpp"
+#include "test/support/emulation.hpp"
 #include "test/support/temporary_folder.hpp"
 #include "wire/mavlink/constants.hpp"
 
@@ -305,6 +306,9 @@ struct Board {
 };
 
 TEST(Px4Link, SupportsABoardWithASeparateClock) {
+  if (test::is_emulated()) {
+    GTEST_SKIP() << "qemu's user mode has no pseudo terminals";
+  }
   const Board board;
   FakeFirmware firmware(board.fd);
   const auto link = Px4Link::on_serial_line(board.device);
@@ -320,6 +324,9 @@ TEST(Px4Link, SupportsABoardWithASeparateClock) {
 
 // The number after the last colon is the baud rate; the default is that of PX4.
 TEST(Px4Link, OpensSerialLineAtGivenBaudRate) {
+  if (test::is_emulated()) {
+    GTEST_SKIP() << "qemu's user mode has no pseudo terminals";
+  }
   struct Row {
     std::string behind;
     speed_t speed;

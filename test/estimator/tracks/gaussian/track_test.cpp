@@ -110,7 +110,11 @@ LookCase draw_case(models::SensorKind kind, double range_max_m, double fov_deg, 
   out.sensor.position_sigma_m = 0.03 * range_max_m;
   out.sensor.pixel_sigma = 20.0;
   out.sensor.camera_tilt_rad = radians(70.0);
-  out.from = at(3.0 * unit(rng), -2.0 * unit(rng), 6.0 * unit(rng));
+  // In statements, because compilers evaluate the arguments of a call in different orders.
+  const double yaw_rad = 6.0 * unit(rng);
+  const double y_m = -2.0 * unit(rng);
+  const double x_m = 3.0 * unit(rng);
+  out.from = at(x_m, y_m, yaw_rad);
   out.from.height_m = 1.5;
   Eigen::Vector2d truth_m;
   do {
