@@ -16,7 +16,7 @@ namespace vantage {
 struct ChildOptions {
   int output = -1;           ///< descriptor for stdout and stderr; negative: inherited
   std::string folder;        ///< working folder; empty: inherited
-  int end_signal = SIGTERM;  ///< signal that the kernel sends if the supervisor dies
+  int end_signal = SIGTERM;  ///< signal that the kernel sends to the child if the supervisor dies
   std::vector<std::string> environment = {};  ///< "NAME=value"; added to this process's environment
   std::vector<int> keep_open = {};  ///< descriptors that the child inherits with the same numbers
   /// True: stop signals are blocked until the process handles them (run_process). They then cannot

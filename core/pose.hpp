@@ -38,8 +38,8 @@ Pose3 inverse(const Pose3& a_from_b);
 /// Returns the pose with the position and yaw of `world_from_body` at `height_m`, with zero roll
 /// and pitch.
 Pose3 lift(const Pose2& world_from_body, double height_m);
-/// Returns the horizontal position and the heading of `world_from_body`. The heading is that of the
-/// body's x axis; 0 if that axis is vertical.
+/// Returns the horizontal position and the heading of `world_from_body`. The heading is the
+/// direction of the body's x axis; 0 if this axis is vertical.
 Pose2 flatten(const Pose3& world_from_body);
 
 }  // namespace vantage

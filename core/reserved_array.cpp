@@ -10,7 +10,7 @@
 namespace vantage {
 namespace {
 
-// Limit of prefault(): most reservations are many times as large as what is used of them.
+// Limit of prefault(): most reservations are many times larger than the memory that is used.
 constexpr std::size_t kPrefaultMax_bytes = std::size_t{1} << 20U;
 
 std::size_t page_bytes() { return static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)); }

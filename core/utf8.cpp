@@ -9,8 +9,8 @@ unsigned char byte_at(std::string_view text, std::size_t at) {
   return static_cast<unsigned char>(text[at]);
 }
 
-/// True if the character of `length` bytes, at least 1, moves the cursor or changes how other
-/// characters are displayed: DEL, C1 (U+0080 to U+009F), U+2028 to U+202E, U+2066 to U+2069.
+/// True if the character at `at`, which has `length` ≥ 1 bytes, moves the cursor or changes how
+/// other characters are displayed: DEL, C1 (U+0080 to U+009F), U+2028 to U+202E, U+2066 to U+2069.
 bool is_hidden_control(std::string_view text, std::size_t at, std::size_t length) {
   const unsigned char first = byte_at(text, at);
   if (length == 2) {

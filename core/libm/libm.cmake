@@ -1,7 +1,7 @@
 # vantage_libm.o: musl's sin, exp, log10, … as part of vantage_core. They come from Debian's package
-# musl-dev, which is compiled for any processor of the architecture. Results are bit-identical for
-# every compiler, flag, processor, architecture and C library of a program (docs/decisions/0014).
-# Only the tables of log and pow are taken: log_pow.cpp computes the functions.
+# musl-dev, which is compiled for any processor of the architecture. Results are bit-identical,
+# independent of compiler, flags, processor, architecture and C library (docs/decisions/0014). For
+# log and pow, only musl's tables are used; log_pow.cpp computes these functions.
 find_file(MUSL_LIBRARY libc.a
   PATHS /usr/lib/${CMAKE_SYSTEM_PROCESSOR}-linux-musl /usr/lib/musl/lib NO_DEFAULT_PATH)
 if(NOT MUSL_LIBRARY)

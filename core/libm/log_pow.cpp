@@ -34,7 +34,7 @@ struct PowTables {
     double inverse;
     double unused;
     double log;
-    double log_rest;  // log c less its rounded value
+    double log_rest;  // log c minus its rounded value
   };
   std::array<Entry, 128> entries;
 };
@@ -47,8 +47,8 @@ struct ExpTables {
   double exp2_shift;
   std::array<double, 5> exp2_polynomial;
   struct Entry {
-    std::uint64_t rest_bits;   // 2^(i/128) relative to its rounded value, less 1
-    std::uint64_t power_bits;  // 2^(i/128), the exponent reduced by i/128
+    std::uint64_t rest_bits;   // 2^(i/128) / (its rounded value) - 1
+    std::uint64_t power_bits;  // rounded 2^(i/128), minus i · 2^45
   };
   std::array<Entry, 128> entries;
 };
@@ -79,7 +79,7 @@ struct Center {
 
 Center center_of(double inverse) {
   const double high = 1.0 / inverse;
-  // The remainder 1 - high * inverse is a double; halves of 26 bits make its products exact.
+  // Factors are split into halves of 26 bits with exact products, so 1 - high * inverse is exact.
   constexpr double kSplit = 134'217'729.0;  // 2^27 + 1
   const double a = kSplit * high - (kSplit * high - high);
   const double b = kSplit * inverse - (kSplit * inverse - inverse);
@@ -125,7 +125,7 @@ double log_near_one(double x) {
   const double tail =
       r3 * (p[1] + r * p[2] + r2 * p[3] +
             r3 * (p[4] + r * p[5] + r2 * p[6] + r3 * (p[7] + r * p[8] + r2 * p[9] + r3 * p[10])));
-  // r + p[0] r² in two parts; the high half of r has an exact square.
+  // Compute r + p[0] r² as high + low; the square of r_high is exact.
   const double shifted = r * 0x1p27;
   const double r_high = r + shifted - shifted;
   const double r_low = r - r_high;
@@ -343,7 +343,8 @@ double vantage_pow(double x, double y) noexcept {
   if (x_bits < (1ULL << 52U)) {
     x_bits = normalized_bits(x);
   }
-  // y * log x as a sum of two doubles; halves of 26 bits make the first product exact.
+  // Compute y * log x as a sum of two doubles. The first product is exact, because its factors have
+  // 26 bits.
   constexpr std::uint64_t kUpperHalf = ~0ULL << 27U;
   const LongLog log = long_log(x_bits);
   const double y_high = from_bits(y_bits & kUpperHalf);
