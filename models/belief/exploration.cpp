@@ -46,7 +46,7 @@ std::vector<UnexploredRegion> unexplored_regions(const VisibilityGrid& grid, dou
   double whole = 0.0;
   const auto for_each_cell = [&](const auto& visit) {
     for (int cell = 0; cell < geometry.size(); ++cell) {
-      // The mean squared path of a randomly accelerated target grows with the cube of time.
+      // The mean squared displacement of a randomly accelerated target grows with the cube of time.
       const double share =
           grid.is_free(cell) ? std::pow(grid.unexplored_share(cell, now), 3.0) : 0.0;
       if (share > 0.0) {

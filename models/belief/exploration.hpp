@@ -37,9 +37,9 @@ struct UnexploredRegion {
 };
 
 /// Divides the grid into squares of edge `region_m` and returns the unexplored part of each, in
-/// the order of the squares. Cells count by the cube of unexplored_share(). The centre is moved to
-/// the nearest unexplored cell of the square. Returns the `regions_max` regions with the largest
-/// shares that are at least 0.2 % of the area. Allocates.
+/// the order of the squares. Each cell is weighted by the cube of unexplored_share(). The centre is
+/// moved to the nearest unexplored cell of the square. Returns the `regions_max` regions with the
+/// largest shares that are at least 0.2 % of the area. Allocates.
 std::vector<UnexploredRegion> unexplored_regions(const VisibilityGrid& grid, double region_m,
                                                  int regions_max, Time now);
 

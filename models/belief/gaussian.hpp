@@ -40,7 +40,8 @@ Gaussian predict(const Gaussian& belief, const TargetModel& model, double dt_s);
 /// this function.
 Gaussian predict_unseen(const Gaussian& belief, const TargetModel& model, double dt_s,
                         double unseen_s, double step_s);
-/// Returns (A Ω⁻¹ Aᵀ + W)⁻¹ with the vector of the mean A ŷ; nullopt when Ω is singular.
+/// Returns the prediction: matrix (A Ω⁻¹ Aᵀ + W)⁻¹, and the vector that belongs to the mean A ŷ;
+/// nullopt when Ω is singular.
 std::optional<Information> predict(const Information& belief, const StateMatrix& A,
                                    const StateMatrix& W);
 
@@ -48,7 +49,7 @@ std::optional<Information> predict(const Information& belief, const StateMatrix&
 /// components only. Computed as Σ − Σ_{:p} (I + M Σ_pp)⁻¹ M Σ_{p:}, symmetrised. Works for singular
 /// M and never inverts Σ.
 StateMatrix update_covariance(const StateMatrix& covariance, const PositionMatrix& M);
-/// As update_covariance() for information M about the whole state, square like `covariance`.
+/// As update_covariance(), but M is about the whole state and has the size of `covariance`.
 StateMatrix update_state_covariance(const StateMatrix& covariance, const StateMatrix& M);
 /// Returns log det of the covariance by Cholesky; −∞ when it is singular.
 double log_det(const StateMatrix& covariance);

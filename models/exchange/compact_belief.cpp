@@ -17,7 +17,7 @@ constexpr double kCorrelationScale = 32'767.0;
 constexpr double kLn2 = 0.693147180559945309417;
 /// Share of a variance that covers the rounding of the correlations: each row has at most three
 /// errors of half a unit, and the matrix of errors plus this diagonal is diagonally dominant. The
-/// remaining part covers the rounding of double arithmetic.
+/// term 1e-9 covers the rounding of double arithmetic.
 constexpr double kRoundingShare = 3.0 * 0.5 / kCorrelationScale + 1e-9;
 
 constexpr std::int64_t kLinearUs = 500'000;  // µs per code
@@ -45,7 +45,7 @@ std::array<Duration, 256> make_cell_ages() {
         std::max(0.0, (static_cast<double>(code) - kLinearCodes) / kCodesPerDoubling);
     const std::int64_t linear_us =
         kLinearUs * static_cast<std::int64_t>(std::min<std::size_t>(code, kLinearCodes));
-    // Multiples of 0.5 s, so that a stamp is not rounded again when it is relayed soon.
+    // All ages are multiples of 0.5 s, so relaying a recent stamp does not round it again.
     const double steps = std::round(static_cast<double>(linear_us) /
                                     static_cast<double>(kLinearUs) * std::exp(doublings * kLn2));
     ages[code] = Duration{static_cast<std::int64_t>(steps) * kLinearUs};
@@ -66,7 +66,7 @@ void append_number(std::vector<std::uint8_t>& bytes, std::uint32_t number) {
   bytes.push_back(static_cast<std::uint8_t>(number));
 }
 
-/// Removes a number from the begin of `bytes`; nullopt if it is incomplete or has more than 28
+/// Removes a number from the beginning of `bytes`; nullopt if it is incomplete or has more than 28
 /// bits.
 std::optional<int> take_number(std::span<const std::uint8_t>& bytes) {
   constexpr std::size_t kBytesMax = 4;

@@ -11,7 +11,7 @@
 
 // Beliefs in few bytes, for a network with a budget. Rounding never makes a belief more confident:
 // the decoded covariance minus the true covariance, including the shift of the mean, is positive
-// semidefinite, and cells were never seen later than stated.
+// semidefinite, and the stated time of a cell is never later than the true time.
 
 namespace vantage::models {
 
@@ -32,8 +32,8 @@ struct CompactTarget {
 };
 
 /// Parts of one robot's belief (COMPACT_BELIEF_R): some targets and some cells of the grid. Each
-/// message can be used without the others. Targets and cells that it does not contain are unchanged
-/// since an earlier message, or follow in a later one.
+/// message can be used without the others. Targets and cells that a message does not contain are
+/// unchanged since an earlier message, or follow in a later one.
 struct CompactBelief {
   Stamp stamp;
   std::string robot;
@@ -56,18 +56,19 @@ Duration cell_age_max();
 /// Returns the code of the smallest representable age that is at least `age`; nullopt for a
 /// negative age or above cell_age_max().
 std::optional<std::uint8_t> cell_age_code(Duration age);
-/// Returns the age of a code: multiples of 0.5 s to 64 s, then steps of 4.4 %.
+/// Returns the age that a code stands for: multiples of 0.5 s up to 64 s, then steps of 4.4 %.
 Duration cell_age(std::uint8_t code);
 
-/// Appends a run: `skip` cells without content, then `length` > 0 cells seen `age_code` ago.
-/// Format: skip and length as LEB128 (7 bits per byte, least first), then the code.
+/// Appends a run: `skip` cells that the message leaves out, then `length` > 0 cells with the age of
+/// `age_code`. Format: skip and length as LEB128 (7 bits per byte, least significant first), then
+/// the code.
 void append_run(std::vector<std::uint8_t>& runs, int skip, int length, std::uint8_t age_code);
 
 /// True if expand() succeeds. Does not allocate, so that a short message that announces a large
 /// grid costs nothing.
 [[nodiscard]] bool is_valid(const CompactBelief& compact);
 /// Returns the belief that the message contains. Its `last_seen_utime` is empty if the message has
-/// no cells; otherwise cells without content are VisibilityGrid::kNeverSeen. Returns nullopt if a
+/// no cells; otherwise cells outside all runs are VisibilityGrid::kNeverSeen. Returns nullopt if a
 /// target is invalid, ids do not ascend, or runs are malformed, exceed the grid or state times
 /// before 1970.
 std::optional<RobotBelief> expand(const CompactBelief& compact);

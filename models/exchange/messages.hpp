@@ -144,9 +144,9 @@ struct RobotMap {
   Viewpoint viewpoint;
   GridGeometry grid;
   std::vector<std::int16_t>
-      own_looks;  ///< per cell: only from scans of this robot since the start of this process
+      own_looks;  ///< looks per cell, from scans of this robot since the start of this process
   std::vector<std::int16_t>
-      team_looks;  ///< per cell: this robot's scans plus the scans received from teammates
+      team_looks;  ///< looks per cell, from this robot's scans and those received from teammates
   double entropy_nats = 0.0;  ///< entropy of the map from team_looks
   std::vector<InputRef>
       inputs;  ///< belief (for the pose), this robot's previous map, scans, teammates' maps
@@ -169,8 +169,8 @@ struct RobotPlan {
   std::int64_t round = 0;
   PlanSource source = PlanSource::kBraking;
   Trajectory trajectory;
-  int horizon_steps = 0;     ///< T
-  double step_s = 0.5;       ///< τ
+  int horizon_steps = 0;     ///< T; number of steps
+  double step_s = 0.5;       ///< τ; duration of a step
   double cost = 0.0;         ///< J_T of the search, nats; NaN without a search
   double lower_bound = 0.0;  ///< proven lower bound of J_T, nats; −∞ without one
   double epsilon = 0.0;      ///< ε of the last completed pass; ∞ for the greedy pass
@@ -184,8 +184,8 @@ struct RobotPlan {
   std::vector<InputRef> inputs;
 };
 
-/// The plan of one robot as if no other robot had sensors (PROPOSAL_R). Teams that expect attacks
-/// send proposals in the first half of a round.
+/// The plan that one robot computes as if no other robot had sensors (PROPOSAL_R). Teams that
+/// expect attacks send proposals in the first half of a round.
 struct PlanProposal {
   Stamp stamp;              ///< time: start of the plan, t_{k+1}
   double value_nats = 0.0;  ///< information gain of this robot alone, nats; 0: no plan was found
@@ -299,7 +299,7 @@ struct ProcessHealth {
   std::string process;
   ProcessState state = ProcessState::kStarting;
   std::vector<NamedCount>
-      counters;  ///< counters of the process, one for each reason for dropped messages among them
+      counters;  ///< counters of the process, including one per reason for dropped messages
   std::int64_t loops = 0;
   double loop_worst_s = 0.0;  ///< longest handling time since the last report
   std::int64_t deadlines_missed = 0;
@@ -315,7 +315,7 @@ struct SupervisedProcess {
   std::string name;  ///< name in `vantage up`, such as "planner Q1"
   SupervisedPhase phase = SupervisedPhase::kRunning;
   int restarts = 0;
-  double down_s = 0.0;     ///< time not running since its first start, s
+  double down_s = 0.0;     ///< total time without running since the first start, s
   double cpu_share = 0.0;  ///< share of one core used during about the last second
   std::int64_t memory_bytes = 0;
   std::string last_end;  ///< "exit 1", "signal 9"; empty: the process never ended

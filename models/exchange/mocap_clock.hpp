@@ -14,10 +14,10 @@ namespace vantage::models {
 ///
 /// The latency is arrival minus stamp minus the known clock offset. It is valid between 0 and one
 /// second plus the latency stated in the frame (`arrival` at the publisher minus its stamp). The
-/// stamping clock is assumed to be set if the latency is invalid, or if a frame with a higher
-/// number has an earlier arrival time than the previous one. The frame's capture is then assumed to
-/// be one period per frame number after the previous capture. This assumption preserves the known
-/// latency and detects a delay that begins when the clock is set.
+/// stamping clock is assumed to have been set if the latency is invalid, or if a frame with a
+/// higher number has an earlier arrival time than the previous one. The frame's capture is then
+/// assumed to be one period per frame number after the previous capture. This assumption preserves
+/// the known latency and detects a delay that begins when the clock is set.
 class MocapClock {
  public:
   /// Processes the next frame of the trusted publisher. A frame with another run_id resets the

@@ -21,7 +21,8 @@ class OnboardPose {
 
   /// Adds the odometry's displacement (forward m, left m, turn rad) since the previous call.
   void move(Time time, const Eigen::Vector3d& displacement);
-  /// Uses a pose. It is ignored if it is unknown, or older than the kept motion.
+  /// Corrects the pose by `estimate`, unless the estimate is unknown or older than the stored
+  /// motion.
   void correct(const PoseEstimate& estimate);
   /// Returns the pose at `time`, extrapolated with the last motion by at most kExtrapolationMax.
   [[nodiscard]] Pose2 at(Time time) const;
@@ -41,7 +42,7 @@ class OnboardPose {
   Pose2 world_from_odom_;
   std::array<Sample, kSamples> samples_;  ///< ring buffer
   std::size_t newest_ = 0;
-  Eigen::Vector3d rate_per_s_ = Eigen::Vector3d::Zero();  ///< of the last motion
+  Eigen::Vector3d rate_per_s_ = Eigen::Vector3d::Zero();  ///< rate of the last motion
 };
 
 }  // namespace vantage::models

@@ -20,7 +20,7 @@ struct BeamSensor {
   /// Returns the bearing of beam k in the body frame, in (−π, π], rad.
   [[nodiscard]] double bearing_rad(int beam) const;
   /// Returns the mean of a reading when the nearest obstacle is at `distance_m`: 0 below
-  /// range_min_m, range_max_m beyond range_max_m, otherwise the distance. Source: dissertation
+  /// range_min_m, range_max_m beyond range_max_m, otherwise the distance. Source: dissertation, eq.
   /// 4.13.
   [[nodiscard]] double mean_range_m(double distance_m) const;
   /// Returns the smallest reading that means "nothing hit": range_max_m − 3 σ.

@@ -33,7 +33,8 @@ inline constexpr double kCutoffSigmas = 10.0;
 BeamInformation csqmi(const BeamProfile& beam, const BeamSensor& sensor,
                       double cutoff_sigmas = kCutoffSigmas);
 
-/// Changes of a cell's log-odds by a scan: `hit` where the beam ended, `miss` before it.
+/// Changes of a cell's log-odds by a scan: `hit` in the cell where the beam ended, `miss` in the
+/// cells before it.
 struct InverseBeamModel {
   double hit_log_odds = 2.944;    ///< log(0.95 / 0.05)
   double miss_log_odds = -2.944;  ///< log(0.05 / 0.95)
@@ -47,9 +48,9 @@ struct InverseBeamModel {
 ///   C_k = f(hit, o_k) + Σ_{i<k} f(miss, o_i),   f(l, o) = KL( σ(logit o + l) ‖ o )
 ///
 /// A reading ≥ no_hit_range_m(), or beyond the last cell, is a miss of all cells. A reading before
-/// the first cell gives no information. With strong odds and little noise this is Shannon's mutual
-/// information. ≥ 0. Cost and error as for csqmi().
-/// Source: Zhang et al., FSMI (ICRA 2019, IJRR 2020), Theorem 1 and the truncation of section IV-B.
+/// the first cell gives no information. With large log-odds and little noise, I approaches
+/// Shannon's mutual information. ≥ 0. Cost and error as for csqmi(). Source: Zhang et al., FSMI
+/// (ICRA 2019, IJRR 2020), Theorem 1 and the truncation of section IV-B.
 BeamInformation fsmi(const BeamProfile& beam, const BeamSensor& sensor,
                      const InverseBeamModel& inverse, double cutoff_sigmas = kCutoffSigmas);
 

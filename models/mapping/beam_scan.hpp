@@ -15,7 +15,7 @@ namespace vantage::models {
 double ray_distance_m(const World& world, const Eigen::Vector2d& from_m, double bearing_rad);
 
 /// Returns one reading of every beam from `world_from_body`: N(mean_range_m(distance), σ²).
-/// Source: dissertation 4.13.
+/// Source: dissertation, eq. 4.13.
 std::vector<double> beam_scan(const World& world, const BeamSensor& sensor,
                               const Pose2& world_from_body, std::mt19937_64& random);
 

@@ -19,7 +19,7 @@ double kl_divergence_nats(double occupancy, double log_ratio, double ratio) {
 
 double normal_cdf(double x) { return 0.5 * std::erfc(-x * 0.70710678118654752440); }
 
-// Returns ∫ C(z) N(z; mean, σ²) dz over the z within the cutoff, as a sum over the steps of C: C is
+// Returns ∫ C(z) N(z; mean, σ²) dz over the z within the cutoff. C is a step function:
 // `information_nats[k]` from begin_m[k] on, and 0 before begin_m[0].
 double expected_nats(const std::vector<double>& begin_m,
                      const std::vector<double>& information_nats, double mean_m, double sigma_m,

@@ -42,7 +42,7 @@ class Walker {
     advance_to(0.0);
   }
 
-  // Makes the piece that begins at or contains `t_s` the current one. Moves forward in time only.
+  // Advances to the piece that contains `t_s` or begins at it. Never moves backward in time.
   void advance_to(double t_s) {
     while (piece_end_s_ <= t_s) {
       const std::size_t next = next_segment_;

@@ -94,9 +94,9 @@ struct SensorLaw {
   std::optional<PositionVector> (*position_from)(const SensorModel&, const Viewpoint&,
                                                  const MeasurementVector& z,
                                                  int position_dim) = nullptr;
-  /// Null if information() depends on more than the line of sight or the kind measures velocity.
-  /// Planners then call information()
-  /// for each measurement, and bounds count its information in all directions.
+  /// Null if the kind measures velocity, or if information() depends on more than the line of
+  /// sight. Planners then call information() for each measurement, and bounds assume that its
+  /// information applies in all directions.
   PlanarLaw (*planar_law)(const SensorModel&) = nullptr;
   /// For sensors that only measure the direction to a target and need a minimum depth. Returns the
   /// depth per metre of distance, in the direction `bearing_rad` from body x. `up` is the sine of

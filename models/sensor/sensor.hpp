@@ -137,9 +137,9 @@ StateMatrix state_information(const SensorModel& sensor, const Viewpoint& from,
 /// `from` and all headings. The bound is a multiple of the identity; its factor is returned. The
 /// factor is 0 if no such viewpoint can see the target. It is +∞ for a bearing sensor without a
 /// minimum range that may be above the target. `reach_m` is enlarged by a nanometre to cover
-/// accumulated rounding errors. With `speed_mps`, the bound is that of state_information() about
-/// any state (position, velocity) at this position with at most this speed. Source: dissertation
-/// app. G with the corrections of 2.29 (r² for r).
+/// accumulated rounding errors. With `speed_mps`, the bound applies to state_information() of every
+/// state (position, velocity) at this position with at most this speed. Source: dissertation,
+/// appendix G, with eq. 2.29 corrected (r² instead of r).
 double information_bound(const SensorModel& sensor, const Viewpoint& from, double reach_m,
                          const PositionVector& target_world_m,
                          std::optional<double> speed_mps = std::nullopt);

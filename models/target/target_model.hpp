@@ -29,7 +29,7 @@ struct DampedOscillator {
 
 /// Linear motion of one target, y' = c + A (y − c) + w, w ~ N(0, W); see TargetLaw for A, c and W
 /// of each kind. The position is the first `position_dim` components of the state. Source:
-/// dissertation ch. 2 H, 3.4, 4.2, F.3.
+/// dissertation, sections 2.H, 3.4, 4.2, 4.F.3.
 struct TargetModel {
   TargetKind kind = TargetKind::kRandomWalk;
   int position_dim = 2;  ///< 2 or 3; models with a velocity are planar
@@ -48,7 +48,8 @@ struct TargetModel {
   [[nodiscard]] StateMatrix transition(double dt_s) const;
   /// Returns c + A (y − c).
   [[nodiscard]] StateVector expected(const StateVector& y, double dt_s) const;
-  /// Returns W, dim × dim. `steps_unseen` only affects the kind growing uncertainty.
+  /// Returns W, dim × dim. `steps_unseen` matters only for kinds with noise that grows while the
+  /// target is unseen.
   [[nodiscard]] StateMatrix process_noise(double dt_s, int steps_unseen = 1) const;
   /// Returns W accumulated from `from_steps` to `to_steps` after the target was last seen, for a
   /// kind whose noise depends on the time unseen (TargetLaw::unseen_noise). Growing uncertainty: q

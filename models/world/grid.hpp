@@ -89,18 +89,18 @@ class VisibilityGrid {
     return merge_stamps(geometry_, last_seen_, geometry, last_seen_utime, limit_utime);
   }
   [[nodiscard]] bool is_explored(int cell, Time now) const;
-  /// Returns the probability that an undiscovered target is in a free cell, relative to that of a
-  /// cell that was never seen, in [0, 1]: the time since the cell was seen as a share of the
-  /// memory.
+  /// Returns the time since the free cell was seen as a share of the memory, in [0, 1]; 1 if never
+  /// seen. This is the probability that the cell contains an undiscovered target, divided by the
+  /// same probability for a cell that was never seen.
   [[nodiscard]] double unexplored_share(int cell, Time now) const;
   [[nodiscard]] bool is_free(int cell) const { return free_[index(cell)] != 0; }
-  /// Returns the centres of unexplored free cells next to an explored free cell (4 neighbours). A
-  /// centre nearer than `spacing_m` to a selected centre is skipped, in index order, so the result
-  /// is deterministic. While no cell is explored, every free cell counts as a frontier.
+  /// Returns the centres of unexplored free cells next to an explored free cell (4 neighbours).
+  /// Centres are considered in index order; a centre nearer than `spacing_m` to a selected centre
+  /// is skipped. While no cell is explored, every free cell counts as a frontier.
   [[nodiscard]] std::vector<Eigen::Vector2d> frontiers(Time now, double spacing_m) const;
 
   [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
-  /// Returns the utime at which each cell was last seen, or kNeverSeen; as in messages.
+  /// Returns the utime at which each cell was last seen, or kNeverSeen; messages use this format.
   [[nodiscard]] const std::vector<std::int64_t>& last_seen_utime() const { return last_seen_; }
   /// Replaces the stamps by the stamps of a message. Precondition: geometry().size() entries.
   void set_last_seen(std::vector<std::int64_t> last_seen_utime);

@@ -15,8 +15,9 @@ class NearPairs {
  public:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;  ///< i < j
 
-  /// Returns at least all pairs with centres no farther apart than `within_m` (∞: all), ascending.
-  /// Bodies with a non-finite centre are excluded. The reference is valid until the next call.
+  /// Returns all pairs with centres no farther apart than `within_m` (∞: all), and possibly others;
+  /// ascending. Bodies with a non-finite centre are excluded. The reference is valid until the next
+  /// call.
   const std::vector<Pair>& find(std::span<const Eigen::Vector3d> centres_m, double within_m);
 
  private:

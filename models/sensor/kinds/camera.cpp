@@ -53,8 +53,8 @@ MeasurementVector variances(const SensorModel& sensor, const Viewpoint& /*from*/
   return Eigen::Vector2d::Constant(square(sensor.pixel_sigma));
 }
 
-// Returns the information bound. Source: dissertation, eq. 2.30 f. with d_min; the second bound is
-// ours.
+// Returns the information bound. Source: dissertation, eq. 2.30 and the next, with d_min; the
+// second bound is not from there.
 double bound(const SensorModel& sensor, const ReachedDistances& reached) {
   const bool in_space = reached.position_dim == 3;
   const double drop_m = reached.drop_m;

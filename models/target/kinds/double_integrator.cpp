@@ -1,7 +1,7 @@
 #include "models/target/kinds/kinds.hpp"
 
 // White acceleration of density q, m²/s³, on each axis; state (y₁, y₂, ẏ₁, ẏ₂).
-// Source: dissertation ch. 2 H.
+// Source: dissertation, section 2.H.
 
 namespace vantage::models::target_kinds {
 
