@@ -19,7 +19,7 @@ enum class TagCarrier {
   kRobot,     ///< teammate
 };
 
-/// Tag of the lab.
+/// AprilTag on a body or at a landmark of the lab.
 struct TagSpec {
   int id = 0;            ///< number of the tag in its family
   double size_m = 0.16;  ///< m; side of the black square
@@ -33,7 +33,7 @@ struct TagSpec {
 struct CameraSpec {
   std::string robot;
   std::string source;            ///< folder:PATH (images), v4l2:DEVICE or simulated
-  std::string simulated_folder;  ///< folder of the images of a simulated camera, in memory
+  std::string simulated_folder;  ///< folder in memory with the images of a simulated camera
   /// Path of the calibration file; empty: the scenario contains the calibration, which is then in
   /// `inline_calibration`.
   std::string calibration_file;

@@ -48,9 +48,9 @@ struct OdometryNoiseSpec {
   double turn_sigma_per_sqrt_rad = 0.18;     ///< √rad; white noise of the heading per turn
   double slide_sigma_per_sqrt_m = 0.03;      ///< √m; white noise of the position per distance
   double turn_drift_radps = 0.005;           ///< rad/s; slowly varying error of the turn rate
-  double turn_drift_time_s = 10.0;           ///< s; correlation time of this error
+  double turn_drift_time_s = 10.0;           ///< s; correlation time of turn_drift_radps
   double speed_drift_share = 0.17;           ///< slowly varying relative error of the speed
-  double speed_drift_time_s = 15.0;          ///< s; correlation time of this error
+  double speed_drift_time_s = 15.0;          ///< s; correlation time of speed_drift_share
 };
 
 /// 1σ of the errors of sightings. The values are enlarged to allow for errors that are correlated
@@ -76,10 +76,10 @@ struct LocalizedRobotSpec {
 /// Rules for vehicles that motion capture does not see and that move by POSE_R. Only ground robots
 /// may do so, because POSE_R has no height.
 struct PoseSafetySpec {
-  bool rovers_may_drive = false;  ///< false: without motion capture they stop
-  double sigma_hold_m = 0.15;     ///< m; 1σ of the position above which a rover holds
-  double sigma_stop_m = 0.4;      ///< m; 1σ above which it holds until the operator sends follow
-  double margin_sigmas = 3.0;  ///< distances to fence, obstacles and bodies shrink by this · 1σ
+  bool rovers_may_drive = false;  ///< false: rovers stop without motion capture
+  double sigma_hold_m = 0.15;     ///< m; a rover holds while the 1σ of its position is larger
+  double sigma_stop_m = 0.4;      ///< m; larger 1σ: a rover holds until the operator sends follow
+  double margin_sigmas = 3.0;  ///< distances to fence, obstacles, bodies are reduced by this · 1σ
 };
 
 /// Simulated odometer of each robot. Its white noise and slowly varying errors are those of
@@ -92,7 +92,7 @@ struct SimulatedOdometerSpec {
   double turn_bias_radps = 0.0;  ///< rad/s; reported turn rate minus true turn rate
   double slips_per_min = 0.0;    ///< mean number of slips per minute
   double slip_s = 0.5;           ///< s; duration of a slip
-  double slip_share = 0.5;       ///< reported displacement during a slip: 1 + this, times the true
+  double slip_share = 0.5;       ///< reported displacement in a slip = (1 + slip_share) · true one
 };
 
 /// Simulated sensor of landmarks and teammates of each robot. Its errors are those of
@@ -103,14 +103,14 @@ struct SimulatedSightingsSpec {
   double range_min_m = 0.2;            ///< m
   double range_max_m = 4.0;            ///< m
   double fov_rad = 2.0 * kPi;          ///< rad; full angle, about the body's x axis
-  double detection_probability = 1.0;  ///< of each landmark or teammate in view
+  double detection_probability = 1.0;  ///< for each landmark or teammate in view
 };
 
 /// Time and area in which the simulated motion capture does not see bodies.
 struct MocapOutageSpec {
   double from_s = 0.0;  ///< s since the start, or since take-off
   double to_s = std::numeric_limits<double>::infinity();
-  bool after_take_off = false;  ///< true: times begin when all robots have reached their height
+  bool after_take_off = false;  ///< true: times start when all robots have reached their height
   std::optional<models::Rectangle> area;  ///< absent: everywhere
 };
 

@@ -16,11 +16,11 @@ struct MocapProtocolRow {
   const char* name;  ///< value of mocap.protocol in scenario files
   int default_port;  ///< TCP or UDP, as `transport` states
   MocapTransport transport;
-  bool is_y_up;        ///< y is up in the server's world, if the server reports no axis
-  const char* driver;  ///< process and health prefix of the driver: vantage-<driver>, <driver>.…
+  bool is_y_up;        ///< true: y is assumed to be up if the server reports no up axis
+  const char* driver;  ///< driver name; process vantage-<driver>, counters <driver>.…
 };
 
-/// Protocol of a mocap server, a pointer to its row.
+/// Protocol of a mocap server, stored as a pointer to its table row.
 class MocapProtocol {
  public:
   constexpr explicit MocapProtocol(const MocapProtocolRow& row) : row_(&row) {}

@@ -34,7 +34,7 @@ struct MocapSpec {
   StreamMode mode = StreamMode::kPush;
   UpAxis up_axis = UpAxis::kAsTold;
   int block_bytes = 256;          ///< datagram size of a simulated object stream: 256, 512 or 1024
-  int stuck_frames = 3;           ///< repetitions of a pose after which a body is occluded; 0: off
+  int stuck_frames = 3;           ///< number of repeated poses that mark a body as occluded; 0: off
   double gate_speed_mps = 10.0;   ///< a pose that implies a higher speed is rejected; 0: off
   double gate_turn_radps = 20.0;  ///< a pose that implies a higher turn rate is rejected; 0: off
 

@@ -58,7 +58,7 @@ struct AutopilotSpec {
 /// dialect select the firmware.
 struct FirmwareSpec {
   std::string binary;           ///< program started by `vantage up`; empty: the user starts one
-  std::string parameters;       ///< parameter file loaded at start; empty: that of config/autopilot
+  std::string parameters;       ///< parameter file loaded at start; empty: file of config/autopilot
   std::optional<int> instance;  ///< determines the firmware's ports; absent: the robot's index
   std::string serial;           ///< DEVICE[:BAUD] of a board in hardware-in-the-loop mode (PX4)
 };
@@ -138,7 +138,8 @@ struct EstimatorSpec {
   /// covariance, but is not fused. Only for sensors with a measurement that determines a position.
   double gate_sigma = 4.0;
   /// Assumed probability that a scan detects a target in view. A scan without the expected
-  /// detection reduces the probability of the scanned area. 0: such scans are not used.
+  /// detection makes it less probable that the target is in the scanned area. 0: such scans are not
+  /// used.
   double detection_probability = 0.9;
   /// True: targets are assumed to stay within the world's bounds and outside obstacles. Beliefs are
   /// conditioned on this assumption; beliefs with a velocity are reflected at the bounds.
@@ -202,7 +203,8 @@ struct NetworkSpec {
   /// scenario/neighbourhood.
   double neighbourhood_m = 0.0;
   /// Rate at which one robot may send to other hosts, kbit/s; 0: unlimited. With a budget, beliefs
-  /// are sent in compact form (COMPACT_BELIEF_R), and messages for the own host stay on it.
+  /// are sent in compact form (COMPACT_BELIEF_R), and messages to processes on the same host are
+  /// not sent to other hosts.
   double budget_kbitps = 0.0;
   SimulatedNetworkSpec simulation;
   std::string url = "udpm://239.255.76.67:7667?ttl=0";

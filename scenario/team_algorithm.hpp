@@ -13,7 +13,7 @@ struct TeamAlgorithmRow {
   bool exchanges_solutions;
 };
 
-/// Method by which the robots of a team agree on their plans, a pointer to its row.
+/// Method by which the robots of a team agree on their plans, stored as a pointer to its table row.
 class TeamAlgorithm {
  public:
   constexpr explicit TeamAlgorithm(const TeamAlgorithmRow& row) : row_(&row) {}

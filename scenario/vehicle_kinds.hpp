@@ -9,8 +9,8 @@
 namespace vantage::scenario {
 
 /// A kind of vehicle that a driver controls: a row of the table in vehicle_kinds.cpp.
-/// scenario/reader/scenario_agents_yaml reads its section of the scenario; sim/app/wire_kinds
-/// emulates its device.
+/// scenario/reader/scenario_agents_yaml reads the section of the kind in the scenario;
+/// sim/app/wire_kinds emulates the device.
 struct VehicleKind {
   std::string_view section;  ///< key of the section in a robot's settings, such as "autopilot"
   std::string_view driver;   ///< driver process, vantage-<driver>

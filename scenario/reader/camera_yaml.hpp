@@ -15,7 +15,7 @@ namespace vantage::scenario {
 /// Reads a section `camera` of a sensor, except the names of the tags' bodies.
 void read_camera(Mapping& from, CameraSpec& camera);
 
-/// Checks the cameras of all robots, with the bodies that carry their tags. Precondition: the other
+/// Checks the cameras of all robots, and the bodies that carry the tags. Precondition: the other
 /// sections of `scenario` have been read.
 /// @throws StartupError "file:line: …"
 void check_cameras(const Value& document, const Scenario& scenario,

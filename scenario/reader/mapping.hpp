@@ -46,7 +46,7 @@ class Mapping {
       }
     });
   }
-  /// Reads the name() of one of `kinds`.
+  /// Reads a word, and sets the value to the one of `kinds` that has this name().
   template <class Kind>
   void choice(std::string_view key, Kind& value, std::span<const Kind> kinds) {
     std::vector<std::pair<std::string_view, Kind>> vocabulary;

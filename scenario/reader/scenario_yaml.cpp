@@ -366,8 +366,8 @@ void check_velocity(Mapping& top, const Scenario& scenario) {
   }
 }
 
-/// Reads the scenario in `document`; `top` is the mapping of `document`. `localizer`: receives the
-/// section of this name, which the Scenario does not contain; may be null.
+/// Reads the scenario in `document`; `top` is the mapping of `document`. Stores the section
+/// `localizer`, which Scenario does not contain, in `localizer` unless it is null.
 void read_scenario(const Value& document, Mapping& top, Scenario& scenario,
                    std::optional<LocalizerSpec>* localizer = nullptr) {
   top.declare({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
