@@ -83,7 +83,8 @@ std::uint16_t to_half(float value) {
   if (size >= 65520.0F) {
     return sign | kInfinity;
   }
-  // 1024 units or more: a normal number. A rounded-up 2048 carries into the exponent.
+  // A normal number has 1024 units or more. If rounding gives 2048, the sum carries into the
+  // exponent.
   const std::uint32_t bits =
       units < 1024 ? units : (static_cast<std::uint32_t>(step + 24) << 10U) + units;
   return static_cast<std::uint16_t>(sign | bits);

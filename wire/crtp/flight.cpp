@@ -55,7 +55,7 @@ Eigen::Vector3d f32(Reader& from) {
   return out;
 }
 
-/// Returns `message` if it has used all bytes.
+/// Returns `message` if all bytes of `from` were read without error.
 template <class Message>
 std::optional<FlightMessage> whole(const Reader& from, Message message) {
   return from.ok() && from.left() == 0 ? std::optional<FlightMessage>(std::move(message))

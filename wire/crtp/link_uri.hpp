@@ -33,8 +33,8 @@ struct UdpUri {
 using LinkUri = std::variant<RadioUri, UdpUri>;
 
 /// Parses radio://DONGLE/CHANNEL/250K|1M|2M/ADDRESS or udp://HOST:PORT. Every part is required, so
-/// that no vehicle is flown by default values.
-/// Error: states the URI, the wrong part and its rule.
+/// that no vehicle is selected by default values. Error: states the URI, the wrong part and its
+/// rule.
 Result<LinkUri> parse_link_uri(std::string_view text);
 
 }  // namespace vantage::wire::crtp

@@ -59,7 +59,8 @@ struct Encoded {
 
 /// Bits 2 and 3 of the header belong to the link. Clients send 1, vehicles send 0.
 inline constexpr std::uint8_t kClientLinkBits = 0x0C;
-/// Packet without content, sent if a radio has nothing to send and to search for vehicles.
+/// Packet without content. A radio sends it to search for vehicles, or if it has nothing else to
+/// send.
 inline constexpr std::uint8_t kNullHeader = 0xFF;
 
 /// Returns the bytes of `packet`. `link_bits` is kClientLinkBits, or 0 for a vehicle.

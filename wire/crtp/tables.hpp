@@ -103,7 +103,8 @@ struct LogData {
 std::optional<LogData> decode_log_data(const Packet& packet);
 /// Returns the next value and removes it from `values`; nullopt if too few bytes remain.
 std::optional<double> take_value(Bytes& values, ValueType type);
-/// Appends `value`; numbers that the type cannot represent are clamped, fractions of integers cut.
+/// Appends `value`; numbers outside the range of the type are clamped; for integer types, fractions
+/// are cut off.
 void append_value(std::vector<std::uint8_t>& out, ValueType type, double value);
 /// Returns the code of a type in tables and requests. The codes of parameters and log variables
 /// differ.

@@ -69,7 +69,7 @@ void read_plain_sections(Reader& from, Frame& out) {
 }
 
 /// Reads the rigid bodies of a frame since version 4.1, and skips the sections before them by their
-/// sizes. The following sections contain no rigid bodies of the list.
+/// sizes. Skips the sections after them as well.
 void read_sized_sections(Reader& from, Frame& out) {
   for (int section = 0; section < 2; ++section) {  // marker sets, other markers
     from.u32();

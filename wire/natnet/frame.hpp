@@ -38,7 +38,7 @@ struct Frame {
 
 /// Reads the payload of a frame packet in the layout of `version`. Returns false if a section is
 /// longer than the packet, or if the sections do not end where the frame's last fields begin.
-/// (Since 4.1, unknown sections may precede these.)
+/// Since version 4.1, unknown sections may precede these last fields.
 [[nodiscard]] bool decode_frame(Bytes payload, const Version& version, Frame& out);
 
 /// Appends a frame packet. Returns false if the packet would be too large.

@@ -12,9 +12,9 @@
 // 31 bytes, one CRTP packet each. The firmware sends hello packets until the simulator answers with
 // the same byte. Then sensor values go to the firmware, and motor commands to the simulator, on a
 // separate CRTP port; the packets of a client use the same link.
-// Source: the port of the firmware to Linux (crazyflie-firmware, branch sitl-release), sensors_sitl
-// and power_distribution_sitl. That branch uses port 9; firmware since 2025 has its supervisor
-// there, so the port is moved to 14.
+// Source: firmware for Linux (crazyflie-firmware, branch sitl-release), sensors_sitl and
+// power_distribution_sitl. That branch uses CRTP port 9, which is the supervisor's port in firmware
+// since 2025; port 14 is used here instead.
 
 namespace vantage::wire::sitl {
 
