@@ -38,7 +38,7 @@ target_compile_features(vantage_build_flags INTERFACE cxx_std_20)
 target_compile_definitions(vantage_build_flags INTERFACE
   EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16 EIGEN_DONT_VECTORIZE)
 # Results are bit-identical for every compiler, flag, processor and C library (docs/decisions/0014).
-# A product and a sum are not fused into one operation. sin, exp, log, … are those of core/libm, and
+# A product and a sum are not fused into one operation. sin, exp, log, … come from core/libm, and
 # the compiler must not evaluate them at compile time.
 target_compile_options(vantage_build_flags INTERFACE -ffp-contract=off)
 if(VANTAGE_OWN_LIBM)
@@ -51,8 +51,8 @@ if(VANTAGE_OWN_LIBM)
 endif()
 target_compile_options(vantage_build_flags INTERFACE
   -pthread  # for all targets: precompiled headers must match in libraries that require it
-  # For all targets, so that the Python module consists of the same object files as the processes
-  # in flight. Without interposition the compiler inlines as it does without -fPIC.
+  # All targets use -fPIC, so that the Python module consists of the same object files as the
+  # processes in flight. Without interposition the compiler inlines as it does without -fPIC.
   -fPIC -fno-semantic-interposition
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
   -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual
@@ -78,7 +78,7 @@ if(VANTAGE_HARDENED)
   target_link_options(vantage_build_flags INTERFACE -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
 endif()
 if(is_x86_64 AND NOT VANTAGE_PORTABLE)
-  # Without FMA, because GCC 12 fuses even with -ffp-contract=off if it combines additions and
+  # FMA is disabled, because GCC 12 fuses even with -ffp-contract=off if it combines additions and
   # subtractions in one vector.
   target_compile_options(vantage_build_flags INTERFACE -march=x86-64-v3 -mno-fma)
 endif()

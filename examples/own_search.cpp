@@ -8,7 +8,7 @@ using namespace vantage::planner;
 
 SearchResult best_walk(const SearchProblem& problem, int walks) {
   Expander expander(static_cast<int>(problem.targets.size()), problem.horizon_steps, 0);
-  Tree tree(100, 10'000);  // capacity for one walk: nodes, doubles of beliefs
+  Tree tree(100, 10'000);  // capacity for one walk: number of nodes; doubles for beliefs
   expander.reset(problem);
   std::mt19937_64 rng(1);
   SearchResult best;
