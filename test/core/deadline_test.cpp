@@ -43,7 +43,7 @@ TEST(Deadline, DoesNotExpireWithoutALimit) {
   EXPECT_FALSE(Deadline::never().expired(std::numeric_limits<std::int64_t>::max() - 1));
 }
 
-TEST(Deadline, FractionScalesTimeAndNodes) {
+TEST(Deadline, ThirdKeepsTheNodesAndHasAThirdOfTheTime) {
   constexpr std::int64_t kLeft_ns = 3'000'000'000'000;
   const std::int64_t before_ns = monotonic_ns();
   const Deadline third = Deadline::either(10, before_ns + kLeft_ns).third();
@@ -58,7 +58,7 @@ TEST(Deadline, FractionScalesTimeAndNodes) {
   }
 }
 
-TEST(Deadline, NodeBudgetOfAStoppedLoopStopsAtTheSameNode) {
+TEST(Deadline, StopsAtTheSameNodeWithTheNodeCountOfAStoppedLoop) {
   for (const std::int64_t stride : {1, 3, 7, 1000}) {
     const std::int64_t stopped_at =
         nodes_until_expiry(Deadline::at(monotonic_ns() + 200'000), stride);

@@ -74,7 +74,7 @@ TYPED_TEST(RigidMotion, IsUndoneByItsInverseOnBothSides) {
   }
 }
 
-TYPED_TEST(RigidMotion, ActsOnPointsInTurn) {
+TYPED_TEST(RigidMotion, ProductMovesPointsLikeSuccessiveMotions) {
   for (int i = 0; i < 1000; ++i) {
     const auto a = this->pose();
     const auto b = this->pose();

@@ -26,7 +26,7 @@ struct Pipe {
   }
 };
 
-TEST(LivenessSender, IsWrittenAtMostTenTimesPerSecond) {
+TEST(LivenessSender, WritesAtMostTenTimesPerSecond) {
   Pipe pipe;
   int arrived = 0;
   for (int ms = 0; ms < 1'000; ms += 5) {
@@ -36,7 +36,7 @@ TEST(LivenessSender, IsWrittenAtMostTenTimesPerSecond) {
   EXPECT_EQ(arrived, 10);
 }
 
-TEST(LivenessSender, IsWrittenAtOnceWhenTheVehicleTakesOff) {
+TEST(LivenessSender, WritesAtOnceWhenTheVehicleTakesOff) {
   Pipe pipe;
   pipe.sender.on_loop(kStart, InFlight::kNo);
   EXPECT_EQ(pipe.receiver.take().in_flight, InFlight::kNo);

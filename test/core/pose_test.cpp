@@ -66,7 +66,7 @@ TEST(Flatten, KeepsTheHeadingOfABodyThatRollsAndPitches) {
   EXPECT_NEAR(flatten({Eigen::Vector3d::Zero(), tilted}).yaw_rad, 0.7, 1e-12);
 }
 
-TEST(Lift, ComposesWithFlatteningOfPlanarMotions) {
+TEST(Lift, PreservesProductsOfPlanarPoses) {
   test::Random random(8);
   for (int i = 0; i < 1000; ++i) {
     const Pose2 a = random.pose2(10.0);

@@ -60,7 +60,7 @@ TEST(RunProcess, EndsWhenTerminalCloses) {
             1);
 }
 
-TEST(RunProcess, SurvivesTheTerminalIfRequested) {
+TEST(RunProcess, IgnoresSighupIfItWasIgnoredAtStart) {
   std::signal(SIGHUP, SIG_IGN);  // as nohup does
   EXPECT_EQ(exit_code_of([] {
               const int before = stop_requests();
@@ -120,7 +120,7 @@ TEST(RunProcess, CountsRepeatedSighupAsOneRequest) {
               ::testing::ExitedWithCode(11), "");
 }
 
-TEST(RunProcess, KeepsIgnoredHangups) {
+TEST(RunProcess, IgnoresSighupInANewProcessIfItWasIgnoredAtStart) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(
       {

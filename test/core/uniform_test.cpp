@@ -29,8 +29,8 @@ TEST(Uniform, CoversItsRange) {
     sum += x;
     squares += x * x;
   }
-  // Mean (a + b) / 2 and second moment (a² + ab + b²) / 3 of the draws, within five standard
-  // errors.
+  // The draws have the mean (a + b) / 2 and the second moment (a² + ab + b²) / 3, within five
+  // standard errors.
   EXPECT_NEAR(sum / draws, 1.0, 0.03);
   EXPECT_NEAR(squares / draws, 4.0, 0.08);
 }

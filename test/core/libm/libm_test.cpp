@@ -113,7 +113,7 @@ TEST(Libm, ReturnsTheReferenceBits) {
   }
 }
 
-TEST(Libm, IsWithinItsStatedUlps) {
+TEST(Libm, ErrorIsWithinTheStatedNumberOfUlps) {
   for (const Function& function : kFunctions) {
     std::mt19937_64 random(2);
     double worst_ulp = 0.0;
@@ -159,7 +159,7 @@ TEST(Libm, HandlesSpecialValues) {
             std::numeric_limits<double>::denorm_min());
 }
 
-// The limits of the range, and the cases that IEEE 754 requires of pow.
+// Tests results at the limits of the range, and the special cases of pow in IEEE 754.
 TEST(Libm, ReturnsExactValuesOfLogAndPow) {
   const double infinity = HUGE_VAL;
   const double nan = std::nan("");

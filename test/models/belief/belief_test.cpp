@@ -205,7 +205,7 @@ TEST(LogDet, IsMinusInfinityForASingularCovariance) {
   EXPECT_EQ(log_det(-StateMatrix::Identity(2, 2)), -INFINITY);
 }
 
-TEST(Entropy, IsKnownForUnitGaussian) {
+TEST(Entropy, EqualsTheFormulaForAUnitGaussian) {
   const Gaussian unit{StateVector::Zero(1), StateMatrix::Identity(1, 1)};
   EXPECT_NEAR(entropy_nats(unit), 1.4189385332046727, 1e-15);  // ½ ln(2πe)
 }
@@ -273,7 +273,7 @@ TEST(PredictUnseen, GrowsSinceTheLastObservation) {
   const TargetModel model{TargetKind::kGrowingUncertainty, 2, 0.3};
   test::Random random(32);
   const Gaussian belief = random_belief(random, 2);
-  const Gaussian once = predict_unseen(belief, model, 2.0, 1.0, 0.5);  // j = 2, 3, 4 and 5
+  const Gaussian once = predict_unseen(belief, model, 2.0, 1.0, 0.5);  // unseen steps 2, 3, 4 and 5
   const double grown = 0.3 * (2.0 + 3.0 + 4.0 + 5.0);
   EXPECT_TRUE(test::is_near(
       once.covariance, (belief.covariance + grown * Eigen::Matrix2d::Identity()).eval(), 1e-12));

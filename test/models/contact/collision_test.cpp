@@ -32,7 +32,7 @@ std::vector<CollisionReport> update(CollisionMonitor& monitor,
   return begun;
 }
 
-TEST(SignedDistance, EqualsThatOfSampledSurfacePoints) {
+TEST(SignedDistance, IsNegativeInsideAndZeroOnTheSurface) {
   const Box3 box{{-0.5, -0.25, 0.0}, {0.5, 0.25, 1.0}};
   EXPECT_DOUBLE_EQ(signed_distance_m(box, {0.0, 0.0, 0.9}), -0.1);
   EXPECT_DOUBLE_EQ(signed_distance_m(box, {0.5 + 3.0, 0.25 + 4.0, 0.5}), 5.0);

@@ -15,8 +15,8 @@ namespace {
 constexpr std::int64_t kNowUtime = 1'700'000'000'000'000;
 const Time kNow = from_utime(kNowUtime);
 
-/// Returns a random Gaussian of which the ratio of the largest to the smallest σ is up to 10⁴, with
-/// a mean of up to `reach_m` from the origin.
+/// Returns a random Gaussian. Its largest σ is up to 10⁴ times its smallest σ; its mean is at most
+/// `reach_m` from the origin.
 Gaussian random_belief(std::mt19937_64& random, int dim, double reach_m) {
   StateMatrix G(dim, dim);
   StateVector mean(dim);
@@ -50,7 +50,7 @@ TEST(CompactTarget, IsNeverMoreConfidentThanTheBelief) {
     ASSERT_TRUE(back);
     const StateVector shift = exact.mean - back->mean;
     const StateMatrix excess = back->covariance - exact.covariance - shift * shift.transpose();
-    // In units of the decoded σ, so that small axes count as much as large ones.
+    // Compare in units of the decoded σ, so that small axes count as much as large ones.
     const StateVector inverse_sigma = back->covariance.diagonal().cwiseSqrt().cwiseInverse();
     const StateMatrix scaled = inverse_sigma.asDiagonal() * excess * inverse_sigma.asDiagonal();
     ASSERT_GE(least_eigenvalue(scaled), -1e-9) << "sample " << i;
@@ -72,7 +72,7 @@ TEST(CompactTarget, InflatesVariancesByLessThanTwoPerThousand) {
   }
 }
 
-TEST(CompactTarget, StatesNoLaterMeasurementThanTheBelief) {
+TEST(CompactTarget, RoundsTheAgeOfTheMeasurementUp) {
   const Information information{StateVector::Zero(2), StateMatrix::Identity(2, 2)};
   EXPECT_EQ(compact({0, information, kNow}, kNow)->unseen_ms, 0);
   EXPECT_EQ(compact({0, information, kNow - Duration{1}}, kNow)->unseen_ms, 1);

@@ -118,7 +118,7 @@ TEST(TeamProposal, FindsTheChoiceOfARobot) {
   EXPECT_EQ(proposal.find("q4"), nullptr);
 }
 
-TEST(OperatorAction, IsSaferIfItEndsAFlight) {
+TEST(OperatorAction, MakesSaferIfItIsHoldLandOrEmergencyStop) {
   using Action = OperatorAction;
   for (const Action action : {Action::kHold, Action::kLand, Action::kEmergencyStop}) {
     EXPECT_TRUE(makes_safer(action));

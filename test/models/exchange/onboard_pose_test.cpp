@@ -45,7 +45,7 @@ TEST(OnboardPose, ExtrapolatesTheLastMotionForALimitedTime) {
   expect_near(pose.at(after(9.0)), Pose2{0.05, 0.0, 0.02} * Pose2{0.1, 0.0, 0.04});
 }
 
-TEST(OnboardPose, IgnoresUnknownAndForgottenPoses) {
+TEST(OnboardPose, IgnoresUnknownPosesAndPosesBeforeTheFirstSample) {
   OnboardPose pose({1.0, 0.0, 0.0}, kStart);
   PoseEstimate unknown = estimate_at(0.0, {9.0, 9.0, 0.0});
   unknown.source = PoseSource::kNone;

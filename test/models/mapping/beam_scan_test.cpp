@@ -59,10 +59,10 @@ TEST(BeamScan, ClampsDistancesToTheSensorsRange) {
       squares += std::pow((ranges_m[static_cast<std::size_t>(beam)] - mean_m) / 0.01, 2);
     }
   }
-  EXPECT_NEAR(squares / 7'200, 1.0, 0.07);  // 4 σ of the mean of 7200 χ²₁ values
+  EXPECT_NEAR(squares / 7'200, 1.0, 0.07);  // tolerance: 4 σ of a mean of 7200 χ²₁ values
 }
 
-// Rays parallel to an axis, in both directions, that pass a box, follow its edge or hit it.
+// Tests rays parallel to an axis, in both directions. They pass a box, follow its edge or hit it.
 TEST(RayDistance, IsExactAlongAxes) {
   const double up = kPi / 2.0;
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {2.5, 1.0}, up), 1.0);

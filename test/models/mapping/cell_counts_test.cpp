@@ -15,7 +15,7 @@ namespace {
 
 const GridGeometry kGrid{{0.0, 0.0}, 0.5, 4, 3};
 
-TEST(CellCounts, SumIndependentlyOfTheOrderUnlikeClampedLogOdds) {
+TEST(CellCounts, SumDoesNotDependOnTheOrderUnlikeClampedLogOdds) {
   test::Random random(5101);
   struct Look {
     int cell = 0;

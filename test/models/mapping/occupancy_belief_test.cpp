@@ -46,7 +46,7 @@ TEST(OccupancyBelief, IsIndependentOfTheOrderBelowTheClamp) {
   }
 }
 
-TEST(OccupancyBelief, SaturatesAtTheClampReversibly) {
+TEST(OccupancyBelief, StopsAtTheClampAndLeavesItAfterOppositeEvidence) {
   OccupancyBelief belief(kGrid, 2.0);
   belief.add_log_odds(0, 5.0);
   EXPECT_EQ(belief.log_odds(0), 2.0);
@@ -139,8 +139,9 @@ TEST(BeamSensor, AcceptsValuesUpToTheirLimits) {
   EXPECT_FALSE(is_valid({1, 1.0, 0.0, 1.0, -0.01}));
 }
 
-// The beams of a full circle are spread evenly, those of a fan from end to end, and a single one is
-// straight ahead. A distance outside the range gives the reading of the nearer limit.
+// The beams of a full circle are spread evenly. The beams of a fan are spread from edge to edge. A
+// single beam points straight ahead. A distance outside the range gives the reading of the nearer
+// limit.
 TEST(BeamSensor, HasTheStatedDefaults) {
   for (const int beams : {1, 2, 5, 8}) {
     const BeamSensor circle{beams, 2.0 * kPi, 0.0, 1.0, 0.01};

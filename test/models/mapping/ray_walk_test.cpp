@@ -48,7 +48,7 @@ TEST(RayWalk, CoversTheRayWithItsCells) {
   }
 }
 
-TEST(RayWalk, IsEmptyOutsideOrWithoutRange) {
+TEST(RayWalk, IsEmptyOutsideTheGridOrWithZeroRange) {
   EXPECT_FALSE(RayWalk(kGrid, {-1.1, 3.0}, 0.0, 1.0).next());
   EXPECT_FALSE(RayWalk(kGrid, {0.0, 3.0}, 0.0, 0.0).next());
   EXPECT_FALSE(RayWalk(kGrid, {0.0, 3.0}, std::nan(""), 1.0).next());

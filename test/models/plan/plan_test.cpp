@@ -196,7 +196,7 @@ TEST(KeepsSeparation, IncludesTheHeightDifference) {
   EXPECT_FALSE(keeps_separation(low, high, kStart, 0.6 + 1e-9));
 }
 
-TEST(KeepsSeparation, IgnoresHeightIfMeasuredFromAbove) {
+TEST(KeepsSeparation, IgnoresHeightIfOnlyHorizontalDistancesCount) {
   test::Random random(87);
   int differ = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -217,7 +217,8 @@ TEST(KeepsSeparation, CountsHoverBeforeStartAndAfterEnd) {
   const Trajectory waits{
       kStart + from_seconds(3600.0), {0.0, 0.1, 0.0}, 1.0, {{{3.0, 0.0}, 2.0, 0.0}}};
   EXPECT_FALSE(keeps_separation(passes, waits, kStart, 0.5));
-  // `joins` later drives past the hover position of `passes`, and with a yaw of −0.3 rad over it.
+  // An hour later, `joins` drives past the hover position of `passes`; with a yaw of −0.3 rad it
+  // drives over this position.
   Trajectory joins = waits;
   joins.start.y_m = 0.6;
   EXPECT_TRUE(keeps_separation(passes, joins, kStart, 0.5));

@@ -116,8 +116,8 @@ TEST(SampleClutter, CoversBothSidesOfTheHeading) {
   }
 }
 
-// The area is that between the minimum and the maximum range within the field of view. A camera
-// also needs a minimum depth.
+// The area lies between the minimum and the maximum range, within the field of view. A camera also
+// needs a minimum depth.
 TEST(ViewArea, IsTheRingSectorInView) {
   SensorModel sensor = sensor_of(SensorKind::kRange);
   sensor.fov_rad = 2.0 * kPi;

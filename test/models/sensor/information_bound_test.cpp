@@ -46,8 +46,8 @@ Question random_question(test::Random& random) {
   return {{random.pose2(3.0), random.uniform(0.0, 3.0)}, random.uniform(0.0, 3.0), target};
 }
 
-// Returns a reachable viewpoint. Half of them, on average, are at the full reach or as near to the
-// target as possible, where information is largest.
+// Returns a reachable viewpoint. On average, half of the results are at the full reach or as near
+// to the target as possible, where information is largest.
 Viewpoint reached(test::Random& random, const Question& question) {
   const Pose2& from = question.from.world_from_body;
   const Eigen::Vector2d to_target = question.target.head<2>() - from.position_m();

@@ -18,8 +18,8 @@ using test::kKinds;
 using test::of_kind;
 using test::random_target;
 
-// The planar law of planners has the information of information(), along and across the line of
-// sight and in all directions.
+// The planar law, which planners use, gives the same matrix as information(). It has a part along
+// the line of sight, a part across it, and an isotropic part.
 TEST(SensorLaw, PlanarLawEqualsInformation) {
   test::Random random(68);
   for (const SensorKind kind : kKinds) {
@@ -57,9 +57,8 @@ TEST(SensorLaw, PlanarLawEqualsInformation) {
   }
 }
 
-// The depth per metre along a line of sight gives the depth at which in_view() cuts off, in all
-// directions.
-TEST(SensorLaw, CameraDepthPerMetreMatchesView) {
+// A target is in view up to a minimum depth of depth_per_m() times its distance, in all directions.
+TEST(SensorLaw, CameraDepthPerMetreAgreesWithInView) {
   test::Random random(69);
   for (const SensorKind kind : kKinds) {
     if (kind != SensorKind::kCamera) {

@@ -11,7 +11,7 @@
 #include "test/support/numerical_jacobian.hpp"
 #include "test/support/random.hpp"
 
-// Sensors that measure the target's velocity, and parameters that only one kind has.
+// Tests sensors that measure the target's velocity, and parameters that only one kind has.
 
 namespace vantage::models {
 namespace {
@@ -83,7 +83,7 @@ TEST(StateJacobian, AgreesWithFiniteDifferences) {
   }
 }
 
-TEST(StateInformation, HasThePositionsInformationInItsPositionBlockForOtherKinds) {
+TEST(StateInformation, PositionBlockEqualsInformationForKindsWithoutVelocity) {
   test::Random random(93);
   for (const SensorKind kind : kKinds) {
     const SensorModel sensor = of_kind(kind);

@@ -65,7 +65,8 @@ TEST(ObservationJacobian, AgreesWithFiniteDifferences) {
   }
 }
 
-// Viewpoints almost above the target, a camera almost at its minimum depth, and bearings near ±π.
+// Tests viewpoints almost above the target, a camera almost at its minimum depth, and bearings near
+// ±π.
 TEST(ObservationJacobian, AgreesWithFiniteDifferencesNearItsSingularPoints) {
   test::Random random(62);
   for (const SensorKind kind : kKinds) {
@@ -218,7 +219,7 @@ TEST(NoiseCovariance, GrowsLinearlyWithRangeAboveItsFloor) {
   EXPECT_TRUE(test::is_near(variances_at(0.2), full, 1e-15));
 }
 
-TEST(Information, IsHtransposeVinverseHInViewAndZeroElsewhere) {
+TEST(Information, EqualsHtransposeVinverseHInViewAndZeroElsewhere) {
   test::Random random(64);
   for (const SensorKind kind : kKinds) {
     for (const int dim : {2, 3}) {
@@ -260,7 +261,7 @@ TEST(Innovation, WrapsTheBearing) {
                             Eigen::Vector2d(8.0, 6.0 - 2.0 * kPi), 1e-12));
 }
 
-// n samples: the mean is within 5 σ/√n; a variance within 5 √(2/n) of its value.
+// With n samples, a mean is within 5 σ/√n, and a variance within 5 √(2/n) of its value.
 TEST(Sample, HasTheModelsMeanAndVariance) {
   constexpr int kSamples = 20'000;
   test::Random random(65);

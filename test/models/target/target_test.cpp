@@ -10,7 +10,7 @@
 namespace vantage::models {
 namespace {
 
-// γ² below, at and above 4 σ_v²/σ_p²: underdamped on one axis, overdamped on the other.
+// Underdamped (γ² < 4 σ_v²/σ_p²) on one axis, overdamped on the other.
 const DampedOscillator kSwings{{1.0, -2.0}, {1.8, 0.8}, {0.4, 0.25}, {0.3, 0.9}};
 const DampedOscillator kOnTheEdge{{0.0, 0.0}, {2.0, 1.0}, {0.5, 0.25}, {0.5, 0.5 + 1e-6}};
 
@@ -136,7 +136,7 @@ TEST(DampedOscillator, TendsToADoubleIntegrator) {
   EXPECT_NEAR(W(0, 2), 0.3 * 0.5 * 0.5 / 2.0, 1e-4);
 }
 
-TEST(DampedOscillator, TendsFromFreeMotionToTheCentre) {
+TEST(DampedOscillator, MovesFreelyAtFirstAndLaterTendsToTheCentre) {
   const TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kSwings};
   const Eigen::Vector4d y(3.0, -2.0, 0.4, 0.2);
   EXPECT_TRUE(
@@ -183,8 +183,8 @@ TEST(GrowingUncertainty, GrowsWithUnseenStepsNotWithTime) {
   EXPECT_EQ(model.process_noise(0.1, 4), model.process_noise(9.0, 4));
 }
 
-// If h = γ/2 and ω are nearly equal, a series replaces the root of their difference. On both sides
-// of the switch the result is e^{−ht} (cosh x + …), to the last digits.
+// Near critical damping the implementation uses a series instead of cosh and sinh. The arguments x
+// are on both sides of the switch between the two formulas.
 TEST(DampedOscillator, IsExactNearCriticalDamping) {
   for (const double x : {-9.9e-4, -1.01e-3, -3e-4, 3e-4, 9.9e-4, 1.01e-3}) {
     constexpr long double kT = 0.5L;

@@ -199,7 +199,7 @@ TEST(ClosestApproach, DetectsASwapOfPositions) {
   EXPECT_EQ(closest_approach_m(left, right, left, right), 0.0);
 }
 
-// Points next to each of the four sides, and on each side.
+// Tests points next to each of the four sides, and on each side.
 TEST(Rectangle, IncludesItsEdges) {
   const Rectangle box{{-1.0, 2.0}, {3.0, 4.5}};
   for (const double x_m : {-1.1, -1.0, 0.5, 3.0, 3.1}) {
@@ -213,7 +213,7 @@ TEST(Rectangle, IncludesItsEdges) {
   }
 }
 
-TEST(RegionCost, SumsOverlappingRegionsWithTheirEdges) {
+TEST(RegionCost, SumsOverlappingRegionsIncludingTheirEdges) {
   World world{{{0, 0}, {10, 10}}, 3.0, {}, {}};
   world.regions = {{"mud", {{0, 0}, {2, 2}}, 3.0}, {"wind", {{1, 1}, {4, 4}}, 0.5}};
   EXPECT_EQ(region_cost(world, {0.5, 0.5}), 3.0);

@@ -23,7 +23,7 @@ TEST(GridGeometry, CoversTheBoundsWithWholeCells) {
   EXPECT_EQ(grid.columns, 32);
   EXPECT_EQ(grid.rows, 18);  // 17.2 cells, rounded up
   EXPECT_EQ(grid.size(), 576);
-  EXPECT_EQ(GridGeometry::covering({{0, 0}, {0.3, 0.9}}, 0.1).columns, 3);  // not 4 by rounding
+  EXPECT_EQ(GridGeometry::covering({{0, 0}, {0.3, 0.9}}, 0.1).columns, 3);  // not rounded up to 4
 }
 
 TEST(GridGeometry, RefusesEmptyCellsAndBounds) {

@@ -42,7 +42,7 @@ TEST(GridWindow, HasTheWorldsCellsThatOverlapTheSquare) {
   }
 }
 
-TEST(GridWindow, DetectsDifferentCells) {
+TEST(GridWindow, HasNoOffsetIfTheCellsDoNotCoincide) {
   const GridGeometry whole = GridGeometry::covering(field().bounds, 0.7);
   GridGeometry other = whole.window({0.0, 0.0}, 5.0);
   EXPECT_TRUE(whole.cell_offset_of(other));
@@ -57,7 +57,7 @@ TEST(GridWindow, DetectsDifferentCells) {
 }
 
 // The result is the offset in cells along each axis, in both directions. An offset of more than 10⁸
-// cells is empty.
+// cells gives nullopt.
 TEST(GridWindow, ReturnsOffsetInCells) {
   const GridGeometry whole = GridGeometry::covering(field().bounds, 0.5);
   for (const int columns : {-7, 0, 3}) {
