@@ -22,7 +22,7 @@ TEST(FindRobot, ReturnsTheRobotOrNull) {
   EXPECT_EQ(Scenario{}.find_robot("Q1"), nullptr);
 }
 
-TEST(RunsOn, IsTheNamedHostElseTheFirst) {
+TEST(RunsOn, IsTrueForTheHostThatNamesThePartElseForTheFirst) {
   Scenario scenario;
   EXPECT_TRUE(scenario.runs_on("LAB", "Q1")) << "without hosts, every part runs on any host";
   scenario.hosts = {{"LAB", {"sim", "Q2"}}, {"AIR", {"Q1"}}};
@@ -34,7 +34,7 @@ TEST(RunsOn, IsTheNamedHostElseTheFirst) {
   EXPECT_FALSE(scenario.runs_on("ELSE", "Q2"));
 }
 
-TEST(FirmwareInstance, IsStatedOrRobotIndex) {
+TEST(FirmwareInstance, IsTheStatedNumberOrTheRobotsIndex) {
   Scenario scenario;
   scenario.robots.resize(4);
   scenario.robots[1].firmware.emplace();
@@ -46,7 +46,7 @@ TEST(FirmwareInstance, IsStatedOrRobotIndex) {
   }
 }
 
-TEST(TrialMode, IsThatOfMostRealDevice) {
+TEST(TrialMode, IsDeterminedByTheMostRealDevice) {
   using enum DeviceSource;
   for (const DeviceSource mocap : {kDirect, kWire, kReal}) {
     for (const DeviceSource first : {kDirect, kWire, kReal}) {
@@ -70,7 +70,7 @@ TEST(TrialMode, IsThatOfMostRealDevice) {
   EXPECT_STREQ(name_of(TrialMode::kReplay), "replay");
 }
 
-TEST(MocapProtocol, HasTheNamesAndPortsOfItsMakers) {
+TEST(MocapProtocol, HasTheStatedNamesAndDefaultPorts) {
   EXPECT_STREQ(MocapProtocol::kDataStream.name(), "datastream");
   EXPECT_STREQ(MocapProtocol::kObjectStream.name(), "object_stream");
   EXPECT_STREQ(MocapProtocol::kVrpn.name(), "vrpn");

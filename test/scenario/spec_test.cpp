@@ -46,7 +46,7 @@ TEST(LeastNeighbourhood, CoversCommunicationAndSensorRange) {
   scenario.network.communication_range_m = 40.0;
   EXPECT_EQ(least_neighbourhood_m(scenario), 40.0);
   scenario.network.communication_range_m = 3.0;
-  // In 3.25 s (a plan and a round) the first moves at 2 m/s, the second at 4 m/s.
+  // In 3.25 s (a plan and a round) the first robot moves at 2 m/s, the second robot at 4 m/s.
   scenario.robots[0].sensor.range_max_m = 100.0;
   scenario.robots[1].sensor.range_max_m = 90.0;
   EXPECT_DOUBLE_EQ(least_neighbourhood_m(scenario), 2.0 * 3.25 + 100.0);

@@ -46,7 +46,7 @@ std::string refusal_of_smallest_with(const std::string& more) {
   return "accepted";
 }
 
-TEST(LargeTeam, HasSufficientNeighbourhoods) {
+TEST(LargeTeam, RequiresALargeEnoughNeighbourhood) {
   const Scenario near =
       parse_scenario(smallest_with("network: {neighbourhood_m: 500, communication_range_m: 20}\n"
                                    "planner: {slots: 8}\n"),

@@ -58,7 +58,8 @@ TEST(MistakesOfScenario, ListsEveryMistakeByLine) {
   EXPECT_EQ(next, std::size(expected)) << "not found in this order: " << expected[next];
 }
 
-// A rule about several keys ends the reading of its section; its unknown keys are reported as well.
+// If a rule about several keys is broken, the section is read no further. Unknown keys of the
+// section are still reported.
 TEST(MistakesOfScenario, IncludeUnknownKeysOfASectionThatBreaksARule) {
   const std::vector<std::string> mistakes =
       mistakes_in(test::lab_with({{"team_budget_s: 0.5", "team_budget_s: 2\n  pace_s: 3"}}));

@@ -210,7 +210,7 @@ TEST(ParseScenario, NamesMissingKeys) {
             "lab.yaml:4: robots[0]: missing required key primitives");
 }
 
-TEST(ParseScenario, RefusesOtherDocuments) {
+TEST(ParseScenario, RefusesTextThatIsNotAScenario) {
   const BadFile files[] = {
       {"", "lab.yaml:1: empty file; expected a scenario"},
       {"# only\n# comments\n", "lab.yaml:1: empty file; expected a scenario"},

@@ -7,7 +7,8 @@
 #include "models/sensor/law.hpp"
 #include "test/scenario/reader/answer_to.hpp"
 
-// Tests the rules between keys by the whole error message: its numbers, names and line.
+// Tests rules that relate several keys. The complete error message is compared, with numbers, names
+// and line.
 
 namespace vantage::scenario {
 namespace {
@@ -370,7 +371,7 @@ TEST(ScenarioRules, MaximumRangeExceedsMinimumRange) {
             "alarm cannot have the id of a target; is 1.5");
 }
 
-TEST(ScenarioRules, TeamsWithoutIdsKeepTheSizeLimit) {
+TEST(ScenarioRules, TeamsWithoutTargetIdsHaveASizeLimit) {
   const auto team = [](int robots, int targets, const std::string& more = "") {
     std::string text = kWorld +
                        "robot_defaults: {primitives: lab, sensor: {kind: position, "

@@ -4,7 +4,8 @@
 
 #include "test/scenario/reader/answer_to.hpp"
 
-// Tests the rules between keys by the whole error message: its numbers, names and line.
+// Tests rules that relate several keys. The complete error message is compared, with numbers, names
+// and line.
 
 namespace vantage::scenario {
 namespace {
@@ -139,7 +140,7 @@ TEST(ScenarioRules, GridsFitIntoAMessage) {
 }
 
 // 63 steps and a stop are 64 segments; a stop from 4 m/s at 2 m/s² takes 2 s.
-TEST(ScenarioRules, PlansOutlastTheDriversLimits) {
+TEST(ScenarioRules, PlansAreNotTooLongForDrivers) {
   const auto with = [](const std::string& device, const std::string& horizon_steps,
                        const std::string& step_s) {
     return answer_to_two(

@@ -459,7 +459,7 @@ TEST(ParseScenario, ReadsUsualNumberFormats) {
   EXPECT_EQ(scenario.target_truth.acceleration_q, 0.5);
 }
 
-TEST(ScenarioSecurity, IsOffByDefaultAndFollowsItsDevices) {
+TEST(ScenarioSecurity, IsOffByDefaultAndTrialModeFollowsTheDevices) {
   const Scenario plain = parse_scenario(kSmallest, "smallest");
   EXPECT_EQ(plain.security.mode, SecurityMode::kOff);
   EXPECT_EQ(trial_mode(plain), TrialMode::kSimulation);

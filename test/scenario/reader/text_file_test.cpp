@@ -65,8 +65,8 @@ TEST(CheckText, AcceptsPrintableTextAndNamesTheBadLine) {
 TEST(ReadTextFile, ReadsWholeFilesOfAllowedLength) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("text");
-  // Files are read in parts of 64 KiB. The sizes need a part of one, exactly one, one and a byte,
-  // and more than three.
+  // Files are read in blocks of 64 KiB. The sizes are less than one block, exactly one block, one
+  // block and one byte, and more than three blocks.
   for (const std::size_t bytes : {0U, 5U, 65'535U, 65'536U, 65'537U, 200'000U}) {
     std::string text;
     for (std::size_t i = 0; i < bytes; ++i) {

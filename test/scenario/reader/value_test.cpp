@@ -256,8 +256,8 @@ TEST(NearestWord, PrefersTheSameNameWithAnotherUnit) {
   EXPECT_EQ(nearest_word("seed_min", {"name", "seed"}), "seed");
 }
 
-// A key that is absent has its rule and default; a key that is present also has its line. Items of
-// a list share a row.
+// The row of an absent key contains rule and default; the row of a present key also contains its
+// line. Items of a list share a row.
 TEST(KeyTable, ListsEachKeyOfTheReader) {
   KeyTable table;
   Value document = parse_yaml("speed_mps: 2\nrobots:\n  - {name: A}\n  - {name: B}\n", "");

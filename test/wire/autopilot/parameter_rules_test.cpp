@@ -138,7 +138,7 @@ TEST(ParameterRules, RefuseMalformedLinesByNumber) {
   EXPECT_EQ(refusal("A 1 # exactly: b\nA 1 # exactly: b"), "line 2: A is listed twice");
 }
 
-TEST(ParameterRules, RequireTheNumbersOfTheirKind) {
+TEST(ParameterRules, RequireTheNumberOfBoundsOfTheirKind) {
   for (const char* const line :
        {"A 1 # exactly 1: b", "A 1 # at most 1 2: b", "A 1 # at least 1 1: b",
         "A 1 # between 1 and 2 3: b", "A 1 # between 0 1 and 2: b", "A 1 # between and 2: b",
@@ -151,7 +151,7 @@ TEST(ParameterRules, RequireTheNumbersOfTheirKind) {
   EXPECT_EQ(rule("A:B 1 # exactly: b").name, "A:B") << "a name may contain a colon";
 }
 
-TEST(ParameterRules, NumberEveryLine) {
+TEST(ParameterRules, CountEmptyLinesInLineNumbers) {
   EXPECT_EQ(refusal("\n# a comment\n\t\nA 1 # exactly: b\nA 1 # roughly: b"),
             "line 5: 'roughly' is not a rule");
   EXPECT_EQ(refusal("A 1 # exactly: b\nB 1 # exactly: b\nC 1 # exactly: b\nB 1 # exactly: c"),

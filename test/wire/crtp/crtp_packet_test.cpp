@@ -19,7 +19,7 @@ using ByteList = std::vector<std::uint8_t>;
 
 const Quaternion kTurned = Quaternion(0.9, 0.1, -0.2, 0.3).normalized();
 
-/// Packet with its bytes by another implementation: cflib's layouts, packed with Python's struct.
+/// Packet, and its bytes from another implementation: cflib's layouts, packed with Python's struct.
 struct Row {
   const char* name;
   std::optional<Packet> packet;
@@ -93,7 +93,7 @@ TEST(CrtpPacket, MatchesTheBytesOfAnotherClient) {
   }
 }
 
-TEST(CrtpPacket, RefusesAWrongLength) {
+TEST(CrtpPacket, RefusesAnEmptyOrOverlongPacket) {
   EXPECT_FALSE(decode({}));
   EXPECT_FALSE(decode(ByteList(kPacketMax + 1, 0)));
   EXPECT_TRUE(decode(ByteList(kPacketMax, 0)));
@@ -210,8 +210,8 @@ TEST(CrtpPacket, VehicleReadsWhatTheClientWrites) {
   EXPECT_EQ(std::get<HighLevelHeight>(*land).duration_s, 1.5);
 }
 
-// The firmware stops at set-points of another length; the emulated vehicle must recognise them.
-TEST(CrtpPacket, RefusesEachOtherLength) {
+// The firmware stops on set-points of a wrong length, so the emulated vehicle must detect them.
+TEST(CrtpPacket, RefusesEveryOtherPayloadLength) {
   for (const Row& row : rows()) {
     const Packet whole = *row.packet;
     const bool is_flight = whole.port == Port::kLocalisation || whole.port == Port::kSetpoint ||

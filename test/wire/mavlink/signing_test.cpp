@@ -129,8 +129,8 @@ TEST(Signer, RefusesANewStreamOneMinuteBehind) {
             SignatureVerdict::kReplayed);
 }
 
-// A signer's timestamp is always later than that of its peer, so that the peer's receivers accept
-// it. A stream one minute behind the peer is refused, whatever the signer's own clock shows.
+// Even if its clock is behind, a signer signs with a later timestamp than the newest frame from its
+// peer, and refuses a new stream one minute behind this frame.
 TEST(Signer, SignsWithALaterTimestampThanItsPeer) {
   Signer peer(kKey, 3);
   Signer ours(kKey, 3);  // same link, clock one hour behind

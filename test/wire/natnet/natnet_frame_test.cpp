@@ -106,8 +106,8 @@ TEST(NatNetFrame, ReadsTheReferenceBytesOfEachVersion) {
   }
 }
 
-// Regression of public readers: frames of version 4.1 are not readable in the layout of
-// version 4.0.
+// Tests for an error of public readers, which read frames of version 4.1 in the layout of version
+// 4.0.
 TEST(NatNetFrame, RefusesALayoutOfAnotherVersion) {
   Frame frame;
   EXPECT_FALSE(decode_frame(full_frame(k41), k40, frame));

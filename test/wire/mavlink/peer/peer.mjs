@@ -99,8 +99,8 @@ async function exchange(dir, name) {
   writeFileSync(join(dir, `${name}.encoded`), Buffer.concat(encoded));
 }
 
-/** signed.frames: frames signed by us; writes how many of them are good with the key signed.key,
- * and the same messages (HEARTBEATs) signed by node-mavlink. */
+/** Reads signed.frames, HEARTBEATs that this codec signed. Writes the number of frames with a valid
+ * signature of the key signed.key, and the same messages signed by node-mavlink. */
 async function exchange_signed(dir) {
   const key = readFileSync(join(dir, 'signed.key'));
   const packets = await packets_in(readFileSync(join(dir, 'signed.frames')));
