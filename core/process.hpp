@@ -10,11 +10,11 @@ namespace vantage {
 /// Signals that request a process to end.
 inline constexpr std::array kStopSignals{SIGINT, SIGTERM, SIGHUP};
 
-/// Runs `body` and returns an exit code: that of `body`, 1 if it failed while running, or 2 if it
-/// could not start (StartupError, UsageError). An error is printed on stderr in one sentence. After
-/// SIGINT, SIGTERM or SIGHUP, stop_requested() is true and `body` must return. If SIGHUP was
-/// ignored at start, as under nohup, it stays ignored. Stop signals that were blocked are
-/// unblocked.
+/// Runs `body` and returns an exit code: the result of `body`, 1 if `body` failed while running, or
+/// 2 if it could not start (StartupError, UsageError). An error is printed on stderr in one
+/// sentence. After SIGINT, SIGTERM or SIGHUP, stop_requested() is true and `body` must return. If
+/// SIGHUP was ignored at start, as under nohup, it stays ignored. Stop signals that were blocked
+/// are unblocked.
 int run_process(const std::string& name, const std::function<int()>& body);
 
 /// True once a stop of the process was requested. Safe to call from any thread.

@@ -201,9 +201,9 @@ double scaled_near_limits(double rest, std::uint64_t power_bits, std::uint64_t s
 double exp_of(const LongLog& x, bool is_negative) {
   const ExpTables& t = vantage_exp_tables;
   const std::uint64_t exponent = (to_bits(x.high) >> 52U) & 0x7FFU;
-  constexpr std::uint64_t kTiny = 0x3C9;   // 2^-54
-  constexpr std::uint64_t kLarge = 0x408;  // 512
-  constexpr std::uint64_t kHuge = 0x409;   // 1024
+  constexpr std::uint64_t kTiny = 0x3C9;   // exponent of 2^-54
+  constexpr std::uint64_t kLarge = 0x408;  // exponent of 512
+  constexpr std::uint64_t kHuge = 0x409;   // exponent of 1024
   if (exponent < kTiny) {
     return is_negative ? -(1.0 + x.high) : 1.0 + x.high;
   }
@@ -329,8 +329,8 @@ double vantage_pow(double x, double y) noexcept {
     x_bits &= ~kSignBit;
   }
   const std::uint64_t y_exponent = (y_bits >> 52U) & 0x7FFU;
-  constexpr std::uint64_t kTinyY = 0x3BE;  // 2^-65: the result is 1
-  constexpr std::uint64_t kHugeY = 0x43E;  // 2^63: the result is 0, 1 or infinite
+  constexpr std::uint64_t kTinyY = 0x3BE;  // exponent of 2^-65; smaller y give 1
+  constexpr std::uint64_t kHugeY = 0x43E;  // exponent of 2^63; larger y give 0, 1 or infinite
   if (y_exponent < kTinyY) {
     return 1.0;
   }
