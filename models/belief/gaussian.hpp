@@ -35,9 +35,9 @@ std::optional<Gaussian> to_gaussian(const Information& belief);
 Gaussian predict(const Gaussian& belief, const StateMatrix& A, const StateMatrix& W);
 /// Returns the prediction with the model's A and W for `dt_s`; the mean is c + A (y − c).
 Gaussian predict(const Gaussian& belief, const TargetModel& model, double dt_s);
-/// As above, for a target that was last seen `unseen_s` before the time of the belief. Models with
-/// growing uncertainty count the unseen time in steps of `step_s`. Estimators and planners both use
-/// this function.
+/// As predict() with a model, for a target that was last seen `unseen_s` before the time of the
+/// belief. Models with growing uncertainty count the unseen time in steps of `step_s`. Estimators
+/// and planners both use this function.
 Gaussian predict_unseen(const Gaussian& belief, const TargetModel& model, double dt_s,
                         double unseen_s, double step_s);
 /// Returns the prediction: matrix (A Ω⁻¹ Aᵀ + W)⁻¹, and the vector that belongs to the mean A ŷ;

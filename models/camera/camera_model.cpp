@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kDepthMin_m = 1e-6;
 constexpr int kIterationsMax = 30;
-constexpr double kStepMax = 1e-12;  // last step of the iteration, in x / z
+constexpr double kStepMax = 1e-12;  // the iteration ends at a smaller step, in x / z
 constexpr int kBorderPoints = 32;   // tested points per side of the image
 
 struct Distorted {

@@ -33,7 +33,7 @@ class CollisionMonitor {
   struct Body {
     std::string name;
     double radius_m = 0.0;
-    bool is_robot = false;  ///< robots must keep separation from each other
+    bool is_robot = false;  ///< true: must keep separation from other robots
   };
 
   CollisionMonitor(const World& world, const std::vector<Body>& bodies, double separation_m);

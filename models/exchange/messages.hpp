@@ -21,7 +21,7 @@
 
 namespace vantage::models {
 
-/// Reference to one message; run id and sequence number are unique on a channel.
+/// Reference to one message; run id and sequence number together are unique on a channel.
 struct InputRef {
   std::string channel;
   std::int64_t run_id = 0;
@@ -56,7 +56,7 @@ struct MocapFrame {
   std::vector<MocapBody> bodies;
 
   [[nodiscard]] const MocapBody* find(const std::string& name) const;
-  /// As above, but checks index `hint` first: the index of the body in a previous frame.
+  /// As find(name), but first checks index `hint`, at which a previous frame contained the body.
   [[nodiscard]] const MocapBody* find(const std::string& name, std::size_t hint) const;
 };
 

@@ -25,7 +25,8 @@ class MocapClock {
   /// @return false if the stamping clock was set since the last frame, or is ahead of this host's
   /// clock
   [[nodiscard]] bool on_frame(const MocapFrame& frame, Time now);
-  /// As above, for one run. `stated` is the latency that the frame states; ≥ 0.
+  /// As on_frame(frame, now), for frames of one run. `stated` is the latency stated in the frame; ≥
+  /// 0.
   [[nodiscard]] bool on_frame(Time stamp, Time arrival, std::int64_t number, Duration stated = {});
   /// Processes the frame and returns it with its times converted to this host's clock. Returns
   /// `frame` itself unless the stamping clock was set.

@@ -63,10 +63,10 @@ struct SensorLaw {
   std::string_view name;  ///< name in scenarios
   /// The parameters that only this kind has, at most kMaxOwnParameters.
   std::span<const SensorParameter> parameters = {};
-  /// z is the calibrated range, the wrapped bearing, or both in this order; a range may be followed
-  /// by rows that depend on the velocity. Both flags are false for a kind that measures anything
-  /// else. A range has no direction if the target is at the sensor itself; a bearing has none if
-  /// the target is directly above or below the sensor.
+  /// Parts of z: the calibrated range, the wrapped bearing, or both in this order. Rows that depend
+  /// on the velocity may follow a range. measures_range and measures_bearing are false for a kind
+  /// that measures anything else. A range has no direction if the target is at the sensor itself; a
+  /// bearing has none if the target is directly above or below the sensor.
   bool measures_range = false;
   bool measures_bearing = false;
   /// True if z = H (target − sensor), where H depends only on the heading. A Kalman update is then

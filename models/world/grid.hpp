@@ -74,16 +74,16 @@ class VisibilityGrid {
   /// Cells with a centre inside an obstacle are never frontiers. `memory_s` ≤ 0: cells stay
   /// explored.
   VisibilityGrid(const World& world, double resolution_m, double memory_s);
-  /// As above, for a part of the world.
+  /// Creates a grid of `geometry`, which is a part of the world.
   VisibilityGrid(const World& world, const GridGeometry& geometry, double memory_s);
 
   /// Stamps every free cell with a centre in view of `sensor` and in line of sight.
   void see(const SensorModel& sensor, const Viewpoint& from, const World& world, Time now);
   /// Stores the newer of the two stamps in every cell. Precondition: equal geometry.
   void merge(const VisibilityGrid& other);
-  /// As above, for stamps of this geometry; stamps are limited to `limit_utime`.
+  /// As merge(other), for stamps of this geometry; stamps are limited to `limit_utime`.
   void merge(const std::vector<std::int64_t>& last_seen_utime, std::int64_t limit_utime);
-  /// As above, for stamps of another geometry; see merge_stamps().
+  /// As merge(other), for stamps of another geometry; see merge_stamps().
   bool merge(const GridGeometry& geometry, const std::vector<std::int64_t>& last_seen_utime,
              std::int64_t limit_utime) {
     return merge_stamps(geometry_, last_seen_, geometry, last_seen_utime, limit_utime);

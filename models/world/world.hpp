@@ -51,7 +51,7 @@ struct NearbyObstacles {
 /// Returns the obstacles with bounding boxes within `reach_m` of `p_m`. At a distance d from `p_m`,
 /// other obstacles do not affect clearances below reach_m − d.
 NearbyObstacles nearby_obstacles(const World& world, const Eigen::Vector2d& p_m, double reach_m);
-/// As above, but considers only the obstacles in `nearby` and the walls.
+/// As clearance_m(world, p_m), but considers only the obstacles in `nearby` and the walls.
 double clearance_m(const World& world, const NearbyObstacles& nearby, const Eigen::Vector2d& p_m);
 
 /// True if the closed segment from `a_m` to `b_m` does not cross the interior of any obstacle.
