@@ -73,8 +73,8 @@ struct LocalizedRobotSpec {
   DriveSpec drive;
 };
 
-/// Rules for vehicles that motion capture does not see and that move by POSE_R. Only ground robots
-/// may do so, because POSE_R has no height.
+/// Rules for vehicles that motion capture does not see and that navigate by POSE_R. Only ground
+/// robots may do so, because POSE_R has no height.
 struct PoseSafetySpec {
   bool rovers_may_drive = false;  ///< false: rovers stop without motion capture
   double sigma_hold_m = 0.15;     ///< m; a rover holds while the 1σ of its position is larger

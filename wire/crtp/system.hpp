@@ -33,7 +33,7 @@ enum class SupervisorCommand : std::uint8_t {
   kArm = 1,
   kRecover = 2,        ///< clears the crashed state, so that the vehicle can be armed again
   kEmergencyStop = 3,  ///< motors off, locked until a restart
-  kStopWatchdog = 4,  ///< after the first command, an emergency stop follows 1 s after the last one
+  kStopWatchdog = 4,   ///< an emergency stop follows 1 s after the newest kStopWatchdog
 };
 Packet arm_request(bool is_to_arm);
 /// Returns the request for a command without a parameter, that is, for each command except kArm.
