@@ -31,7 +31,7 @@ TEST(Pose2, QuarterTurnMapsForwardToLeft) {
       test::is_near(world_from_body * Eigen::Vector2d(3.0, 0.0), Eigen::Vector2d(1.0, 5.0), 1e-15));
 }
 
-TEST(Pose3, StaysAUnitRotationOverManyProducts) {
+TEST(Pose3, RotationStaysAUnitQuaternionOverManyProducts) {
   test::Random random(4);
   Pose3 pose;
   for (int i = 0; i < 100'000; ++i) {

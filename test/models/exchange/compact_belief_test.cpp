@@ -125,7 +125,7 @@ TEST(CellAge, KeepsMultiplesOfTheStepExactly) {
   }
 }
 
-TEST(Runs, HaveTheDocumentedBytes) {
+TEST(Runs, AreEncodedInTheDocumentedBytes) {
   std::vector<std::uint8_t> runs;
   append_run(runs, 3, 200, 7);
   append_run(runs, 300, 1, 255);

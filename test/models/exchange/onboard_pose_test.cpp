@@ -30,7 +30,7 @@ TEST(OnboardPose, FollowsTheOdometryFromItsStart) {
 }
 
 // An estimate of an earlier time is moved by the odometry since then.
-TEST(OnboardPose, AppliesACorrectionAtItsOwnTime) {
+TEST(OnboardPose, AppliesACorrectionAtTheTimeOfTheEstimate) {
   OnboardPose pose({}, kStart);
   pose.move(after(0.1), {0.5, 0.0, 0.1});
   pose.move(after(0.2), {0.5, 0.1, -0.3});

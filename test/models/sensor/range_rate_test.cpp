@@ -170,7 +170,7 @@ TEST(StateInformationBound, IsInfiniteWithoutMinimumRange) {
   EXPECT_TRUE(std::isfinite(information_bound(sensor, {}, 2.0, target_m, 0.0)));
 }
 
-TEST(SensorParameters, AreDefaultsUntilSet) {
+TEST(SensorParameters, HaveDefaultValuesUntilSet) {
   SensorModel sensor = of_kind(SensorKind::kRangeRate);
   ASSERT_EQ(find_parameter(sensor.kind, "range_rate_sigma_mps"), 0);
   EXPECT_FALSE(find_parameter(sensor.kind, "range_sigma_m"));

@@ -67,7 +67,7 @@ TEST(VisibilityGrid, ExcludesCellsInsideObstacles) {
   EXPECT_TRUE(grid.is_free(grid.geometry().index_of({3.5, 2.1})));
 }
 
-TEST(VisibilityGrid, ForgetsAfterItsMemory) {
+TEST(VisibilityGrid, ForgetsACellAfterItsMemoryTime) {
   VisibilityGrid grid({{{0, 0}, {8, 4}}, 3.0, {}, {}}, 0.25, 30.0);
   grid.see(eye(20.0), {{1.0, 1.0, 0.0}, 1.0}, lab(), kNow);
   const double share = explored_share(grid, kNow);

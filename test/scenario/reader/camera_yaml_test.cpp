@@ -43,7 +43,7 @@ constexpr const char* kOpenCvCalibration =
     "   dt: d\n"
     "   data: [ -2.8e-01, 7.0e-02, 3.0e-04, -2.0e-04, 1.0e-02 ]\n";
 
-TEST(Calibration, IsReadAsRosAndOpenCvWriteIt) {
+TEST(Calibration, IsReadInTheFormatsOfRosAndOpenCv) {
   for (const char* text : {kRosCalibration, kOpenCvCalibration}) {
     const models::CameraModel camera = parse_calibration(text, "left.yaml");
     EXPECT_EQ(camera.width, 640);

@@ -129,7 +129,7 @@ localizer:
   EXPECT_EQ(corner.area->max_m, Eigen::Vector2d(2.0, 3.0));
 }
 
-TEST(LocalizerScenario, ByDefaultHasMocapAndForbidsRoversToDriveWithoutIt) {
+TEST(LocalizerScenario, KeepsMocapAndStopsRoversWithoutItByDefault) {
   const auto spec = parse_localizer(
       kTeam + "localizer: {robots: [{name: A, id: 1}], simulation: {odometry: {}}}\n", "x.yaml");
   ASSERT_TRUE(spec && spec->simulation);

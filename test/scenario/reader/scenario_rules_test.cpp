@@ -124,7 +124,7 @@ TEST(ScenarioRules, TheFirstMissingKeyIsReportedWithItsSection) {
             "f:6: robots[0].primitives[0]: missing required key speed_mps");
 }
 
-TEST(ScenarioRules, PrimitivesKeepNumberAndSpeedLimits) {
+TEST(ScenarioRules, PrimitivesAreLimitedInNumberAndSpeed) {
   const auto of = [](int count) {
     std::string list;
     for (int i = 0; i < count; ++i) {
@@ -276,7 +276,7 @@ TEST(ScenarioRules, RealAutopilotsHaveAnIdAndAKey) {
   EXPECT_EQ(answer_to_robot(", device: real"), "taken") << "not required without an autopilot";
 }
 
-TEST(ScenarioRules, FirmwareIsOfTheVehiclesKind) {
+TEST(ScenarioRules, FirmwareMatchesTheKindOfVehicle) {
   const std::string px4 = ", device: wire, autopilot: {dialect: px4, url: \"udp://:1\"}";
   const std::string crazyflie = ", device: wire, crazyflie: {url: \"udp://127.0.0.1:1\"}";
   const std::string radio = ", device: wire, crazyflie: {url: \"radio://0/80/2M/E7E7E7E701\"}";

@@ -125,7 +125,7 @@ TEST(ParseScenario, ReadsADampedOscillator) {
   EXPECT_EQ(uniform.position_sigma_m, (bounds.max_m - bounds.min_m) / std::sqrt(12.0));
 }
 
-TEST(LoadScenario, KeepsTheText) {
+TEST(LoadScenario, KeepsTheSourceText) {
   std::ifstream file(config("lab.yaml"), std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   EXPECT_EQ(load_scenario(config("lab.yaml")).source_text, text);
@@ -311,7 +311,7 @@ hosts:
   EXPECT_TRUE(scenario.runs_on("LAB", kMocapPart)) << "not assigned: runs on the first host";
 }
 
-TEST(ParseScenario, ReadsAttacksAndTheExpectedNumber) {
+TEST(ParseScenario, ReadsAttacksAndTheirExpectedNumber) {
   const std::string text = std::string(kTwoRobots) + R"(
 planner: {attacks_max: 1}
 attacks:

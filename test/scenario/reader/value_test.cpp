@@ -206,7 +206,7 @@ std::size_t edits(std::string_view a, std::string_view b) {
 }
 
 // Compares with the recursive definition, on words so similar that all distances occur.
-TEST(NearestWord, IsFirstWithFewestEditsUpToLimit) {
+TEST(NearestWord, IsTheFirstWordWithFewestEditsUpToALimit) {
   std::mt19937 random(7);
   const auto any_word = [&](std::size_t least, std::size_t most) {
     std::string word(least + random() % (most - least + 1), 'a');

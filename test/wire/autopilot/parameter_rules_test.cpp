@@ -123,7 +123,7 @@ TEST(ParameterRules, ReportValueRuleAndConsequence) {
             "A is 0.2, must be 0.05: b");
 }
 
-TEST(ParameterRules, RefuseMalformedLinesByNumber) {
+TEST(ParameterRules, RefuseMalformedLinesWithTheirNumber) {
   EXPECT_EQ(refusal("A 1 # exactly: b\nB 1\n"),
             "line 2: must be `NAME VALUE  # RULE: what happens otherwise`");
   EXPECT_EQ(refusal("A 1 # roughly: b"), "line 1: 'roughly' is not a rule");

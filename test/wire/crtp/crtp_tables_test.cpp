@@ -60,7 +60,7 @@ TEST(CrtpTables, ReadsTheAnswersOfTheFirmware) {
   EXPECT_FALSE(decode_toc_item(Port::kLog, toc_item_request(Port::kLog, 1)));
 }
 
-TEST(CrtpTables, RefusesValuesOutsideTheType) {
+TEST(CrtpTables, RefusesValuesOutsideTheRangeOfTheType) {
   EXPECT_TRUE(parameter_write(1, ValueType::kU8, 255.0));
   for (const double bad :
        {256.0, -1.0, 0.5, std::nan(""), std::numeric_limits<double>::infinity()}) {

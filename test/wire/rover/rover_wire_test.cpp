@@ -323,7 +323,7 @@ TEST_F(RoverRules, RefusesOldAndForeignCommands) {
   EXPECT_EQ(rover.refused(), 4) << "after the first driver's silence, another driver may send";
 }
 
-TEST_F(RoverRules, AcceptsAnyEmergencyStopAndReleaseByTheDriver) {
+TEST_F(RoverRules, AcceptsEmergencyStopFromAnySenderAndReleaseFromItsDriver) {
   receive_command(drive(5));
   Command stop = drive(1);
   stop.session = 12;

@@ -32,7 +32,7 @@ TEST(RotationFromEulerXyz, IsTheProductOfRotationsAboutMovingAxes) {
   }
 }
 
-TEST(EulerXyzFromRotation, InvertsAlsoAtGimbalLock) {
+TEST(EulerXyzFromRotation, InvertsRotationFromEulerXyzAlsoAtGimbalLock) {
   test::Random random(2);
   for (int i = 0; i < 3000; ++i) {
     Eigen::Vector3d euler = random.vector<3>(-kPi, kPi);
@@ -46,7 +46,7 @@ TEST(EulerXyzFromRotation, InvertsAlsoAtGimbalLock) {
   }
 }
 
-TEST(RotationFromMatrix, RefusesOtherMatrices) {
+TEST(RotationFromMatrix, RefusesMatricesThatAreNotRotations) {
   const Eigen::Matrix3d R = product_of_turns({0.3, -1.2, 2.0});
   ASSERT_TRUE(rotation_from_matrix(R));
   EXPECT_TRUE(is_near(rotation_from_matrix(R)->toRotationMatrix(), R, 1e-14));
@@ -85,7 +85,7 @@ TEST(RotationFromXyzw, NormalisesNearlyUnitQuaternions) {
 }
 
 // For a scaled rotation, RᵀR is (1 + off)·I. For a sheared one, RᵀR has `off` next to its diagonal.
-TEST(RotationFromMatrix, OrthonormalisesNearRotations) {
+TEST(RotationFromMatrix, OrthonormalisesMatricesThatAreNearlyRotations) {
   const Eigen::Matrix3d R = product_of_turns({0.3, -1.2, 2.0});
   for (const double off : {-1.05e-3, -0.95e-3, 0.95e-3, 1.05e-3}) {
     const auto scaled = rotation_from_matrix(std::sqrt(1.0 + off) * R);
