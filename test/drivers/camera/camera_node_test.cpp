@@ -123,7 +123,8 @@ class CameraNodeTest : public testing::Test {
   std::vector<models::RobotMeasurement> measured_;
 };
 
-// The robot moves while the image waits; the viewpoint is that of the exposure.
+// The image is processed after the robot has moved. The published viewpoint is the pose at the
+// exposure.
 TEST_F(CameraNodeTest, MeasuresFromThePoseOfTheExposure) {
   send_frame(Duration{0});
   add_image(Duration{10'000});
@@ -156,9 +157,9 @@ TEST_F(CameraNodeTest, CountsImagesThatItCannotUse) {
   send_frame(Duration{2'000'000});
   add_image(Duration{900'000});         // 1.1 s old
   add_image(Duration{2'100'000});       // in the future
-  add_image(Duration{2'000'000}, 320);  // another size than the calibration
+  add_image(Duration{2'000'000}, 320);  // size differs from the calibration
   add_image(Duration{2'000'000});
-  add_image(Duration{2'000'000});  // the same time again
+  add_image(Duration{2'000'000});  // same time as the previous image
   tick(Duration{2'005'000});
   EXPECT_EQ(count("images_late"), 1);
   EXPECT_EQ(count("images_early"), 1);

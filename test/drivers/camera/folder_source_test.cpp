@@ -68,7 +68,7 @@ TEST(FolderSource, CountsFilesThatAreNoImages) {
   write(folder.file("1700000000000002.pgm"), "");                     // empty: a full disk
   write(folder.file("1700000000000003.png"), "not a PNG at all");     // damaged
   write(folder.file("1700000000000004.pgm"), "P5 99999 9 255\nabc");  // huge
-  write(folder.file("frame1.pgm"), kImage);                           // no time
+  write(folder.file("frame1.pgm"), kImage);                           // no time in the name
   write(folder.file("notes.txt"), "text");                            // ignored
   std::filesystem::create_directory(folder.file("1700000000000005.pgm"));
   std::filesystem::create_directory(folder.file("moved"));

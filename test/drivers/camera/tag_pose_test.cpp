@@ -101,7 +101,7 @@ TEST(TagPose, HasTheCovarianceOfNoisyEstimates) {
   }
 }
 
-// A small tag: its other pose has nearly the same corners, and both lie at the same position.
+// The two possible poses of a small tag have nearly the same corners and the same position.
 TEST(TagPose, FindsBothPosesOfASmallTag) {
   const Pose3 truth = tag_at({0.2, 0.1, 4.0}, 0.6, 0.4, 1.0);
   const auto poses = estimate_poses(lab_camera(), kSize_m, corners_of(lab_camera(), truth), 0.2);
@@ -131,7 +131,7 @@ TEST(TagPose, RefusesCornersOnALineOrAtOnePoint) {
                               Corners{Eigen::Vector2d(9, 9), {9, 9}, {9, 9}, {9, 9}}, 0.2));
 }
 
-// A hidden corner moves one corner by 10 pixels, which no pose of a square explains.
+// A partly hidden corner is detected 10 pixels away, which no pose of a square explains.
 TEST(TagPosition, IsRefusedIfTheCornersAreNotThoseOfASquare) {
   Corners corners = corners_of(lab_camera(), tag_at({0.0, 0.0, 0.5}, 0.3, 0.0, 0.2));
   corners[2] += Eigen::Vector2d(10.0, -10.0);
@@ -153,7 +153,8 @@ TagPoses two_poses(double apart_m, double excess_pixels2) {
   return {best, second};
 }
 
-// Equally likely positions 4 cm apart, each with 1σ = 1 cm: (0.04)² / (2 · 1e-4) = 8 < 11.34.
+// Two equally likely positions 4 cm apart, each with 1σ = 1 cm, agree: 0.04² / (2 · 1e-4) = 8 is
+// below 11.34, the 99 % quantile of χ² with three degrees of freedom.
 TEST(TagPosition, CoversBothPosesIfTheyAgree) {
   const PositionOrFault found = position_of(two_poses(0.04, 0.0), 0.2);
   ASSERT_TRUE(found.position);

@@ -136,8 +136,8 @@ class V4l2SourceTest : public testing::Test {
   Device device_;
 };
 
-// The stamp is 30 ms old. At the start of an exposure of 10 ms its middle is 5 ms later; at the end
-// of a readout of 4 ms it is 9 ms earlier.
+// All stamps are 30 ms old. A stamp at the start of a 10 ms exposure is 5 ms before the middle of
+// the exposure. A stamp at the end of a 4 ms readout is 9 ms after this middle.
 TEST_F(V4l2SourceTest, StampsTheMiddleOfTheExposure) {
   V4l2Source source = this->source();
   EXPECT_FALSE(source.next(kNow));

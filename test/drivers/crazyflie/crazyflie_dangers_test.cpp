@@ -36,7 +36,7 @@ class CrazyflieDangers : public ::testing::Test {
   CrazyflieBench bench;
 };
 
-// 1. Set-points that stop lock the motors after 2 s.
+// 1. If set-points stop, the firmware locks the motors after 2 s.
 TEST_F(CrazyflieDangers, SetpointsNeverStopInFlight) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   EXPECT_LT(longest_gap_s(10.0), 0.05) << "while the vehicle holds";
@@ -56,7 +56,7 @@ TEST_F(CrazyflieDangers, RestartedDriverLandsTheVehicle) {
   EXPECT_TRUE(bench.is_sound());
 }
 
-// 2. A lost pose is never reported.
+// 2. The firmware does not report that it receives no poses.
 TEST_F(CrazyflieDangers, DetectsThatPosesDoNotArrive) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.loses_sent = [](const crtp::Packet& packet) {
@@ -79,7 +79,7 @@ TEST_F(CrazyflieDangers, LandsWithoutMocap) {
   EXPECT_TRUE(bench.is_sound());
 }
 
-// 3. NaN or a wrong length ends the firmware.
+// 3. A NaN or a packet of wrong length crashes the firmware.
 TEST_F(CrazyflieDangers, NeverSendsImpossibleNumbers) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -120,7 +120,8 @@ TEST_F(CrazyflieDangers, NeverSendsImpossibleNumbers) {
   }
 }
 
-// 4. "Set-points end" without a landing stops the motors; a landing without it is ignored.
+// 4. The firmware stops the motors if it receives "set-points end" without a command to land. It
+// ignores a command to land without "set-points end".
 TEST_F(CrazyflieDangers, HandsOverWithoutAFall) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.sent.clear();
@@ -152,7 +153,7 @@ TEST_F(CrazyflieDangers, HandsOverOnALossyLink) {
   }
 }
 
-// 5. The factory controller ignores velocities.
+// 5. The default controller of the firmware ignores the velocities in set-points.
 TEST_F(CrazyflieDangers, FollowsWithoutLag) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(1.0);
@@ -164,7 +165,7 @@ TEST_F(CrazyflieDangers, FollowsWithoutLag) {
   EXPECT_LT(off_m.norm(), 0.08);
 }
 
-// 6. The firmware follows any pose at once.
+// 6. The firmware uses every pose immediately, even after a jump.
 TEST_F(CrazyflieDangers, DoesNotFollowAJumpOfThePose) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(1.0);
@@ -187,7 +188,7 @@ TEST_F(CrazyflieDangers, DoesNotFollowAJumpOfThePose) {
   }
 }
 
-// 7. The firmware takes off without ever having had a pose.
+// 7. The firmware takes off even if it has never received a pose.
 TEST_F(CrazyflieDangers, RefusesToArmWithoutAnAgreeingPose) {
   bench.loses_sent = [](const crtp::Packet& packet) {
     return packet.port == crtp::Port::kLocalisation;
@@ -216,7 +217,8 @@ TEST_F(CrazyflieDangers, RefusesToArmWithADifferentEstimate) {
   EXPECT_FALSE(bench.driver->inputs().autopilot_armed) << bench.reasons();
 }
 
-// 8. An old set-point starts the motors at arming, then locks them.
+// 8. If a set-point was sent before arming, the firmware starts the motors at arming and then locks
+// them.
 TEST_F(CrazyflieDangers, ClearsAnOldSetpointBeforeArming) {
   for (const bool arms_itself : {true, false}) {
     CrazyflieBench other(arms_itself);

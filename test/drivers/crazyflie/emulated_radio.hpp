@@ -19,7 +19,7 @@ using RadioBytes = std::vector<std::uint8_t>;
 
 /// Vehicle's end of a radio link, with the firmware's rules of safe link.
 struct EmulatedPeer {
-  std::vector<RadioBytes> received;  ///< packets with content, without the bits of the link
+  std::vector<RadioBytes> received;  ///< packets with content; the link bits of the header are set
   std::deque<RadioBytes> to_send;
   bool offers_safe_link = true;
 
@@ -70,15 +70,15 @@ struct EmulatedPeer {
   RadioBytes current_{0xF3};
 };
 
-/// Dongle with emulated vehicles on the air. Transmissions and acknowledgements are lost at random;
-/// the dongle repeats them as the real one does.
+/// Dongle with emulated vehicles in range. Transmissions and acknowledgements are lost at random;
+/// like the real dongle, this one repeats lost transmissions.
 class EmulatedRadio : public drivers::UsbRadio {
  public:
   struct Air {
     std::map<std::pair<int, std::array<std::uint8_t, 5>>, EmulatedPeer> peers;
     std::vector<RadioBytes> broadcasts;
     bool is_plugged = true;
-    double loss = 0.0;  ///< share of transmissions and of acknowledgements
+    double loss = 0.0;  ///< share of transmissions, and of acknowledgements, that are lost
     int settings = 0;   ///< number of vendor requests
     std::mt19937_64 random{11};
   };

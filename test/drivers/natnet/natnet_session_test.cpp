@@ -7,7 +7,7 @@
 
 #include "test/drivers/vicon/vicon_bench.hpp"
 
-// The driver and the emulated NatNet server in virtual time.
+// Tests the driver with the emulated NatNet server in virtual time.
 
 namespace vantage::drivers::natnet {
 namespace {
@@ -65,7 +65,7 @@ TEST(NatNetSession, MarksUntrackedBodiesAsOccluded) {
   EmulatedFrame frame = bench.next(3);
   frame.bodies[1].is_occluded = true;
   bench.publish(frame);
-  bench.pass(kPeriod);  // marked frames wait for the names
+  bench.pass(kPeriod);  // a frame that reports changed definitions waits for the names
   const models::MocapFrame& seen = bench.frames.back();
   EXPECT_FALSE(seen.find("BODY0")->occluded);
   EXPECT_TRUE(seen.find("BODY1")->occluded);
@@ -97,7 +97,7 @@ TEST(NatNetSession, StampsFramesAtTheExposure) {
   }
 }
 
-/// Publishes frames whose datagrams arrive `delay` later; echoes are not delayed.
+/// Publishes frames whose datagrams arrive `delay` later; echo replies are not delayed.
 void run_delayed(NatNetBench& bench, int frames_count, Duration delay) {
   std::deque<std::pair<Duration, std::vector<std::uint8_t>>> queue;
   for (int k = 0; k < frames_count * 10; ++k) {

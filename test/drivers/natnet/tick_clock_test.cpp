@@ -40,8 +40,9 @@ TEST(TickClock, HasNoTimeBeforeTheFirstAnswer) {
   EXPECT_NEAR(clock.seconds_between(kTicksPerSecond, 0), -1.0, 1e-12);
 }
 
-// The true time lies between request and answer, so the error of the middle is at most half of the
-// round trip. A skew adds at most its rate times the age of the answer in use.
+// The server reads its clock between request and answer, so the assumed middle is wrong by at most
+// half of the round trip. A rate error (skew) adds at most its rate times the age of the answer in
+// use.
 TEST(TickClock, IsWithinHalfOfAShortRoundTrip) {
   test::Random random(5);
   for (const double skew : {0.0, 3e-5, -3e-5}) {
@@ -62,8 +63,8 @@ TEST(TickClock, IsWithinHalfOfAShortRoundTrip) {
   }
 }
 
-// All answers wait for 2 s in the same queue as the frames. A frame must not appear newer than it
-// is by more than the travel time of a request.
+// All answers wait for 2 s in the same queue as the frames. The clock must not hide this delay: its
+// error is at most the travel time of a request.
 TEST(TickClock, ShowsTheDelayOfAConstantQueue) {
   TickClock clock;
   clock.restart(kTicksPerSecond);

@@ -77,7 +77,7 @@ TEST(AutopilotLink, SendsHeartbeatsAtFiveHertz) {
     const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frames[0]);
     ASSERT_TRUE(heartbeat.has_value());
     const bool is_px4 = dialect == AutopilotDialect::kPx4;
-    EXPECT_EQ(heartbeat->type, 6);  // PX4 reports refusal reasons only to ground stations
+    EXPECT_EQ(heartbeat->type, 6);  // ground station; PX4 reports refusal reasons only to these
     EXPECT_EQ(heartbeat->autopilot, 8);
     EXPECT_EQ(heartbeat->system_status, 4);
     EXPECT_EQ(frames[0].origin.system_id, is_px4 ? 254 : 255);

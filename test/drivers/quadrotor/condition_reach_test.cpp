@@ -29,7 +29,8 @@ struct Row {
   std::function<void(ReasonBench&)> reach;
 };
 
-/// Returns a function that triggers a condition: it hovers, calls `begin`, then runs for `seconds`.
+/// Returns a function that triggers a condition: the function hovers, calls `begin`, then runs for
+/// `seconds`.
 std::function<void(ReasonBench&)> hovering(double seconds,
                                            const std::function<void(ReasonBench&)>& begin) {
   return [seconds, begin](ReasonBench& up) {

@@ -126,10 +126,10 @@ class FlightBench : public SteppedBench {
   bool has_mocap = true;
   bool has_operator = true;
   bool is_wire_cut = false;
-  bool driver_receives_nothing = false;  ///< the vehicle still receives the driver
+  bool driver_receives_nothing = false;  ///< only the link from vehicle to driver fails
   using Loses = std::function<bool(const std::vector<std::uint8_t>& datagram)>;
-  Loses loses_received;  ///< selects datagrams of the vehicle that are lost
-  Loses loses_sent;      ///< selects datagrams of the driver that are lost
+  Loses loses_received;  ///< selects datagrams from the vehicle that are lost
+  Loses loses_sent;      ///< selects datagrams from the driver that are lost
   std::function<void(models::MocapFrame&)> alter_frame;  ///< changes mocap frames
   /// Receives each captured frame instead of the driver; empty: the bench delivers it.
   std::function<void(const models::MocapFrame&)> on_capture;

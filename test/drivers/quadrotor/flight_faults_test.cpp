@@ -64,7 +64,7 @@ TEST_P(FlightFaults, IgnoresARejectedPose) {
   bench.alter_frame = [](models::MocapFrame& frame) {
     frame.bodies.front().world_from_body.translation_m.x() += 1.0;
   };
-  bench.run(0.02);  // until frames captured earlier have arrived
+  bench.run(0.02);  // waits for frames that were captured earlier
   int poses = 0;
   double sent_offset_m = 0.0;  // m; greatest offset of a sent pose from the hover
   bench.on_step = [&](Time) {
@@ -170,9 +170,9 @@ TEST_P(FlightFaults, RepeatedCommandKeepsThePilotInControl) {
 }
 
 // A pilot flies manually, perhaps because mocap is bad. When mocap loses the vehicle, the state
-// becomes LAND, but the driver sends no landing command, whether the link works or not. In a hold
-// mode of the autopilot a pilot may be missing, so the driver lands the vehicle. An operator
-// command takes control from a pilot, also from a second one.
+// becomes LAND, but the driver sends no landing command, whether or not it receives the vehicle. In
+// a hold mode of the autopilot there may be no pilot, so the driver lands the vehicle. An operator
+// command takes control from the pilot, also when the pilot has taken over a second time.
 TEST_P(FlightFaults, DoesNotTakeOverFromAPilotWithoutACommand) {
   for (const bool is_by_hand : {true, false}) {
     for (const bool driver_receives_nothing : {true, false}) {

@@ -41,7 +41,7 @@ class Line {
     bench_.on_step = [this](Time) { step(); };
   }
 
-  /// s; greatest difference of reported and true latency over all published frames.
+  /// s; greatest difference between the reported and the true latency of a published frame.
   double worst_error_s = 0.0;
   double slow_share = 0.0;  ///< relative excess of the transmission time over the frame period
   Duration queue{};         ///< delay of each frame on this connection
@@ -127,8 +127,8 @@ class Line {
   }
 
   void publish(models::MocapFrame frame) {
-    // After a reconnect, the driver must first estimate the rate of an object stream, which does
-    // not contain it. Errors of that time are ignored.
+    // An object stream does not contain its rate, so the driver must first estimate the rate after
+    // a reconnect. Errors during this time are ignored.
     if (!driver_.is_datagram() || driver_.link_counts().backlogs == 0) {
       worst_error_s = std::max(worst_error_s, std::abs(to_seconds(frame.stamp.time - captured_)));
     }
@@ -158,8 +158,8 @@ struct LineRow {
 
 class MocapLine : public ::testing::TestWithParam<LineRow> {};
 
-// An object stream does not contain its rate. A connection that is slow from the first frame is
-// therefore not detected; one that becomes slow is.
+// An object stream does not contain its rate. The driver therefore cannot detect that a connection
+// is slow from the first frame, only that it becomes slow.
 const LineRow kLineRows[] = {
     {"DataStreamSlowBy2", MocapProtocol::kDataStream, 0.02, 0.0},
     {"DataStreamSlowBy5", MocapProtocol::kDataStream, 0.05, 0.0},
@@ -188,8 +188,8 @@ TEST_P(MocapLine, ReportsItsLatencyAndHoldsTheVehicleWhileFramesAreQueued) {
   EXPECT_LT(line.worst_error_s, 0.02);
   line.slow_share = row.slow_share;
   line.queue = from_seconds(row.queue_s);
-  // The latency limit of 0.1 s plus 0.05 s of error must be reached. Frames that enter a queue
-  // arrive only after the queue's delay.
+  // The delay must exceed the latency limit of 0.1 s by the allowed error of 0.05 s. Frames that
+  // enter a queue arrive only after the queue's delay.
   const double promised_s = row.slow_share > 0.0 ? 0.15 / row.slow_share + 0.1 : row.queue_s + 0.15;
   EXPECT_TRUE(bench.run_until([&] { return bench.has_reason("pose late"); }, promised_s))
       << bench.reasons();

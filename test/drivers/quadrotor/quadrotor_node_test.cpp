@@ -76,7 +76,7 @@ TEST(QuadrotorNode, FliesAVehicleDespiteAnotherSenderToItsPort) {
   fly(bench);
 }
 
-// Failure text as reported by run_node(); the status shows it to the operator.
+// Uses the failure text of run_node(), which the status shows to the operator.
 TEST(QuadrotorNode, ReportsThatItsProcessWaitsForAProcessor) {
   NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port_of_this_test(3));
   const auto says_busy = [&] {

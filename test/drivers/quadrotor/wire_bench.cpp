@@ -26,7 +26,7 @@ constexpr Duration kStep{5'000};  // time step of the emulated autopilots and th
 constexpr double kFloorM = 0.05;  // m; height of the markers on the floor
 constexpr double kLineS = 0.001;  // s; part of the latency that the server does not report
 constexpr double kRunawayLagS = 0.15;
-constexpr double kTiltFaultRad = 0.5;  // rad; tilt faults below this are within normal motion
+constexpr double kTiltFaultRad = 0.5;  // rad; a smaller tilt_rad is normal motion and not applied
 constexpr std::uint8_t kArmedFlag = 0x80;
 constexpr std::int8_t kFrozenPercent = 85;
 constexpr std::uint32_t kPx4Position = 3U << 16U;

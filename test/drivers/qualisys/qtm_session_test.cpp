@@ -4,7 +4,7 @@
 
 #include "test/drivers/vicon/vicon_bench.hpp"
 
-// The driver and the emulated QTM server in virtual time.
+// Tests the driver with the emulated QTM server in virtual time.
 
 namespace vantage::drivers::qualisys {
 namespace {

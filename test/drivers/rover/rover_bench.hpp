@@ -123,7 +123,7 @@ class RoverBench : public SteppedBench {
   sim::RoverEmulator rover;
   std::int64_t steps = 0;
   bool mocap_on = true;
-  double pose_sigma_m = 0.0;  ///< 1σ of an estimate that replaces motion capture; 0: mocap
+  double pose_sigma_m = 0.0;  ///< m; 1σ of the estimate that replaces mocap; 0: mocap
   bool telemetry_on = true;
   bool commands_on = true;
   bool operator_on = true;

@@ -93,14 +93,15 @@ TEST_P(RoverFault, StopsTheRoverWithinTheDocumentedTime) {
 INSTANTIATE_TEST_SUITE_P(All, RoverFault, ::testing::ValuesIn(kFaults),
                          [](const auto& each) { return std::string(each.param.name); });
 
-/// Rows of localizer.safety: what a rover does without motion capture, by the 1σ of its estimate.
+/// Row of localizer.safety: reaction of a rover without motion capture, by the 1σ of its pose
+/// estimate.
 struct EstimateFault {
   const char* name;
   bool may_drive;
   double sigma_m;
   FlightState during;
   const char* reason;      ///< empty: none
-  FlightState afterwards;  ///< 2 s after motion capture sees the rover again
+  FlightState afterwards;  ///< state 2 s after motion capture sees the rover again
 };
 
 const EstimateFault kEstimateFaults[] = {
@@ -131,7 +132,7 @@ TEST_P(RoverWithoutMocap, ReactsByTheUncertaintyOfItsPose) {
   }
   bench.pose_sigma_m = 0.0;
   bench.run(1.0);
-  // A hold ends with a plan that begins at the rover.
+  // A rover in HOLD needs a new plan that begins at its position.
   static_cast<void>(bench.plan(RoverBench::straight(0.5, 3.0)));
   bench.run(1.0);
   EXPECT_EQ(bench.driver.state(), fault.afterwards);
@@ -140,8 +141,8 @@ TEST_P(RoverWithoutMocap, ReactsByTheUncertaintyOfItsPose) {
 INSTANTIATE_TEST_SUITE_P(All, RoverWithoutMocap, ::testing::ValuesIn(kEstimateFaults),
                          [](const auto& each) { return std::string(each.param.name); });
 
-// 3σ of the pose reduce the distance to the fence, y = 8 m: the rover stops farther from it than
-// its plan ends.
+// The required distance from the fence at y = 8 m grows by 3σ of the pose, so the rover stops
+// before the end of its plan.
 TEST(RoverMargins, GrowWithTheUncertaintyOfThePose) {
   double stood_y_m[2];
   for (int i = 0; i < 2; ++i) {
@@ -153,7 +154,7 @@ TEST(RoverMargins, GrowWithTheUncertaintyOfThePose) {
     stood_y_m[i] = bench.place_m().y();
   }
   EXPECT_NEAR(stood_y_m[0], 1.0 + 0.5 * 13.2 + 0.0625, 0.06);
-  EXPECT_LT(stood_y_m[1], 8.0 - 0.2 - 0.3);  // fence, radius, 3σ
+  EXPECT_LT(stood_y_m[1], 8.0 - 0.2 - 0.3);  // fence minus radius minus 3σ
 }
 
 /// A rover that follows a plan.

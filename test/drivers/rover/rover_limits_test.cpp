@@ -1,5 +1,5 @@
-// Compares every limit that stops a rover with docs/reference/rover-conditions.md, on both sides of
-// the limit, and also the parameters of its steering.
+// Compares the limits that stop a rover, and the parameters of its steering, with
+// docs/reference/rover-conditions.md. Both sides of each limit are tested.
 
 #include <algorithm>
 #include <string>
@@ -32,7 +32,7 @@ constexpr auto kHold = Severity::kHold;
 constexpr auto kSelf = Clearing::kSelf;
 constexpr auto kOperator = Clearing::kOperator;
 
-// Lower limits are listed with inverted sign.
+// Inputs with a lower limit are listed with inverted sign.
 const Stated kStated[] = {
     {"fence far", kKill, Clearing::kRearm, 0.0,
      [](SafetyInputs& in, double v) { in.fence_centre_m = -v; }, 1.0},

@@ -250,7 +250,7 @@ TEST_F(Authority, ForgetsTheLongestSilentStation) {
     EXPECT_TRUE(is_known(run)) << run;
   }
   EXPECT_FALSE(is_known(9));
-  admit(OperatorAction::kHeartbeat, 3, 0.9);  // station 4 is now silent longest, except station 1
+  admit(OperatorAction::kHeartbeat, 3, 0.9);  // station 4 is silent longest, apart from station 1
   admit(OperatorAction::kHeartbeat, 2, 0.95);
   for (const std::int64_t newcomer : {9, 10}) {
     admit(OperatorAction::kHeartbeat, newcomer, 0.96 + 0.001 * static_cast<double>(newcomer));
@@ -312,7 +312,8 @@ TEST_F(Authority, PassesToAStationWithANewHeartbeat) {
   }
 }
 
-// A delayed stop acts once. It does not keep its station in charge, and a delayed order is refused.
+// A delayed stop is obeyed once but does not keep its station in charge. A delayed order is
+// refused.
 TEST_F(Authority, AcceptsDelayedSaferCommandsOnce) {
   const auto at = [](double t_s) { return kStart + from_seconds(t_s); };
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 50, 0.0), at(0.0), 1.0));

@@ -145,8 +145,9 @@ TEST(ConditionRow, CountHoldsAtItsLimitAndAbove) {
   EXPECT_TRUE(holds("plans refused", &In::plans_refused, 1));
 }
 
-// Tests the rows that need several facts: "no pose" with "near the floor" or "outside"; no plan, or
-// a plan that ended long ago.
+// Tests the rows that combine several inputs. "pose lost low" requires an old pose and a vehicle
+// that is near the floor or outside. "no plan" requires that there is no plan or that the plan
+// ended long ago.
 TEST(ConditionRow, RequiresAllOfItsFacts) {
   const SafetyLimits l = limits();
   SafetyInputs in;

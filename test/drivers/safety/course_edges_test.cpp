@@ -38,8 +38,8 @@ void expect_same(const Setpoint& is, const Setpoint& should_be) {
   EXPECT_NEAR(is.yaw_rate_radps, should_be.yaw_rate_radps, 1e-12);
 }
 
-// Only abrupt speed changes of plans and shifts are smoothed. A stop is followed exactly, with or
-// without a later plan, and also when it is repeated.
+// Shifts and abrupt speed changes of plans are smoothed. A stop is followed exactly, with or
+// without a later plan. Tested repeatedly.
 TEST(Course, FollowsAStopExactly) {
   test::Random random(21);
   Course course(kHalfWindowS);
@@ -79,9 +79,9 @@ TEST(Course, EqualsThePlanWithoutAWindow) {
   }
 }
 
-// A plan applies from its exact start time, after a hover and after another plan, whether or not
-// the course was queried before. After a plan that followed a hover has begun, the course returns
-// the plan's start position for earlier times.
+// A plan applies exactly from its start time: after a hover or another plan, and whether or not the
+// course was advanced before. Once a plan that followed a hover has begun, the course returns the
+// plan's start position for earlier times.
 TEST(Course, FollowsAPlanFromItsStartTime) {
   Course course(kHalfWindowS);
   Eigen::Vector3d before_m(5.0, 5.0, 1.0);

@@ -37,8 +37,8 @@ struct Fault {
   models::FlightState end = models::FlightState::kFollow;
   bool trusts_plans = false;  ///< see FlightBench
   double delays_s = 0.0;      ///< s; during this time no other fault can be detected either
-  /// The fault only affects a vehicle that follows and is seen. Together with another fault that
-  /// changes the state it may have no effect; then only the violations are checked.
+  /// The fault only affects a vehicle that follows its plan and is seen by mocap. Another fault
+  /// that changes the state may suppress the effect; then only the violations are checked.
   bool needs_undisturbed_flight = false;
   bool acts_through_plans = false;  ///< the effect is delayed by a missing or refused plan
 };

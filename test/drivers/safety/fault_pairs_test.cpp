@@ -79,7 +79,7 @@ void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& ot
   const int needed = is_resumed ? 0 : std::min(severity_of(fault.end), ends_at_floor ? 2 : 3);
   EXPECT_GE(severity_of(outcome.end), needed)
       << fault.name << " ends in " << name_of(outcome.end) << " with " << other.name;
-  // If the other fault suppresses the plan with this fault's effect, the next plan has the effect.
+  // If the other fault removes the plan that this fault corrupts, this fault acts one round later.
   const double later_s = fault.acts_through_plans && other.acts_through_plans ? kRoundS : 0.0;
   for (std::size_t s = 0; s < fault.stages.size() - (ends_at_floor ? 1 : 0); ++s) {
     EXPECT_GE(outcome.stage_s[s], 0.0) << fault.name << " never reaches "
@@ -91,9 +91,9 @@ void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& ot
 
 bool is_of_cameras(const Fault& fault) { return fault.number <= 12; }
 
-// Returns the reason why `fault` need not be counted when it occurs together with `other`; nullptr
-// if it must be counted. The catalogue is sorted by number, so in a pair with one camera fault the
-// camera fault is first.
+// Returns the reason why `fault` need not be counted when it occurs together with `other`, or
+// nullptr if it must be counted. The catalogue is sorted by number, so a camera fault is second
+// only after another camera fault.
 const char* hides_count(const Fault& fault, const Fault& other, bool is_first) {
   if (!is_first && is_of_cameras(fault)) {
     return "the first of two faults of the cameras may leave no frame, or no pose, to be wrong";

@@ -189,7 +189,7 @@ TEST_F(FleetBodies, ListsSeenBodiesWithTheirPriority) {
   const auto bodies = fleet.bodies(at(0.0), limits);
   ASSERT_EQ(bodies.size(), 3u) << "the vehicle is not another body";
   const double xs_m[] = {0.0, 2.0, 3.0};
-  const bool has_priority[] = {true, false, true};  // Q1 precedes Q2; non-robots always do
+  const bool has_priority[] = {true, false, true};  // Q1 precedes Q2; non-robots have priority
   const int robots[] = {0, 2, -1};                  // indices in the scenario
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(bodies[i].position_world_m.x(), xs_m[i]);

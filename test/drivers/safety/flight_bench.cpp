@@ -20,7 +20,7 @@ constexpr double kSpeedMps = 1.0;
 constexpr double kBrakeMps2 = 2.0;
 constexpr double kTurnRadps = 2.5;
 constexpr std::int64_t kRoundTicks = 100;
-constexpr std::int64_t kPublishTick = 90;  // tick of the round
+constexpr std::int64_t kPublishTick = 90;  // tick of the round at which plans are published
 constexpr std::int64_t kPlannerRun = 100;
 constexpr std::int64_t kOtherPlannerRun = 500;
 constexpr std::int64_t kStationRun = 7;
@@ -398,7 +398,8 @@ void FlightBench::corrupt(models::RobotPlan& plan, Vehicle& vehicle) {
       straight_to(0.0, 0.65);
       break;
     case PlanFault::kMeetsTeammate: {
-      // Computes the predicted position of the other vehicle when this vehicle arrives there.
+      // Finds the meeting point by iteration: the predicted position of the other vehicle at the
+      // time at which this vehicle arrives at the point.
       const Vehicle& other = vehicles_[vehicle.name == "Q1" ? 1 : 0];
       Eigen::Vector2d meeting_m = other.position_m.head<2>();
       for (int i = 0; i < 10; ++i) {

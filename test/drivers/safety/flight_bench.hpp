@@ -60,7 +60,7 @@ enum class BodyFault {
 /// Faults of one vehicle and its environment during one tick.
 struct VehicleKnobs {
   std::vector<BodyFault> body;  ///< faults of the mocap body; all of them apply
-  double offset_m = 0.0;        ///< m; added to its shown position along x
+  double offset_m = 0.0;        ///< m; added along x to the position shown by mocap
   std::string swapped_with;
   PlanFault plan = PlanFault::kNone;
   bool plan_late = false;  ///< the plan reports a missed deadline
@@ -70,7 +70,7 @@ struct VehicleKnobs {
   Eigen::Vector3d runaway_mps = Eigen::Vector3d::Zero();  ///< m/s; added to the commanded velocity
   bool motor_failed = false;
   double tilt_rad = 0.05;
-  double body_tilt_rad = 0.0;        ///< rad; of the mocap body about its x axis
+  double body_tilt_rad = 0.0;        ///< rad; tilt of the mocap body about its x axis
   double attitude_offset_rad = 0.0;  ///< rad; error of the roll that the autopilot reports
   double yaw_offset_rad = 0.0;       ///< rad; error of the yaw that the autopilot reports
   bool reports_disarmed = false;     ///< the autopilot reports disarmed motors

@@ -1,5 +1,5 @@
-// The measured motion of the body decides whether the vehicle flies, when a driver starts in the
-// air and when a disarmed report arrives in flight.
+// Tests that the measured motion of the body decides whether the vehicle is flying: when a driver
+// starts in the air, and when the autopilot reports disarmed motors in flight.
 
 #include <cmath>
 

@@ -101,8 +101,8 @@ TEST_F(StepLadder, StaysArmedInALandingWithAnEstimatedHeight) {
   }
 }
 
-// A condition must be true, or false, for an uninterrupted time. Each such time is measured
-// separately.
+// A condition takes effect after it was true for an uninterrupted time. It clears after it was
+// false for an uninterrupted time clear_s. Shorter periods do not add up.
 TEST_F(StepLadder, TimesConditionsSeparately) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
@@ -126,7 +126,7 @@ TEST_F(StepLadder, TimesConditionsSeparately) {
   }
 }
 
-// A vehicle that must yield, the later one by name, waits longer by yield_s. Tested twice.
+// A vehicle that must yield, because its name sorts later, holds longer by yield_s. Tested twice.
 TEST_F(StepLadder, HoldsLongerByTheYieldTimeWhenItYields) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
@@ -154,8 +154,7 @@ TEST_F(StepLadder, WaitsForTheOperatorEachTime) {
   }
 }
 
-// Tests orders on the ground: the conditions that forbid them, their time limit, and that a new
-// order starts a new time limit.
+// Tests the time limit of an order that is forbidden on the ground. A new order starts a new limit.
 TEST_F(StepLadder, DropsAnOrderAfterTheTimeLimit) {
   d.in.autopilot_armed = false;
   for (int time = 0; time < 2; ++time) {
@@ -315,7 +314,8 @@ TEST_F(StepLadder, IsAsSevereAsItsWorstCondition) {
   }
 }
 
-// Autopilots stop motors that idle for ten seconds; that would end the order.
+// Autopilots stop motors that idle for ten seconds, which would end the order. The ladder therefore
+// stops the motors earlier and keeps the order.
 TEST_F(StepLadder, LimitsIdlingWhileOtherVehiclesLift) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);

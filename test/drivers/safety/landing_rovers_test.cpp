@@ -119,7 +119,7 @@ TEST(FlightGuard, LandsAmongRoversWithRandomTurns) {
     std::vector<double> down_s(bench.vehicles().size(), 30.0);
     bench.run(30.0, [&] {
       for (std::size_t i = 0; i < rovers_m.size(); ++i) {
-        headings_rad[i] += random.normal() * std::sqrt(test::FlightBench::kTickS);  // 1 rad in 1 s
+        headings_rad[i] += random.normal() * std::sqrt(test::FlightBench::kTickS);  // 1σ: 1 rad/√s
         Eigen::Vector3d ahead_m = rovers_m[i] + kRoverMps * test::FlightBench::kTickS *
                                                     Eigen::Vector3d(std::cos(headings_rad[i]),
                                                                     std::sin(headings_rad[i]), 0.0);
@@ -151,7 +151,7 @@ TEST(FlightGuard, LandsAmongRoversWithRandomTurns) {
   const auto slower_than = [&](double limit_s) {
     return std::count_if(took_s.begin(), took_s.end(), [&](double s) { return s > limit_s; });
   };
-  EXPECT_LE(slower_than(8.0), 12);  // of 60 landings; 37 of 360 in a longer run
+  EXPECT_LE(slower_than(8.0), 12);  // of 60 landings; a longer run had 37 of 360
   EXPECT_EQ(slower_than(25.0), 0);
 }
 

@@ -156,7 +156,7 @@ struct Landing {
   double way_m = 0.0;        ///< m; greatest horizontal distance from the position at the command
   double late_mps = 0.0;     ///< m/s; greatest horizontal speed later than 21 s
   double took_s = 0.0;       ///< s; time until idle, at most the time limit
-  double fell_m = 0.0;  ///< m; greatest descent between a stop of the descent and its continuation
+  double fell_m = 0.0;       ///< m; greatest descent between stopping a descent and continuing it
 };
 
 /// Commands Q1 to land; `walk` gives the walker position from the time since the command and the

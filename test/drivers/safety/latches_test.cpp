@@ -11,9 +11,9 @@
 
 #include "test/support/random.hpp"
 
-// Timing, latching and clearing of conditions, tested with an artificial table. The condition of a
-// row is true while the row's bit is set. The result is compared with a brute-force evaluation of
-// the complete history.
+// Tests timing, latching and clearing of conditions with an artificial table, in which a row's
+// condition is true while the row's bit is set. The result is compared with a brute-force
+// evaluation of the complete history.
 
 namespace vantage::drivers {
 namespace {
@@ -117,8 +117,8 @@ TEST(Latches, EqualTheEvaluationOfTheCompleteHistory) {
   EXPECT_TRUE(ladder.latched[kRows - 1]) << "only arming again clears this condition";
 }
 
-/// Evaluates `ask` for each row alone, and for each row together with all rows for which false is
-/// expected.
+/// Expects `ask` to return `expected` for each row alone, and for each row together with all rows
+/// for which false is expected.
 template <class Ask>
 void expect_of_rows(const std::vector<Condition>& rows, const Ask& ask,
                     const std::vector<bool>& expected) {
@@ -162,7 +162,7 @@ TEST(Latches, ActBySeverityAndClearing) {
         },
         of([&](const Condition& row) { return row.clearing == clearing; }));
   }
-  // Notes and conditions that clear immediately do not count.
+  // Notes, and conditions that clear at once, do not make a vehicle wait for more than a plan.
   expect_of_rows(
       rows, [&](const Reasons& latched) { return waits_for_more_than_a_plan(rows, latched); },
       of([](const Condition& row) {

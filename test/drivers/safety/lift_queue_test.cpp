@@ -1,4 +1,4 @@
-// The order in which vehicles lift, tested without a simulated flight.
+// Tests the order in which vehicles lift, without a simulated flight.
 
 #include <algorithm>
 #include <cmath>

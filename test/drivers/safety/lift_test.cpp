@@ -44,7 +44,7 @@ TEST(Lift, IsVerifiedByTheCommandedStepAndTurn) {
     const bool is_proven = own.step(hover_m + gone_m, yaw_rad, course, limits, kStart);
     EXPECT_EQ(own.is_under_way(), !is_proven);
     const Setpoint then =
-        course.planned_at(kStart);  // ground position once verified, else the step
+        course.planned_at(kStart);  // the ground position if verified, otherwise the step
     const Eigen::Vector2d back_m =
         is_proven ? rest.position_m() : Eigen::Vector2d(planned.position_world_m.head<2>());
     EXPECT_LT((then.position_world_m.head<2>() - back_m).norm(), 1e-12);

@@ -27,7 +27,7 @@ std::vector<Fault> mocap_faults() {
   const std::vector<Stage> gone = {{kHold, 0.10 + kTicks}, {kLand, 0.50 + kTicks}};
   std::vector<Stage> to_the_end = gone;
   to_the_end.push_back({kKilled, 10.0});
-  /// Returns a fault with a body that mocap shows in the given wrong way.
+  /// Returns a fault in which mocap shows the body wrongly, as given by `how`.
   const auto refused_poses = [&](int number, const char* name, const char* what, BodyFault how) {
     return fault(number, name, what, body(how), ends(kKilled, to_the_end, "pose implausible"));
   };

@@ -123,7 +123,7 @@ TEST_F(Source, CountsRefusalsAndTakeovers) {
   }
 }
 
-// Both sides of both time limits are tested, and again after a take-over.
+// Tests both sides of the limits for stamps (2 s) and silence (0.3 s), also after a take-over.
 TEST_F(Source, HasTheStatedTimeLimits) {
   shows_body = false;
   for (const double side : {1.0, -1.0}) {
@@ -141,7 +141,8 @@ TEST_F(Source, HasTheStatedTimeLimits) {
   }
 }
 
-// The message reports a second source for two seconds, and later a second clock for two seconds.
+// A refusal of a second source, or of a second clock, is reported for two seconds. If both were
+// refused, the second source is reported first.
 TEST_F(Source, ReportsRefusalsForTwoSeconds) {
   const std::string second = "messages from a second VICON source are rejected";
   const std::string other_time = "VICON messages from another clock or a log are rejected";

@@ -283,7 +283,7 @@ struct OneVehicle {
   bool is_frozen = false;  ///< mocap repeats the same pose bit for bit
   drivers::AutopilotReport report;
   std::optional<Eigen::Vector3d> estimate_m;  ///< m; autopilot's estimate if not exact
-  double climb_rate_error_mps = 0.0, yaw_rate_error_radps = 0.0;  ///< errors of its report
+  double climb_rate_error_mps = 0.0, yaw_rate_error_radps = 0.0;  ///< errors of `report`
   std::optional<double> battery_share = 0.9;
   drivers::GuardOutput out;
 };

@@ -99,7 +99,8 @@ void expect_edge_at(double least_m, double& limit_m, const HeldPlan& plan, Time 
   EXPECT_EQ(check_path(plan, now, limits, others), refusal) << least_m;
 }
 
-/// Calls look(i, random, plan, now) with random plans at times around their start.
+/// Calls look(i, random, plan, now) with random plans, at random times around the start of the
+/// plan.
 template <class Look>
 void for_each_plan(unsigned seed, int count, const Look& look) {
   test::Random random(seed);

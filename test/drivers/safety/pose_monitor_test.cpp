@@ -113,8 +113,8 @@ TEST_F(Poses, AllowACommandedDescentWhileUnseen) {
   }
 }
 
-// On the ground the body may be carried. A jump starts a new track at rest with a count of one.
-// Tested twice.
+// On the ground the body may be carried. A jump then restarts the track at rest, with a count of
+// one accepted pose. Tested twice.
 TEST_F(Poses, RestartAtRestAfterCarrying) {
   double t_s = 0.0;
   Eigen::Vector3d p_m(0.0, -1.0, 0.0);

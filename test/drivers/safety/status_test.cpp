@@ -91,8 +91,8 @@ TEST(VehicleStatus, ReportsSetpointAndPlan) {
       EXPECT_EQ(q1.out.climb_to_m, 1.0);
     }
     EXPECT_TRUE(q1.out.state == FlightState::kLand || !q1.out.is_sinking);
-    // In the air no order is pending, and near the ground the guard no longer requests that the
-    // motors run.
+    // In the air no order is pending, so `changed` is set only by changes of the state, the reasons
+    // or wants_armed, which becomes false near the ground.
     const bool is_other = q1.out.state != before.state || q1.out.reasons != before.reasons;
     if (is_airborne && drivers::is_airborne(before.state)) {
       EXPECT_EQ(q1.out.changed, is_other || q1.out.wants_armed != before.wants_armed);

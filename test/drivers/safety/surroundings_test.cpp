@@ -34,7 +34,7 @@ TEST(ClearSpot, IsClearAndNearOrEmptyWhenAlreadyClear) {
     const auto spot_m = clear_spot(hover_m, {}, limits);
     if (before_m >= limits.hover_clearance_m) {
       EXPECT_FALSE(spot_m.has_value());
-    } else if (before_m > -0.25) {  // m; needs a move of 0.4 m at most; the search reaches 0.6 m
+    } else if (before_m > -0.25) {  // m; a move of 0.4 m is enough; the limit is 0.6 m
       ASSERT_TRUE(spot_m.has_value()) << hover_m.transpose();
       EXPECT_GE(clearance_m(*spot_m, limits), limits.hover_clearance_m + 0.05);
       EXPECT_LE((*spot_m - hover_m).norm(), 0.6 + 1e-9);
@@ -363,8 +363,8 @@ TEST(Surroundings, AreInvariantUnderSymmetries) {
   }
 }
 
-// A body that is not a robot is assumed to keep its last speed for one second after it was lost. A
-// larger radius reduces the distance.
+// A body that is not a robot is assumed to keep its last speed for one second after mocap lost it.
+// A larger radius reduces the distance.
 TEST(Surroundings, GrowForMovingAndLargeBodies) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);

@@ -28,7 +28,7 @@ models::SensorModel sensor_of(models::SensorKind kind) {
 
 class PoseNoise : public ::testing::TestWithParam<models::SensorKind> {};
 
-// H P Hᵀ with H = ∂h/∂pose by central differences.
+// The added noise is H P Hᵀ, with the pose covariance P and H = ∂h/∂pose by central differences.
 TEST_P(PoseNoise, EqualsTheDifferencesOfTheMeasurement) {
   const models::SensorModel sensor = sensor_of(GetParam());
   const models::Viewpoint from{kPose, 1.0};

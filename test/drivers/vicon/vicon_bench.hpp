@@ -32,7 +32,7 @@ inline scenario::MocapSpec spec_of(scenario::MocapProtocol protocol) {
 }
 inline constexpr Duration kPeriod{10'000};
 
-/// Returns the row of any protocol.
+/// Returns the session row of a protocol of any vendor.
 inline const drivers::vicon::SessionRow& any_session_row(scenario::MocapProtocol protocol) {
   return protocol == scenario::MocapProtocol::kNatNet ? drivers::natnet::natnet_row()
          : protocol == scenario::MocapProtocol::kQtm  ? drivers::qualisys::qtm_row()
@@ -103,7 +103,7 @@ class ViconBench {
     } while (elapsed < end);
   }
 
-  /// Cuts the connection; the server may be stopped too.
+  /// Cuts the connection and discards the server's side of it.
   void cut() {
     peer.reset();
     driver.on_closed(now(), "cut");

@@ -107,8 +107,8 @@ TEST_F(VrpnTrackersOnTheWire, AppearInEveryFrame) {
       const models::MocapBody* body = frame.find(trackers_[i].name);
       ASSERT_NE(body, nullptr);
       ASSERT_FALSE(body->occluded) << body->name << " at " << to_seconds(at);
-      // m; a body with an acceleration of 1 m/s² is ½ · 0.02² from its tangent after 20 ms. The
-      // tangent itself is delayed.
+      // m; poses are extrapolated along the tangent for up to 20 ms. With 1 m/s² the error is ½ ·
+      // 0.02², plus the error from the delay of the velocity estimate.
       const double phase = Tracker::phase(at, i);
       const Eigen::Vector3d truth(std::cos(phase), std::sin(phase), 1.0);
       EXPECT_LT((body->world_from_body.translation_m - truth).norm(), 6e-4);
