@@ -86,7 +86,7 @@ TEST(NamesOf, ListsTheInputsInAFixedOrder) {
   }
 }
 
-/// A team that expects an attack. One slot is a sixth of its budget.
+/// A team that expects an attack. One slot is a sixth of the team's planning budget.
 class PlannerNodeClosing : public PlannerNodeTest, public testing::WithParamInterface<double> {};
 
 INSTANTIATE_TEST_SUITE_P(Budgets, PlannerNodeClosing, testing::Values(0.06, 0.48, 0.9));
@@ -327,8 +327,8 @@ TEST_F(PlannerNodeTest, YieldsSlotToRobotWithLowerIndex) {
 
 // ---- A team that solves its problem jointly ----
 
-// The node ticks every 5 ms in the first half of the budget, 250 ms. In the last 20 ms of it the
-// node waits for the last proposals.
+// The node ticks every 5 ms in the first half of the budget, which lasts 250 ms. In the last 20 ms
+// of this half the node only waits for the last proposals.
 TEST_F(PlannerNodeTest, PollsProposalsEveryFiveMilliseconds) {
   start(team_that_agrees());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
@@ -347,7 +347,7 @@ TEST_F(PlannerNodeTest, PollsProposalsEveryFiveMilliseconds) {
     for (Duration at = 0ms; at <= 230ms; at += 5ms) {
       expected.push_back(at);
     }
-    expected.push_back(250ms);  // the tick of its plan
+    expected.push_back(250ms);  // the tick that computes the plan
     EXPECT_EQ(ticks, expected);
   }
 }

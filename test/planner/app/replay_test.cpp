@@ -64,7 +64,7 @@ class ReplayTest : public test::PlannerNodeTest {
     return -1;
   }
 
-  // Expects these numbers of decisions that were the same, were different, or lacked inputs.
+  // Expects the given numbers of decisions that were equal, were different, or lacked inputs.
   void expect_counts(std::int64_t same, std::int64_t different, std::int64_t missing) const {
     EXPECT_EQ(replayed("replayed_same"), same);
     EXPECT_EQ(replayed("replayed_different"), different);
@@ -256,8 +256,8 @@ TEST_F(ReplayTest, ReplaysOwnProposals) {
     EXPECT_EQ(replayed_proposals_[i].nodes, proposals_[i].nodes);
     EXPECT_EQ(replayed_proposals_[i].inputs, proposals_[i].inputs);
   }
-  // The replay must report a difference from a logged proposal with a changed value, with an input
-  // that cannot be improved, of another round, or without inputs.
+  // The replay must report a difference from a logged proposal with a changed value, another input
+  // proposal, another round, or no inputs.
   models::TeamProposal other = proposals_.back();
   other.value_nats += 1.0;
   robot_bus_.publish(bus::team_proposal_channel("Q1"), other);

@@ -157,8 +157,8 @@ TEST(AttackOnBestAlone, PrefersLowerIndexAndAttacksNoneForZeroAttacks) {
   });
 }
 
-// Each round takes the first of the best robots, even if it adds nothing. It evaluates all
-// remaining robots.
+// Each round takes the first of the equally good best robots, even if it adds nothing, and
+// evaluates all remaining robots.
 TEST(AttackOnBestTogether, PrefersLowerIndexAndCountsOracleCalls) {
   for_each_team([](const TeamOracle& oracle, const Choice& choice) {
     const std::vector<int> robots = robots_of(choice);

@@ -360,8 +360,8 @@ std::vector<PlainLeaf> leaves_of(const SearchProblem& problem, const EnergyModel
   return leaves;
 }
 
-// Returns the smallest eigenvalue, over targets, of `leaf`'s covariance minus `kept`'s. `leaf` is
-// redundant if it is above −ε.
+// Returns the smallest eigenvalue, over all targets, of the covariance of `leaf` minus that of
+// `kept`. `leaf` is redundant if the result is at least −ε.
 double least_lead(const PlainLeaf& leaf, const PlainLeaf& kept) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t m = 0; m < leaf.last.size(); ++m) {
@@ -372,8 +372,8 @@ double least_lead(const PlainLeaf& leaf, const PlainLeaf& kept) {
 }
 
 // The expected candidates are computed from the tree of the search. Leaves are processed in
-// ascending order. A leaf is dropped if it is within δ of a kept leaf and its covariance is not
-// smaller than that leaf's by more than ε.
+// ascending order. A leaf is dropped if it is within δ of a kept leaf and its covariance plus ε I
+// is at least the covariance of the kept leaf.
 TEST(CandidateTrajectories, AreTheNonRedundantLeaves) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   const EnergyModel energy{0.3, 0.1, 1.0, 2.0, {}};

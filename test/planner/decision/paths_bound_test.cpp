@@ -249,8 +249,8 @@ TEST(PathsBound, UnderAttackExcludesBestRobots) {
                    known_nats(4.25, measure) + known_nats(1.0, measure));
     }
     EXPECT_EQ(left(0).parts.size(), 3U);
-    // The robot with the largest part of the bound is attacked. The information that it alone sees
-    // is lost.
+    // The robot with the largest part of the bound is attacked, so the information that only this
+    // robot can gather is lost.
     const std::vector<double> parts =
         bound.of(team, std::vector<int>{0, 1, 2}, measure, Deadline::nodes(kNodes)).parts;
     const bool is_first = parts[0] > parts[1];

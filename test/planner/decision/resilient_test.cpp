@@ -25,8 +25,8 @@ double value_of(const TeamOracle& oracle, const Choice& choice) {
   return team.value();
 }
 
-// Returns the curvature κ of J restricted to the trajectories of `choice`, at most the κ of the
-// ground set.
+// Returns the curvature κ of J over the trajectories of `choice`. It is at most the curvature over
+// all candidates.
 double curvature(const TeamOracle& oracle, const Choice& choice) {
   TeamSet team(oracle);
   team.become(choice);
@@ -200,8 +200,8 @@ TEST(AttackOnBestTogether, AttacksMostValuableRobotForOneAttack) {
   }
 }
 
-// One more attack adds the robot with which J of the attacked robots, computed by the direct
-// recursion, is largest.
+// Each further attack adds the robot that maximises J of the attacked robots. J is computed by the
+// direct recursion.
 TEST(AttackOnBestTogether, AddsRobotThatMaximisesJointValue) {
   int unlike_alone = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {

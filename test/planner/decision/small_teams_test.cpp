@@ -13,7 +13,7 @@
 #include "test/planner/decision/small_team.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
-// Team searches with calls, messages and changes that are known in advance for small problems.
+// Tests team searches on small problems for which calls, messages and changes are known in advance.
 // Results for random problems are compared with plain implementations.
 
 namespace vantage::planner {

@@ -124,8 +124,8 @@ TEST(MutualInformation, NeverGainsMoreFromALargerSet) {
   }
 }
 
-// Two measurements of variance v² of a static target of variance s²: ½ log(1 + s²(1/v² + 1/v²)) in
-// each of both coordinates.
+// Two measurements of variance v² of a static target of variance s² give ½ log(1 + s²(1/v² + 1/v²))
+// nats for each of the two coordinates.
 TEST(MutualInformation, EqualsClosedFormForStaticTarget) {
   TeamProblem problem;
   problem.horizon_steps = 3;
@@ -212,7 +212,7 @@ TEST(TeamOracle, RanksCandidatesByStandAloneValue) {
       for (Candidate& candidate : of_robot) {
         candidate.unshared_nats = test::pick(rng, 0, 1) * test::uniform(rng, 0.0, 2.0);
         if (test::pick(rng, 0, 2) == 0) {
-          candidate.mutual_nats = test::uniform(rng, 0.0, 5.0);  // used without a check
+          candidate.mutual_nats = test::uniform(rng, 0.0, 5.0);  // used unchecked by the oracle
         }
         const bool is_known =
             candidate.mutual_nats && problem.measure == InformationMeasure::kMutual;

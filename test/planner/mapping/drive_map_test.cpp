@@ -262,8 +262,8 @@ TEST(DriveMap, MeasuresShortestDistanceToNearestFrontier) {
 }
 
 // Between two walls a robot is everywhere too near to a wall. It has enough clearance again 0.5 m
-// beyond the ends of the walls. It may drive out if this position is no farther away than its
-// radius plus two cells, 0.7 m.
+// beyond the ends of the walls. The robot may drive out if it is at most its radius plus two cells,
+// 0.7 m, from a position with enough clearance.
 TEST(DriveMap, LetsTooNearRobotLeaveWithinRadiusAndTwoCells) {
   for (const bool is_upright : {false, true}) {
     OccupancyBelief belief(kGrid, 3.0);
@@ -297,8 +297,8 @@ TEST(DriveMap, LetsTooNearRobotLeaveWithinRadiusAndTwoCells) {
   }
 }
 
-// The path cuts the outer corner of the blocked area around a post. It is sampled every half cell,
-// so 18 cm inside the area are detected for any start. A path outside the area is accepted.
+// The path cuts the outer corner of the blocked area around a post. If 18 cm of the path are inside
+// the area, samples every half cell detect this for any start. A path outside the area is accepted.
 TEST(DriveMap, SamplesEveryHalfCell) {
   OccupancyBelief belief(kGrid, 3.0);
   belief.add_log_odds(12 * 30 + 10, 9.0);

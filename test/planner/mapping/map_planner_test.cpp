@@ -82,8 +82,8 @@ struct Bench {
   std::vector<FixedTeammate> teammates;
 };
 
-// Returns the routes of fixed scans: the robot's own start, and the route of the teammate that is
-// not jammed.
+// Returns the routes of scans that do not depend on the plan: the robot's start pose, and the route
+// of the teammate that is not jammed.
 std::vector<MapRoute> fixed_routes(const Bench& bench) {
   std::vector<MapRoute> routes(2);
   routes[0].poses = {bench.problem.start};

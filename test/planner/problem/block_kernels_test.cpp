@@ -237,7 +237,7 @@ TEST(Dominates, IsFalseForAnIndefiniteDifference) {
     const int n = state_dim(layout);
     for (int i = 0; i < 4000; ++i) {
       const models::StateMatrix b = random_spd(rng, n, 1.0, 1.0);
-      // Differences that are singular up to rounding, with either sign.
+      // Draws differences that are singular up to rounding, with either sign.
       const Eigen::MatrixXd Q = random_spd(rng, n, 1.0, 0.5);
       const double size = std::pow(10.0, uniform(rng, -15.0, 0.0));
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> frame(Q);

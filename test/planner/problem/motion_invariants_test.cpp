@@ -244,9 +244,9 @@ double greatest_separation_m(const std::vector<models::PlanSegment>& segments, i
   });
 }
 
-// Each piece is treated as straight and uniform. If that is exact, only the clock's rounding is
-// added. Otherwise the allowance is exactly a Δ²/8 for an acceleration a and J s (1 − s) Δ for a
-// speed jump J.
+// Each piece is treated as straight and uniform. If it is straight and uniform, only the rounding
+// of the clock is added. Otherwise the allowance is exactly a Δ²/8 for an acceleration a, and J s
+// (1 − s) Δ for a speed jump J after the share s of the piece.
 TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
   constexpr double kPiece_s = 0.1;
   constexpr double kClock_m = 1e-5;
@@ -346,7 +346,7 @@ TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
        20.0 - 0.25 - bulge_m(2.0)},
   };
   for (const Case& each : cases) {
-    for (const double side : {1.0, -1.0}) {  // the same in reverse
+    for (const double side : {1.0, -1.0}) {  // forwards and in reverse
       std::vector<models::PlanSegment> segments = each.segments;
       for (models::PlanSegment& segment : segments) {
         segment.control.speed_mps *= side;
@@ -370,8 +370,8 @@ TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
   }
 }
 
-// Two robots that meet, or one that follows a returning teammate, may have exactly the required
-// separation at the end of the step. No distant teammate may be skipped.
+// A robot and a teammate drive towards each other. The greatest accepted separation is their
+// distance at the end of the step. A distant teammate that is listed first has no effect.
 TEST(IsFree, ChecksTheEndOfAStep) {
   for (const double side : {1.0, -1.0}) {
     for (const int depth : {0, 1, 3}) {
@@ -398,7 +398,7 @@ TEST(IsFree, ChecksTheEndOfAStep) {
   }
 }
 
-// For the robot's own arc the chord's sagitta ν ω Δ²/8 is allowed, exactly, in both directions.
+// For an arc of the robot, to either side, the allowance is exactly the sagitta ν ω Δ²/8.
 TEST(IsFree, AddsExactlyTheSagittaOfTheRobotsArc) {
   for (const double side : {1.0, -1.0}) {
     SearchProblem problem;
@@ -408,7 +408,7 @@ TEST(IsFree, AddsExactlyTheSagittaOfTheRobotsArc) {
     problem.controls = {{2.0, side * 2.0}};
     models::Trajectory hover;
     hover.start_time = kStart;
-    // The hover is opposite the middle of the second piece's chord, as above.
+    // The hover is far outside the arc, opposite the middle of the second piece's chord.
     hover.start = {20.0 * std::sin(0.3), side * (1.0 - 20.0 * std::cos(0.3)), 0.0};
     problem.teammates = {hover};
     MotionTable motion(64, 16, 4);

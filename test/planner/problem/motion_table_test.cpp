@@ -102,7 +102,7 @@ TEST(IsFree, IsTrueIfAndOnlyIfClear) {
     problem.clearance_m = pick(rng, 0, 1) == 0 ? 0.0 : uniform(rng, 0.0, 0.5);
     MotionTable exact(64, 16, 4);
     exact.reset(problem);
-    SearchProblem by_field = problem;  // each table uses its own field
+    SearchProblem by_field = problem;  // one table uses the distance field
     by_field.field = &field;
     MotionTable fast(64, 16, 4);
     fast.reset(by_field);
@@ -130,7 +130,7 @@ TEST(IsFree, IsTrueIfAndOnlyIfClear) {
 }
 
 // The starts are within a cell of contact, where the table selects the distance field or exact
-// distances. The answer must equal that of arc_is_clear() and never be less strict.
+// distances. The answer must equal that of arc_is_clear().
 TEST(IsFree, FieldNeverAcceptsWhatExactDistancesRefuse) {
   std::mt19937_64 rng(33);
   int grazing = 0;
@@ -148,7 +148,7 @@ TEST(IsFree, FieldNeverAcceptsWhatExactDistancesRefuse) {
     motion.reset(problem);
     for (int k = 0; k < 100; ++k) {
       Pose2 from = random_pose(rng);
-      for (int nearer = 0; nearer < 8; ++nearer) {  // moves along the field until near contact
+      for (int nearer = 0; nearer < 8; ++nearer) {  // moves to within 0.1 m of contact
         const Eigen::Vector2d p_m = from.position_m();
         const double spare_m = models::clearance_m(world, p_m) - problem.clearance_m;
         const Eigen::Vector2d dx(1e-6, 0.0);

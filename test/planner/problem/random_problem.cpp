@@ -22,7 +22,7 @@ models::SensorModel random_sensor(std::mt19937_64& rng) {
   sensor.range_sigma_m = uniform(rng, 0.05, 0.4);
   sensor.bearing_sigma_rad = radians(uniform(rng, 2.0, 10.0));
   sensor.position_sigma_m = uniform(rng, 0.05, 0.5);
-  sensor.pixel_sigma = uniform(rng, 30.0, 100.0);  // large: little loss of digits
+  sensor.pixel_sigma = uniform(rng, 30.0, 100.0);  // large, so that few digits are lost
   sensor.depth_min_m = 1.0;
   sensor.camera_tilt_rad = radians(uniform(rng, 20.0, 90.0));
   sensor.variance_grows_with_range = pick(rng, 0, 1) == 1;
@@ -257,7 +257,7 @@ void add_random_tour(std::mt19937_64& rng, planner::SearchProblem& problem) {
       after_s = stops.back().after_s + uniform(rng, 0.0, 1.0) +
                 (position_m - positions_m.back()).norm() / speed_mps;
     }
-    // Two of three stops ask for more information than one measurement may give.
+    // At two of three stops, one measurement may not be enough: `done` is below `open`.
     const models::StateMatrix& prior =
         problem.targets[static_cast<std::size_t>(target)].prior.covariance;
     const bool is_log_det = problem.cost == planner::CostKind::kLogDet;

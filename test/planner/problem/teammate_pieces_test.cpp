@@ -144,8 +144,8 @@ TEST(CanStop, DetectsHoverNextToEndOfLongStop) {
   EXPECT_GT(refused, 300);
 }
 
-// The pieces of a stop are treated as uniform motion with an allowance of a Δ²/8. The robot may
-// stop v²/2a before a hovering teammate, less that allowance only.
+// The pieces of a stop are treated as uniform motion with an allowance of a Δ²/8. The greatest
+// accepted separation is the distance that remains after a stop of v²/2a, minus this allowance.
 TEST(CanStop, AddsExactlyTheBrakingAllowance) {
   for (const double brake_mps2 : {0.5, 2.0, 4.0}) {
     SearchProblem problem;

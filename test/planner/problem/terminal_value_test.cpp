@@ -59,7 +59,8 @@ TEST(TerminalValue, ChargesEachUnmeasuredStopForTheTimeOfItsArrival) {
   EXPECT_EQ(value.target_count(), 5);
 }
 
-// A stop with open > done keeps the share of its rate that the covariance's cost states.
+// A stop with open > done counts with the share (cost − done) / (open − done) of its rate, limited
+// to 0 … 1, with the cost of the target's covariance.
 TEST(TerminalValue, KeepsTheShareOfAStopThatTheCovarianceLeaves) {
   const TerminalValue value({{4, 3.0, 0.0, 2.0, -2.0}, {1, 5.0, 4.0}}, two_fields());
   const Eigen::Vector2d p_m(3.0, 4.0);  // 2.5 s from both stops

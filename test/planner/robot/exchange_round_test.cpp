@@ -84,7 +84,7 @@ class Round {
   std::vector<std::unique_ptr<RobotPlanner>> planners_;
   std::vector<std::unique_ptr<TeamExchange>> exchanges_;
   std::vector<std::optional<models::TeamProposal>> solutions_;
-  std::vector<std::optional<models::TeamProposal>> bases_;  ///< base of each of proposals_
+  std::vector<std::optional<models::TeamProposal>> bases_;  ///< solutions that proposals_ improved
   std::vector<models::TeamProposal> proposals_;
   std::map<std::string, models::RobotPlan> plans_;
 };
@@ -308,8 +308,9 @@ TEST(RobotPlanner, IncludesEnergyInCoordinateDescent) {
   EXPECT_GE(moving, 4);
 }
 
-// The work after the search does not check the deadline but must end before it, so the search stops
-// after a third of the time. The test repeats because a busy machine may delay the checks.
+// The work after the search does not check the deadline but must end before the deadline, so the
+// search stops after a third of the time. The test repeats because a busy machine may delay the
+// checks.
 TEST(RobotPlanner, SearchesForAThirdOfItsTimeBeforeAnExchange) {
   static std::int64_t asked_ns = 0;
   constexpr std::int64_t kTime_ns = 200'000'000;

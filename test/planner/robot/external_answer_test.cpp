@@ -12,7 +12,7 @@
 namespace vantage::planner {
 namespace {
 
-constexpr double kHair = 1e-6;  // relative; 1e-9 is tolerated
+constexpr double kHair = 1e-6;  // relative excess; 1e-9 is tolerated
 
 /// Checks answers to a planner with 4 steps of 0.5 s, for a vehicle with a different value for each
 /// limit.
@@ -119,7 +119,7 @@ TEST_F(MotionOfAnswer, ToleratesRoundingOfABillionth) {
         {{1.0, 0.0}, 0.9, 1.0 * more},
         {{1.0, 0.0}, 2.0 * more, 0.0},
         {{2.0, 0.0}, 2.0 * more, 0.1},
-        {{0.5, 0.0}, 1.0, 0.5 + over * 2.0},  // final speed below 0 by that share of the maximum
+        {{0.5, 0.0}, 1.0, 0.5 + over * 2.0},  // ends at −over · maximum speed
     };
     for (const models::PlanSegment& segment : segments) {
       const auto motion = this->motion(driven({segment}));

@@ -123,7 +123,7 @@ TEST(RobotPlanner, IgnoresProposalsOfOtherRoundsOrWithoutAttack) {
     const auto plain = planner.plan(first_inputs(scenario, 0, 4), deadline);
     auto proposal = planner.propose(first_inputs(scenario, 0, 4), deadline);
     ASSERT_TRUE(plain && proposal);
-    proposal->plan.round -= attacks_max;  // makes it one of an earlier round
+    proposal->plan.round -= attacks_max;  // if 1: a proposal of the previous round
     PlanInputs inputs = first_inputs(scenario, 0, 4);
     inputs.proposals["Q1"] = *proposal;
     const auto plan = planner.plan(inputs, deadline);

@@ -29,7 +29,7 @@ TEST(ProblemOfRound, CountsUnseenStepsUntilPlanBegins) {
   committed.start = scenario.robots[0].start;
   const RoundProblem round = problem_of_round(workspace, 0, inputs, committed, {});
   ASSERT_GE(round.search.targets.size(), 2U);
-  const double whole_steps[] = {4.0, 2.0};  // in 2.1 s and in 1.2 s
+  const double whole_steps[] = {4.0, 2.0};  // unseen for 2.1 s and for 1.2 s
   for (std::size_t m = 0; m < 2; ++m) {
     EXPECT_EQ(round.search.targets[m].model.kind, models::TargetKind::kRandomWalk);
     EXPECT_NEAR(round.search.targets[m].model.q, 0.1 * whole_steps[m] / 0.5, 1e-12) << m;
@@ -188,8 +188,8 @@ TEST(ProblemOfRound, MatchesScenario) {
   EXPECT_TRUE(problem_of_round(from_above, 1, inputs, committed, {}).search.separation_from_above);
 }
 
-// Without motion capture, obstacles are avoided by 3σ of the pose in addition, as far as the start
-// allows.
+// Without motion capture, the clearance to obstacles grows by 3σ of the pose, but by no more than
+// the start allows.
 TEST(ProblemOfRound, KeepsThreeSigmasFromObstaclesWithoutMocap) {
   struct Row {
     double sigma_m;
@@ -199,7 +199,7 @@ TEST(ProblemOfRound, KeepsThreeSigmasFromObstaclesWithoutMocap) {
   const scenario::Scenario scenario = test::lab_scenario();
   const double usual_m = scenario.robots[0].limits.radius_m + scenario.planner.obstacle_margin_m;
   for (const Row& row : {Row{0.0, 2.0, usual_m}, Row{0.1, 2.0, usual_m + 0.3},
-                         Row{0.1, usual_m + 0.11, usual_m + 0.1},  // 0.11 m beyond the usual
+                         Row{0.1, usual_m + 0.11, usual_m + 0.1},  // start 0.11 m beyond usual_m
                          Row{0.1, usual_m - 0.1, usual_m}}) {
     PlanInputs inputs = test::first_inputs(scenario, 0);
     if (row.sigma_m > 0.0) {

@@ -292,7 +292,7 @@ TEST(RobotPlanner, KeepsClearOfTeammateThatDoesNotFollowItsPlan) {
           (Eigen::Vector3d(at_m.x(), at_m.y(), scenario.robots[0].height_m) - place_m).norm());
     }
   }
-  EXPECT_LT(nearest_m[models::FlightState::kFollow], asked_m - 0.1);  // leads through the teammate
+  EXPECT_LT(nearest_m[models::FlightState::kFollow], asked_m - 0.1);  // the plan passes too near
   EXPECT_GE(nearest_m[models::FlightState::kIdle], asked_m - 0.02);
 }
 
@@ -312,7 +312,7 @@ TEST(RobotPlanner, WaitsForTheEndOfAnUnknownPlan) {
     PlanInputs before = inputs;
     before.slot.is_proposal = true;
     EXPECT_EQ(planner.propose(before, Deadline::nodes(500)).has_value(), is_planned);
-    EXPECT_EQ(planner.counts().unknown_plan, is_planned ? 0 : 2);  // counter of plans only
+    EXPECT_EQ(planner.counts().unknown_plan, is_planned ? 0 : 2);  // proposals are not counted
     EXPECT_EQ(planner.counts().no_pose, 0);
     return is_planned;
   };
@@ -320,7 +320,7 @@ TEST(RobotPlanner, WaitsForTheEndOfAnUnknownPlan) {
     EXPECT_FALSE(plans_in(rounds)) << rounds;
   }
   EXPECT_TRUE(plans_in(8));
-  // The plan brakes for half a second after its 6 s of steps. The pose is that at the begin of the
+  // After 6 s of steps the plan brakes for half a second. The pose is that at the beginning of the
   // slot.
   inputs.slot.begin = inputs.slot.activation - from_seconds(0.49);
   EXPECT_TRUE(plans_in(7));

@@ -183,7 +183,8 @@ TEST(PointedInformation, EqualsInformationFromBestDirections) {
         least_trace_twice = std::min(least_trace_twice, both.inverse().trace());
       }
     }
-    // At least the result of the best tested direction; the tolerance covers their spacing.
+    // The result is at least that of the best tested direction. The tolerance covers the spacing of
+    // the directions.
     EXPECT_GE(once.determinant(), most_once * (1.0 - 1e-9));
     EXPECT_LE(once.determinant(), most_once * 1.01);
     EXPECT_LE(once.covariance_trace(), least_trace_once * (1.0 + 1e-9));

@@ -47,8 +47,8 @@ TEST(RefiningBeam, ReportsOptimum) {
   EXPECT_GE(solvable, 300);
 }
 
-// At every budget with a complete pass there is a plan. A larger budget never has a higher cost,
-// and the lower bound is below the cost of every plan.
+// Every budget that allows a complete pass gives a plan. A larger budget never gives a higher cost,
+// and the lower bound is at most the cost of every plan.
 TEST(RefiningBeam, BoundHoldsAndCostNeverRises) {
   RefiningBeam search(small_capacity());
   int worse = 0;

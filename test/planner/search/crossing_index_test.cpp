@@ -50,7 +50,7 @@ std::vector<NodeId> near(const CrossingIndex& index, const Pose2& pose) {
 }
 
 // Poses within δ are visited once; poses beyond 3 δ are not. This applies on all sides of the
-// origin, after a reset and for other widths.
+// origin, after a reset and for any δ.
 TEST(CrossingIndex, VisitsNearPosesAndNoFarOnes) {
   std::mt19937_64 rng(71);
   CrossingIndex index(600);

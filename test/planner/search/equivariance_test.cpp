@@ -86,7 +86,7 @@ SearchProblem transformed(const SearchProblem& problem, bool is_mirrored, double
 
 class Equivariance : public ::testing::TestWithParam<std::string> {
  protected:
-  // Compares each problem with `other_of` that problem.
+  // Compares the result for each problem with that for other_of(problem, seed).
   template <class Other>
   static void expect_alike(const Other& other_of) {
     const Algorithm& algorithm = algorithm_called(GetParam());

@@ -71,7 +71,7 @@ SearchProblem all_round_problem(std::mt19937_64& rng) {
     if (has_fixed) {
       problem.fixed_information.emplace_back(index(problem.horizon_steps));
       const int p = model.position_dim;
-      // Teammates' information in one step only; the last step if there is one target.
+      // Teammates measure each target in one step only, the first target in the last step.
       const int k = problem.targets.size() == 1 ? problem.horizon_steps - 1 : pick(rng, 0, 5);
       problem.fixed_information.back()[index(k)] = random_spd(rng, p, 5.0, 1.0);
     }
@@ -80,7 +80,7 @@ SearchProblem all_round_problem(std::mt19937_64& rng) {
 }
 
 /// Returns the cost of each step after `depth` for target m with belief `belief`, if every sensor
-/// that can be in range from `at` sees it. The first cost is at index depth + 1.
+/// that can be in range from `at` measures the target. The first cost is at index depth + 1.
 std::vector<double> stages(const SearchProblem& problem, int m, const Pose2& at, int depth,
                            models::Gaussian belief, bool nobody_looks = false) {
   const models::TargetModel& model = problem.targets[index(m)].model;
@@ -155,8 +155,8 @@ class InformationHeuristicTest : public ::testing::Test {
   }
 };
 
-// Targets are near and far, with and without earlier measurements, and the heuristic starts from
-// every depth. `apart` returns the part of selected targets.
+// Targets are near and far, with and without earlier measurements. The heuristic starts from every
+// depth. With `apart`, it also returns the part of the cost that belongs to selected targets.
 TEST_F(InformationHeuristicTest, EqualsClosedFormForIsotropicMeasurements) {
   std::mt19937_64 rng(51);
   int compared = 0;
@@ -386,8 +386,8 @@ TEST_F(InformationHeuristicTest, EqualsClosedFormForRanges) {
   }
 }
 
-// The greatest information of one measurement, per sensor, from a distance in an interval and up to
-// some steps nearer.
+// Compares the greatest information of one measurement, per sensor, with closed forms. The robot
+// measures from a distance within an interval, or up to the given number of steps nearer.
 TEST_F(InformationHeuristicTest, BoundsOneMeasurementAsInClosedForm) {
   constexpr double kPlay = 1e-6;
   models::SensorModel sensor;
@@ -435,7 +435,7 @@ TEST_F(InformationHeuristicTest, BoundsOneMeasurementAsInClosedForm) {
   // the two in every direction.
   expect(look({Kind::kRangeBearing}, 0, 2.0, 2.5, 0), bearing(2.0), range - bearing(2.0), 1);
   expect(look({Kind::kRangeBearing}, 0, 1.0, 2.5, 0), range, bearing(1.0) - range, 1);
-  // Information of several sensors adds up. For a spatial target it counts in all directions.
+  // Information of several sensors adds up. For a spatial target, all directions gain it.
   expect(look({Kind::kRange, Kind::kPosition, Kind::kBearing}, 0, 2.0, 2.5, 0), position,
          range + bearing(2.0), 2);
   expect(look({Kind::kRange, Kind::kBearing}, 1, 2.0, 2.5, 0), range + bearing(2.0), 0.0, 0);

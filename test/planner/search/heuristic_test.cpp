@@ -76,7 +76,7 @@ TEST_P(Heuristic, IsAdmissibleAndConsistent) {
       ++nodes;
     }
   }
-  EXPECT_GT(informed, nodes / 6);  // three of four nodes are leaves and have no bound above
+  EXPECT_GT(informed, nodes / 6);  // three of four nodes are leaves, whose bound equals the floors
 }
 
 // A slow robot begins within the minimum range of its target and leaves it in the last steps. The

@@ -163,8 +163,8 @@ TEST(LatticeBound, AllowsBeingNearTwoTargetsAtOnce) {
   expect_bound_below_best({target_near_path(-1.0, 4.0), target_near_path(-1.0, 4.0)});
 }
 
-// The first reference is a tenth of the mean information of a measurement from half the range, and
-// isotropic. It is 0 for targets that cannot be in range at the step.
+// The first reference is isotropic: a tenth of the mean information of a measurement from half the
+// range. It is 0 for targets that cannot be in range at the step.
 TEST(LatticeBound, BeginsFromWeakReferenceForReachableTargets) {
   for (const models::SensorKind kind :
        {models::SensorKind::kRangeBearing, models::SensorKind::kBearing, models::SensorKind::kRange,

@@ -38,8 +38,8 @@ Looks random_looks(std::mt19937_64& rng, const SearchProblem& problem) {
   return looks;
 }
 
-/// Returns J_T, or −2 I, of target m over the depths after `depth`, by the recursion of
-/// models/belief.
+/// Returns the cost of target m over the depths after `depth`, by the recursion of models/belief:
+/// J_T, or −2 I for mutual information.
 double cost_of(const SearchProblem& problem, int m, int depth, models::Gaussian belief,
                const Looks& looks, InformationMeasure measure) {
   double cost = 0.0;
@@ -85,7 +85,7 @@ struct Tabled {
     pack(beliefs_.layout(m), covariance, packed);
     return cost.linearise(m, depth, packed, reference.data());
   }
-  /// Returns Σ ⟨G, M⟩.
+  /// Returns Σ ⟨G, M⟩, the cost saved by the measurements `looks` after `depth`.
   [[nodiscard]] double taken_off(int m, int depth, const Looks& looks) const {
     double sum = 0.0;
     for (int k = depth + 1; k <= problem_.horizon_steps; ++k) {

@@ -162,8 +162,8 @@ OwnedProblem slow_among_targets(std::uint64_t seed) {
   const double speed_mps = uniform(rng, 0.02, 0.2);
   problem.controls = {{speed_mps, 0.0}, {speed_mps, 2.0}, {speed_mps, -2.0}};
   problem.cost = pick(rng, 0, 2) == 0 ? CostKind::kTrace : CostKind::kLogDet;
-  // The bound ignores directions. With isotropic information it is therefore almost the cost of
-  // such a plan.
+  // The bound ignores directions. With isotropic information it almost equals the cost of a plan
+  // that stays near all targets.
   models::SensorModel sensor;
   sensor.kind = models::SensorKind::kPosition;
   sensor.position_sigma_m = uniform(rng, 0.05, 0.5);
@@ -387,7 +387,7 @@ class ReturnToTarget : public ::testing::Test {
 };
 
 // A robot leaves a target. The bound counts a return after one, two or three steps only if the
-// controls allow it: with a hover, 1 m forth and back, or a triangle.
+// controls allow it: by hovering, by driving 1 m away and back, or around a triangle.
 TEST_F(ReturnToTarget, IsCountedOnlyIfControlsLeadBack) {
   const double never = bound_with({{1.0, 0.0}});
   const double after_two = bound_with({{1.0, 0.0}, {1.0, kPi}});

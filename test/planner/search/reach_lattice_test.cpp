@@ -16,7 +16,8 @@ namespace {
 
 constexpr int kDirections = 16;
 
-/// Returns the support function of the positions in one of the lattice's directions, m.
+/// Returns the support function of the positions, m: their greatest extent in one of the lattice's
+/// directions.
 double support_m(const std::vector<Eigen::Vector2d>& places_m, int direction) {
   const double angle_rad = 2.0 * kPi * direction / kDirections;
   double most_m = -std::numeric_limits<double>::infinity();
@@ -27,8 +28,8 @@ double support_m(const std::vector<Eigen::Vector2d>& places_m, int direction) {
   return most_m;
 }
 
-/// Returns all positions after `steps` steps by heading; key kAny has the positions of all
-/// headings.
+/// Returns the positions after `steps` steps, by heading. The key kAny contains the positions of
+/// all headings.
 constexpr int kAny = 1'000;
 std::map<int, std::vector<Eigen::Vector2d>> places_after(const ReachLattice& lattice, int steps) {
   std::vector<std::pair<Pose2, int>> nodes{{Pose2{}, 0}};
@@ -113,8 +114,8 @@ SearchProblem with_turns(const std::vector<double>& turns_rad, int horizon_steps
   return problem;
 }
 
-// The unit is the largest angle of which all turns are whole multiples, such that the smallest turn
-// is one to four units. Turns in both directions are tested.
+// The unit is the largest angle that divides all turns. The smallest turn must be one to four
+// units. Turns in both directions are tested.
 TEST(ReachLattice, FindsTheCommonTurnAngle) {
   ReachLattice lattice(8);
   const auto expect = [&](const std::vector<double>& turns_rad, double unit_rad,
@@ -145,7 +146,7 @@ TEST(ReachLattice, FindsTheCommonTurnAngle) {
   EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.3, -0.3 * std::sqrt(2.0)}, 2)));
   EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.3, -0.3 * std::sqrt(2.0)}, 2))) << "a second query";
   expect({0.0, 0.3, -0.3}, 0.3, {0, 1, -1});
-  // There may be about a thousand headings and two thousand planes.
+  // The lattice supports about a thousand headings and two thousand planes.
   SearchProblem many = with_turns({0.0, 0.01, 0.2}, 8);  // at most twenty units per step
   EXPECT_TRUE(lattice.reset(many));
   many.horizon_steps = 9;

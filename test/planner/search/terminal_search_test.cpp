@@ -211,7 +211,7 @@ TEST(TerminalSearch, DrivesTowardsTheFirstStopOfTheTour) {
     ASSERT_TRUE(result.found) << name;
     const Eigen::Vector2d end_m = result.poses.back().position_m();
     const double nearer_m = std::hypot(80.0, 30.0) - (end_m - Eigen::Vector2d(-80.0, 30.0)).norm();
-    EXPECT_GT(nearer_m, 4.0) << name;  // of at most 9 m; the robot first turns around
+    EXPECT_GT(nearer_m, 4.0) << name;  // m, of at most 9 m; the robot first turns around
   }
 }
 

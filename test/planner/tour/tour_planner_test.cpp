@@ -55,8 +55,8 @@ std::vector<int> targets_of(std::span<const TourStop> tour) {
   return targets;
 }
 
-// A static target that is measured keeps its gain, so the gain is the saved cost per step times the
-// steps that are left, and its loss per second is constant.
+// A measurement of a static target keeps its effect. The gain is therefore the cost saved per step
+// times the number of remaining steps, and falls at a constant rate with the arrival time.
 TEST(TourPlanner, GainsTheSavedCostPerStepOfAStaticTarget) {
   SearchProblem problem = empty_problem();
   problem.targets = {still_target(20.0, 0.0)};
@@ -120,7 +120,7 @@ TEST(TourPlanner, LeavesStopsToNearerTeammates) {
   EXPECT_EQ(targets_of(planner.plan(problem, team, spec_of(80.0))), (std::vector<int>{0, 1}));
 }
 
-// A teammate's planned measurements make a visit less valuable than one of an equal target.
+// A teammate plans to measure one of two equal targets, so a visit to this target gains less.
 TEST(TourPlanner, CountsTheTeammatesPlannedMeasurements) {
   SearchProblem problem = empty_problem();
   problem.targets = {still_target(20.0, 0.0), still_target(-20.0, 0.0)};
@@ -137,8 +137,8 @@ TEST(TourPlanner, CountsTheTeammatesPlannedMeasurements) {
   EXPECT_NEAR(alone[1].rate_per_s, alone[0].rate_per_s, 1e-9);
 }
 
-// Without a visit the variance of a random walk grows linearly. The gain of a visit at once is the
-// integral of the difference by the trapezoidal rule over eight intervals.
+// Without a visit, the variance of a random walk grows linearly. The gain of an immediate visit is
+// the integral of the saved cost, by the trapezoidal rule over eight intervals.
 TEST(TourPlanner, PredictsTheCovarianceWithoutAVisitByTheMotionModel) {
   constexpr double kQ_m2ps = 0.05;
   constexpr double kSample_s = 10.0;
@@ -199,7 +199,8 @@ TEST(TourPlanner, GivesATerminalValueThatFallsTowardsTheTour) {
   EXPECT_NEAR(value.at(value.rest(near), {0.0, 0.0}), 0.5 * tour[1].rate_per_s * 15.0, 1e-6);
 }
 
-// A region gains by its expected number of undiscovered targets, with a weight of 4.
+// The gain of a region is proportional to its expected number of undiscovered targets, with a
+// weight of 4.
 TEST(TourPlanner, VisitsUnexploredRegionsByTheirExpectedTargets) {
   SearchProblem problem = empty_problem();
   problem.targets = {still_target(20.0, 0.0), still_target(-20.0, 0.0)};
@@ -212,11 +213,11 @@ TEST(TourPlanner, VisitsUnexploredRegionsByTheirExpectedTargets) {
   const double saved_nats = 2.0 * std::log(1.0 + 2.0 * 4.0 * 100.0);
   EXPECT_NEAR(tour[0].rate_per_s, 4.0 * 0.5 * saved_nats / problem.step_s, 1e-9);
   EXPECT_NEAR(tour[1].rate_per_s, 4.0 * 0.2 * saved_nats / problem.step_s, 1e-9);
-  // One measurement of its landmark visits a region.
+  // A region counts as visited after one measurement of its landmark.
   EXPECT_EQ(tour[0].done, tour[0].open);
 }
 
-// 0.7 of the cost that a visit saves must be saved before nothing is left of the stop.
+// A stop is complete when 0.7 of the cost that a visit saves has been saved.
 TEST(TourPlanner, LeavesAStopUntilItWasMeasuredOften) {
   SearchProblem problem = empty_problem();
   problem.targets = {still_target(20.0, 0.0)};
