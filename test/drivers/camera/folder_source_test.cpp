@@ -18,14 +18,14 @@ void write(const std::string& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
-TEST(TimeInName, IsTheLastLongNumber) {
+TEST(TimeInName, IsTheLastNumberWithEnoughDigits) {
   EXPECT_EQ(time_in_name("1700000000000000.pgm"), kNow);
   EXPECT_EQ(time_in_name("cam2_1700000000000000_0001.png"), kNow);
   EXPECT_FALSE(time_in_name("frame_0001.pgm"));
   EXPECT_FALSE(time_in_name("99999999999999999999999.pgm"));
 }
 
-TEST(FolderSource, DeliversFilesWhenTheirWriterIsDone) {
+TEST(FolderSource, DeliversAFileWhenItsWriterHasClosedIt) {
   const test::TemporaryFolder folder;
   write(folder.file("1600000000000000.pgm"), kImage);  // before the start
   FolderSource source(folder.path());
@@ -49,7 +49,7 @@ TEST(FolderSource, DeliversFilesWhenTheirWriterIsDone) {
   EXPECT_EQ(source.counts().undecodable, 0);
 }
 
-TEST(FolderSource, ReadsThePresentFilesInOrderIfWanted) {
+TEST(FolderSource, ReadsExistingFilesInOrderIfConfigured) {
   const test::TemporaryFolder folder;
   write(folder.file("b.pgm"), kImage);
   write(folder.file("a.pgm"), kImage);
@@ -60,7 +60,7 @@ TEST(FolderSource, ReadsThePresentFilesInOrderIfWanted) {
   EXPECT_FALSE(source.next(kNow));
 }
 
-TEST(FolderSource, CountsFilesThatAreNoImages) {
+TEST(FolderSource, CountsFilesThatAreNotImages) {
   const test::TemporaryFolder folder;
   FolderSource source(folder.path());
   EXPECT_FALSE(source.next(kNow));
@@ -89,7 +89,7 @@ TEST(FolderSource, SkipsFilesThatWereRemovedBeforeTheyWereRead) {
   EXPECT_EQ(source.counts().undecodable, 1);
 }
 
-TEST(FolderSource, OpensAFolderAgainThatWasRemoved) {
+TEST(FolderSource, ReopensAFolderThatWasRemovedAndCreatedAgain) {
   const test::TemporaryFolder parent;
   const std::string folder = parent.file("images");
   FolderSource source(folder);

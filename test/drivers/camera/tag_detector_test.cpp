@@ -26,7 +26,7 @@ models::GrayImage image_of(int width, int height, int period, int low, int high,
   return out;
 }
 
-TEST(TagDetector, KnowsAllFamiliesOfScenarios) {
+TEST(TagDetector, SupportsEveryTagFamilyOfScenarios) {
   for (const char* family : scenario::kTagFamilies) {
     auto detector = make_tag_detector(family);
     if (!detector.ok() && detector.error().message.find("built without") != std::string::npos) {

@@ -67,7 +67,7 @@ TEST_F(TagObserverTest, AddsTheErrorOfTheAttitude) {
   EXPECT_NEAR((added * from_camera).norm(), 0.0, 1e-12);
 }
 
-TEST_F(TagObserverTest, MeasuresTargetsAndSightsOtherBodies) {
+TEST_F(TagObserverTest, MeasuresTargetsAndReportsSightingsOfOtherBodies) {
   TagObserver observer = this->observer();
   const std::vector<SeenTag> seen = observer.observe(
       {tag_at(0, {0.9, 0.3, -1.2}), tag_at(1, {1.2, -0.2, -1.2}), tag_at(2, {0.8, -0.4, -1.0})});

@@ -150,7 +150,7 @@ TEST_F(V4l2SourceTest, StampsTheMiddleOfTheExposure) {
   EXPECT_EQ(source.next(kNow)->time, kNow - Duration{20'000});
 }
 
-TEST_F(V4l2SourceTest, ReadsTheGreyOfGreyAndYuyv) {
+TEST_F(V4l2SourceTest, ReadsGreyLevelsFromGreyAndYuyvImages) {
   for (const std::uint32_t format : {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_YUYV}) {
     device_.offered = format;
     V4l2Source source = this->source();
@@ -202,7 +202,7 @@ TEST_F(V4l2SourceTest, CountsDamagedUnstampedAndMissingImages) {
   EXPECT_EQ(device_.queued - queued_before, 4);  // every buffer returns to the device
 }
 
-TEST_F(V4l2SourceTest, RefusesImagesOfAnotherSizeThanTheCalibration) {
+TEST_F(V4l2SourceTest, RefusesImagesWhoseSizeDiffersFromTheCalibration) {
   device_.width = 32;
   V4l2Source source = this->source();
   EXPECT_FALSE(source.next(kNow));

@@ -207,7 +207,7 @@ TEST(ContactJudge, UsesLocalTimeAfterAClockChange) {
   }
 }
 
-TEST(ContactsNode, PublishesItsContactsNextToThoseOfTheSimulator) {
+TEST(ContactsNode, PublishesItsContactsInAdditionToThoseOfTheSimulator) {
   bus::InProcessHub hub;
   const auto judge_side = hub.connect();
   const auto lab_side = hub.connect();

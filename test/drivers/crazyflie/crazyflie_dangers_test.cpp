@@ -80,7 +80,7 @@ TEST_F(CrazyflieDangers, LandsWithoutMocap) {
 }
 
 // 3. A NaN or a packet of wrong length crashes the firmware.
-TEST_F(CrazyflieDangers, NeverSendsImpossibleNumbers) {
+TEST_F(CrazyflieDangers, NeverSendsNonFiniteNumbersOrWrongLengths) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   int count = 0;
@@ -122,7 +122,7 @@ TEST_F(CrazyflieDangers, NeverSendsImpossibleNumbers) {
 
 // 4. The firmware stops the motors if it receives "set-points end" without a command to land. It
 // ignores a command to land without "set-points end".
-TEST_F(CrazyflieDangers, HandsOverWithoutAFall) {
+TEST_F(CrazyflieDangers, HandsTheLandingToTheFirmwareWithoutAFall) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.sent.clear();
   bench.command(OperatorAction::kLand);
@@ -139,7 +139,7 @@ TEST_F(CrazyflieDangers, HandsOverWithoutAFall) {
   EXPECT_LT(bench.descent_max_mps, 0.8);
 }
 
-TEST_F(CrazyflieDangers, HandsOverOnALossyLink) {
+TEST_F(CrazyflieDangers, HandsTheLandingToTheFirmwareOnALossyLink) {
   for (const unsigned pattern : {2U, 3U, 5U}) {
     CrazyflieBench lossy;
     ASSERT_TRUE(lossy.take_off()) << lossy.reasons();
@@ -189,7 +189,7 @@ TEST_F(CrazyflieDangers, DoesNotFollowAJumpOfThePose) {
 }
 
 // 7. The firmware takes off even if it has never received a pose.
-TEST_F(CrazyflieDangers, RefusesToArmWithoutAnAgreeingPose) {
+TEST_F(CrazyflieDangers, RefusesToArmWhenPosesDoNotReachTheVehicle) {
   bench.loses_sent = [](const crtp::Packet& packet) {
     return packet.port == crtp::Port::kLocalisation;
   };
@@ -203,7 +203,7 @@ TEST_F(CrazyflieDangers, RefusesToArmWithoutAnAgreeingPose) {
   EXPECT_EQ(bench.vehicle->setpoints(), 0);
 }
 
-TEST_F(CrazyflieDangers, RefusesToArmWithADifferentEstimate) {
+TEST_F(CrazyflieDangers, RefusesToArmWhenTheEstimateDiffersFromMocap) {
   ASSERT_TRUE(bench.ready()) << bench.reasons();
   bench.loses_sent = [](const crtp::Packet& packet) {
     return packet.port == crtp::Port::kLocalisation;

@@ -56,7 +56,7 @@ TEST_P(CrazyflieFlight, LandsBeforeItEnds) {
   EXPECT_TRUE(bench.is_sound());
 }
 
-TEST_P(CrazyflieFlight, HurriedEndHandsOverAtOnce) {
+TEST_P(CrazyflieFlight, HurriedEndHandsTheLandingToTheVehicleAtOnce) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.driver->end(true);
   ASSERT_TRUE(
@@ -68,7 +68,7 @@ TEST_P(CrazyflieFlight, HurriedEndHandsOverAtOnce) {
   EXPECT_TRUE(bench.is_sound());
 }
 
-TEST_P(CrazyflieFlight, EmergencyStopRepeatsUntilTheVehicleIsLocked) {
+TEST_P(CrazyflieFlight, EmergencyStopIsRepeatedUntilTheVehicleIsLocked) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   int lost = 0;
   bench.loses_sent = [&lost](const wire::crtp::Packet&) { return ++lost < 20; };

@@ -136,7 +136,7 @@ TEST(NatNetSession, ReconnectsToClearAConstantQueue) {
   }
 }
 
-TEST(NatNetSession, IgnoresFramesBeforeTheServersVersion) {
+TEST(NatNetSession, IgnoresFramesUntilTheServerReportsItsVersion) {
   NatNetSession session(false, [](const vicon::SeenFrame&) { FAIL(); });
   session.open({ViconBench::kEpoch, Duration{0}});
   std::vector<std::uint8_t> bytes;

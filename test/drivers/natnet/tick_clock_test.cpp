@@ -43,7 +43,7 @@ TEST(TickClock, HasNoTimeBeforeTheFirstAnswer) {
 // The server reads its clock between request and answer, so the assumed middle is wrong by at most
 // half of the round trip. A rate error (skew) adds at most its rate times the age of the answer in
 // use.
-TEST(TickClock, IsWithinHalfOfAShortRoundTrip) {
+TEST(TickClock, ErrorIsAtMostHalfOfAShortRoundTrip) {
   test::Random random(5);
   for (const double skew : {0.0, 3e-5, -3e-5}) {
     TickClock clock;

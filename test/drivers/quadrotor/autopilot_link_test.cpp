@@ -342,7 +342,7 @@ TEST(AutopilotLink, SignsMessagesAndRefusesUnsignedOnes) {
   }
 }
 
-TEST(AutopilotLink, JoinsLongTexts) {
+TEST(AutopilotLink, JoinsThePartsOfLongTexts) {
   Bench bench(AutopilotDialect::kPx4);
   bench.receive_heartbeat(kNow);
   wire::mavlink::Statustext text;
@@ -412,7 +412,7 @@ TEST(Dialect, ListsTheModesFlownByHand) {
 }
 
 // According to docs/guide/quadrotors.md, set-points lead by the response time of each autopilot.
-TEST(DialectTraits, HaveTheDocumentedLead) {
+TEST(DialectTraits, HaveTheDocumentedSetpointLead) {
   const DialectTraits& px4 = traits_of(models::AutopilotDialect::kPx4);
   EXPECT_EQ(px4.lead_s, 0.05);
   EXPECT_EQ(px4.acceleration_lead_s, 0.05);

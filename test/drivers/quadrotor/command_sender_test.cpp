@@ -22,7 +22,7 @@ wire::mavlink::CommandAck ack(std::uint8_t result) {
   return out;
 }
 
-TEST(CommandSender, RepeatsWithAGrowingConfirmationAndGivesUp) {
+TEST(CommandSender, RepeatsWithIncreasingConfirmationThenGivesUp) {
   CommandSender sender;
   sender.send_command(arm(1), kNow, kSecond);
   std::vector<int> confirmations;
@@ -69,7 +69,7 @@ TEST(CommandSender, WaitsLongerForACommandInProgress) {
   EXPECT_EQ(sender.due(kNow + 4 * kSecond).size(), 1U);
 }
 
-TEST(CommandSender, RepeatsAfterAnyReply) {
+TEST(CommandSender, RepeatsAPeriodicCommandAfterAFailure) {
   CommandSender sender;
   int sent = 0;
   for (int i = 0; i < 100; ++i) {

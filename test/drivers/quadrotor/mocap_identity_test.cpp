@@ -31,7 +31,7 @@ constexpr std::array kForeignRows{
     ForeignRow{0.3, 0.58}, ForeignRow{0.3, 0.65},  ForeignRow{0.6, 0.24}, ForeignRow{0.6, 0.58}};
 constexpr double kLeavesMostM = 0.8;
 
-TEST(MocapIdentity, LandsNearbyWhenAnotherBodyAppearsUnderItsName) {
+TEST(MocapIdentity, LandsNearbyWhenAnotherBodyAppearsUnderTheVehiclesName) {
   for (const AutopilotDialect dialect : kDialects) {
     for (const ForeignRow& row : kForeignRows) {
       SCOPED_TRACE(testing::Message() << name_of(dialect) << ", unseen for " << row.gap_s

@@ -301,7 +301,7 @@ TEST_P(Flight, ReportsTheWrongDialect) {
   EXPECT_FALSE(mixed.is_armed());
 }
 
-TEST_P(Flight, ShowsWhyTheAutopilotRefuses) {
+TEST_P(Flight, ReportsWhyTheAutopilotRefusesToArm) {
   bench.run(10.0);
   ASSERT_EQ(bench.reasons(), "");
   bench.vehicle.controller().set_fault("Preflight Fail: Accel 0 clipping");

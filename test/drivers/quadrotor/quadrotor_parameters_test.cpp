@@ -35,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(Dialects, Parameters,
                          ::testing::Values(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot),
                          [](const auto& chosen) { return std::string(name_of(chosen.param)); });
 
-TEST_P(Parameters, ForbidArmingWhenDifferent) {
+TEST_P(Parameters, ForbidArmingWhenTheirValuesDiffer) {
   bench.vehicle.set_parameter(loss_name(), 3.0);
   bench.run(30.0);
   EXPECT_TRUE(bench.has_reason(loss_name() + " is 3, must be at most")) << bench.reasons();

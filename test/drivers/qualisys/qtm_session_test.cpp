@@ -36,7 +36,7 @@ TEST(QtmSession, ReadsPosesFromPiecesOfAnySize) {
   }
 }
 
-TEST(QtmSession, MarksBodiesWithoutNumbersAsOccluded) {
+TEST(QtmSession, MarksBodiesWithoutCoordinatesAsOccluded) {
   QtmBench bench;
   bench.run(50, 3);
   EmulatedFrame frame = bench.next(3);

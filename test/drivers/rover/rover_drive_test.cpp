@@ -171,7 +171,7 @@ TEST(RoverDriver, TicksWithoutAllocating) {
   EXPECT_EQ(allocations.count(), 0U);
 }
 
-TEST(RoverDriver, RefusesOtherRobots) {
+TEST(RoverDriver, RefusesUnknownRobotsAndRobotsThatAreNotRovers) {
   scenario::Scenario scenario = RoverBench::scenario_for();
   const SafetyLimits limits = limits_for(scenario, "R1");
   EXPECT_THROW(RoverDriver(scenario, "R9", limits, 1), UsageError);

@@ -116,7 +116,7 @@ const EstimateFault kEstimateFaults[] = {
 
 class RoverWithoutMocap : public ::testing::TestWithParam<EstimateFault> {};
 
-TEST_P(RoverWithoutMocap, ReactsByTheUncertaintyOfItsPose) {
+TEST_P(RoverWithoutMocap, ReactsAccordingToTheUncertaintyOfItsPose) {
   const EstimateFault& fault = GetParam();
   RoverBench bench(RoverBench::estimate_limits(fault.may_drive));
   ASSERT_TRUE(bench.make_ready());

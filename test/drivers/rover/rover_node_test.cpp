@@ -122,7 +122,7 @@ TEST(RoverNode, IgnoresAnOldLogAndASecondMocap) {
   EXPECT_NEAR(bench.vehicle.emulator().state().world_from_body.y_m, 2.0, 0.1);
 }
 
-TEST(RoverNode, RefusesOtherRobots) {
+TEST(RoverNode, RefusesRobotsThatAreNotRovers) {
   bus::InProcessHub hub;
   const auto side = hub.connect();
   bus::Bus bus(*side, 1);

@@ -114,7 +114,7 @@ TEST_F(Arming, IsForbiddenWhenYawsDisagree) {
   EXPECT_TRUE(q1.is_armed);
 }
 
-TEST_F(Arming, IsForbiddenWhenTheEstimateIsOff) {
+TEST_F(Arming, IsForbiddenWhenTheEstimateDiffersFromMocap) {
   arm([&] { q1.knobs.estimate_offset_m = 0.4; });
   EXPECT_FALSE(q1.is_armed);
   EXPECT_TRUE(has("estimate off"));

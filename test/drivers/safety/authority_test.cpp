@@ -22,7 +22,7 @@ models::OperatorCommand command(OperatorAction action, std::int64_t run, std::in
   return out;
 }
 
-TEST(PlannerLease, KeepsTheFirstUntilItIsSilent) {
+TEST(PlannerLease, KeepsTheFirstPlannerUntilItIsSilent) {
   PlannerLease lease;
   EXPECT_TRUE(lease.admit(1, kStart, 2.0));
   EXPECT_FALSE(lease.admit(2, kStart + from_seconds(1.0), 2.0));

@@ -89,7 +89,7 @@ std::vector<Edge> edges(const SafetyLimits& l) {
   };
 }
 
-TEST(ConditionRow, HoldsOnlyBeyondItsLimit) {
+TEST(ConditionRow, IsTrueOnlyBeyondItsLimit) {
   const SafetyLimits l = limits();
   for (const Edge& edge : edges(l)) {
     const Condition& row = row_of(edge.name);
@@ -115,7 +115,7 @@ TEST(ConditionRow, KillsAPilotedVehicleOnlyByEmergencyStop) {
 
 // Conditions for a vehicle on the ground must be false in the air; otherwise they are reported
 // during the whole flight.
-TEST(ConditionRow, GroundRowDoesNotHoldInTheAir) {
+TEST(ConditionRow, GroundRowIsFalseInTheAir) {
   const SafetyLimits l = limits();
   const std::set<std::string> of_the_ground = {"body tilted",   "not at its start",
                                                "yaw disagrees", "attitude disagrees",
@@ -128,7 +128,7 @@ TEST(ConditionRow, GroundRowDoesNotHoldInTheAir) {
   }
 }
 
-TEST(ConditionRow, CountHoldsAtItsLimitAndAbove) {
+TEST(ConditionRow, OnACountIsTrueAtItsLimitAndAbove) {
   const SafetyLimits l = limits();
   const auto holds = [&](const char* name, int In::*input, int value) {
     SafetyInputs in;
@@ -148,7 +148,7 @@ TEST(ConditionRow, CountHoldsAtItsLimitAndAbove) {
 // Tests the rows that combine several inputs. "pose lost low" requires an old pose and a vehicle
 // that is near the floor or outside. "no plan" requires that there is no plan or that the plan
 // ended long ago.
-TEST(ConditionRow, RequiresAllOfItsFacts) {
+TEST(ConditionRow, IsTrueOnlyIfAllItsRequirementsAreMet) {
   const SafetyLimits l = limits();
   SafetyInputs in;
   in.pose_age_s = l.pose_age_kill_s + 1e-9;

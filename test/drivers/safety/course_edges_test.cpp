@@ -65,7 +65,7 @@ TEST(Course, FollowsAStopExactly) {
   }
 }
 
-TEST(Course, EqualsThePlanWithoutAWindow) {
+TEST(Course, EqualsThePlanIfTheWindowIsZero) {
   Course course(0.0);
   const HeldPlan plan = driving({0.3, -0.2, 1.0}, kSpeedMps, 0.7, kStart);
   course.hover({0.3, -0.2, 1.0}, 1.0, kStart);

@@ -251,7 +251,7 @@ TEST(Course, ForgetsPlansBeforeAStop) {
   }
 }
 
-TEST(Course, OnTimeReturnsThePositionWithoutSlowing) {
+TEST(Course, OnTimeReturnsThePositionOfAnUnslowedCourse) {
   Course slowed(kHalfWindowS);
   Course never(kHalfWindowS);
   const HeldPlan plan = driving(0.7, kStart);

@@ -182,7 +182,7 @@ class FleetBodies : public testing::Test {
   std::int64_t sequence = 0;
 };
 
-TEST_F(FleetBodies, ListsSeenBodiesWithTheirPriority) {
+TEST_F(FleetBodies, AreListedWithTheirPriority) {
   EXPECT_TRUE(fleet.bodies(at(0.0), limits).empty());
   EXPECT_TRUE(fleet.courses(at(0.0), limits).empty());
   show(0.0, {{"Q1", {0, 0, 1}}, {"Q2", {1, 0, 1}}, {"Q3", {2, 0, 1}}, {"W1", {3, 0, 0}}});
@@ -331,7 +331,7 @@ TEST_F(FleetBodies, AreAssumedToFollowTheirPlanWhileCloseToIt) {
 }
 
 // While a name appears twice in a frame, its body stays at its last position and counts as unseen.
-TEST_F(FleetBodies, AreUnseenWhileTheirNameIsDuplicate) {
+TEST_F(FleetBodies, AreUnseenWhileTheirNameAppearsTwice) {
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   show(0.0, {{"Q3", here_m}});
   for (int time = 1; time <= 2; ++time) {

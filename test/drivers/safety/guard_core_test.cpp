@@ -52,7 +52,7 @@ TEST(GuardCore, KeepsTheSafestCommandOfATick) {
 }
 
 // A heartbeat requests no action and is processed immediately.
-TEST(GuardCore, ExecutesCommandsWithoutACheckImmediately) {
+TEST(GuardCore, ExecutesStatelessCommandsImmediately) {
   const scenario::Scenario scenario = room();
   GuardCore core = core_of_q1(scenario);
   models::OperatorCommand command;
@@ -81,7 +81,7 @@ TEST(GuardCore, ExecutesCommandsWithoutACheckImmediately) {
 }
 
 /// Q1 as seen by successive mocap publishers.
-class SeenCore : public testing::Test {
+class GuardCoreWithMocap : public testing::Test {
  protected:
   /// Delivers a frame at the time `now` and returns whether its publisher is accepted. The frame
   /// took `latency_s` from its stamp to the mocap driver, and then `way_s` to this process.
@@ -123,7 +123,7 @@ class SeenCore : public testing::Test {
 // After arming, a new publisher must show the vehicle at its known position; before arming the
 // vehicle may have been carried. The current publisher may show it elsewhere on the ground, but not
 // in the air.
-TEST_F(SeenCore, NewSourceMustShowTheKnownPositionWhenArmed) {
+TEST_F(GuardCoreWithMocap, NewSourceMustShowTheKnownPositionWhenArmed) {
   for (const bool is_armed : {false, true}) {
     for (const bool in_air : {false, true}) {
       for (const bool is_other : {false, true}) {
@@ -146,7 +146,7 @@ TEST_F(SeenCore, NewSourceMustShowTheKnownPositionWhenArmed) {
 }
 
 // Each clock change is counted once, in either direction; other frames are not counted.
-TEST_F(SeenCore, CountsClockChanges) {
+TEST_F(GuardCoreWithMocap, CountsClockChanges) {
   const auto frames = [&] {
     for (int i = 0; i < 20; ++i) {
       pass(0.01);
@@ -172,7 +172,7 @@ TEST_F(SeenCore, CountsClockChanges) {
 }
 
 // The latency includes delays in the mocap computer and in the network from the mocap driver.
-TEST_F(SeenCore, MeasuresLatencyOfEveryStage) {
+TEST_F(GuardCoreWithMocap, MeasuresLatencyOfEveryStage) {
   for (int round = 0; round < 2; ++round) {  // repeated with the same state
     for (const double waits_s : {0.0, 0.05, 0.3, 0.9, 0.0}) {
       pass(std::max(0.0, waits_s - way_s));  // no frame arrives while the delay grows
@@ -189,7 +189,7 @@ TEST_F(SeenCore, MeasuresLatencyOfEveryStage) {
 }
 
 // Counts consecutive accepted and consecutive rejected poses; both are 0 without a frame.
-TEST_F(SeenCore, CountsAcceptedAndRejectedPoses) {
+TEST_F(GuardCoreWithMocap, CountsAcceptedAndRejectedPoses) {
   core.update_common_inputs(now);
   EXPECT_EQ(core.inputs().poses_accepted, 0);
   EXPECT_EQ(core.inputs().poses_rejected, 0);
@@ -213,7 +213,7 @@ TEST_F(SeenCore, CountsAcceptedAndRejectedPoses) {
 }
 
 // Only an accepted plan is added to the course.
-TEST_F(SeenCore, FollowsAcceptedPlans) {
+TEST_F(GuardCoreWithMocap, FollowsAcceptedPlans) {
   models::RobotPlan plan;
   plan.robot = "Q1";
   plan.trajectory.start = {here_m.x(), here_m.y(), 0.0};
@@ -231,7 +231,7 @@ TEST_F(SeenCore, FollowsAcceptedPlans) {
 
 // A vehicle brakes along its plan while its position agrees with the plan, otherwise straight. A
 // ground vehicle may have any height, and needs a newer pose.
-TEST_F(SeenCore, BrakesAlongThePlanWhileTheVehicleFollowsIt) {
+TEST_F(GuardCoreWithMocap, BrakesAlongThePlanWhileTheVehicleFollowsIt) {
   struct Row {
     bool flies;
     double height_m, unseen_s;

@@ -203,7 +203,7 @@ TEST(GuardInputs, AcceptArmedReportsAtOnceOnTheGround) {
 
 // In the air, the age of an input that never arrived counts from the start of the process. On the
 // ground it is kNever.
-TEST(GuardInputs, CountMissingInputsFromTheStart) {
+TEST(GuardInputs, MeasureAgesOfMissingInputsFromTheStart) {
   OneVehicle one({0.3, 0.05, 1.5});
   one.has_mocap = one.sends_heartbeats = one.is_commanded = false;
   one.battery_share.reset();

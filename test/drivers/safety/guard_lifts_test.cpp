@@ -70,7 +70,7 @@ TEST(FirstLiftWatch, MeasuresARiseWithoutAnOrder) {
 }
 
 // A rise of another body counts only until the vehicle's own body has risen.
-TEST(FirstLiftWatch, WatchesOtherBodiesUntilItHasRisen) {
+TEST(FirstLiftWatch, WatchesOtherBodiesUntilTheVehicleHasRisen) {
   for (const bool has_risen : {false, true}) {
     OneVehicle one;
     one.others = {one.body("Q2", {2.0, 2.0, 0.0})};
@@ -89,7 +89,7 @@ TEST(FirstLiftWatch, WatchesOtherBodiesUntilItHasRisen) {
 }
 
 // Measures the distance from the lift path, now and predicted for 0.2 s later.
-TEST(FirstLiftWatch, MeasuresTheDistanceFromThePathNowAndSoon) {
+TEST(FirstLiftWatch, MeasuresTheCurrentAndPredictedDistanceFromThePath) {
   OneVehicle one;
   one.hold_at_height(0.0);
   one.begin_lift();

@@ -69,7 +69,7 @@ TEST(GuardStop, FollowsThePlanWhileTracking) {
 // At an abrupt speed change of the plan, set-points change their speed gradually. The vehicle is
 // then up to 0.1 m from its plan and has a different speed. A stop begins at its actual position
 // and speed.
-TEST(GuardStop, StartsAtPositionAndSpeedWhereThePlanChanges) {
+TEST(GuardStop, StartsAtActualPositionAndSpeedWhereThePlanChangesAbruptly) {
   for (const double after_s : {0.1, 0.2, 0.3, 1.0, 2.8, 3.0, 3.1}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
     follow_straight(one, after_s);
@@ -156,7 +156,7 @@ TEST(GuardStop, IsStraightBeyondTheTrackingLimit) {
 
 // When a vehicle is pushed out of its hover, the predicted braking path follows its measured
 // motion.
-TEST(GuardStop, PredictsADriftingHover) {
+TEST(GuardStop, PredictsTheBrakingPathOfADriftingHover) {
   for (const bool has_flown_a_plan : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
     if (has_flown_a_plan) {
@@ -204,7 +204,7 @@ TEST(GuardStop, StopsAtItsPositionWhenThePlanHasJustBegun) {
 }
 
 // The predicted braking path follows a plan that has just begun.
-TEST(GuardStop, PredictsAlongANewPlan) {
+TEST(GuardStop, PredictsTheBrakingPathAlongANewPlan) {
   OneVehicle one;
   one.hover_without_plan();
   one.tracks_setpoint = false;
@@ -243,7 +243,7 @@ TEST(GuardStop, HoversAtTheEndOfThePlan) {
 }
 
 // A stop in the middle of a plan starts at the actual position.
-TEST(GuardStop, StartsAtThePositionInAPlan) {
+TEST(GuardStop, StartsAtTheActualPositionWithinAPlan) {
   OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
   follow_straight(one, 1.0);
   const double here_m = back(one.position_m.head<2>()).x();

@@ -164,7 +164,7 @@ TEST_F(LadderOrders, TakeOffWaitsForStoppingMotors) {
   EXPECT_EQ(d.wait(0.1), FlightState::kHold);
 }
 
-TEST(IsAirborne, HoldsForFollowHoldAndLand) {
+TEST(IsAirborne, IsTrueForFollowHoldAndLand) {
   for (const FlightState state : {FlightState::kFollow, FlightState::kHold, FlightState::kLand}) {
     EXPECT_TRUE(is_airborne(state));
   }

@@ -200,7 +200,7 @@ TEST_F(StepLadder, ArmsWhenNothingForbidsIt) {
   }
 }
 
-TEST_F(StepLadder, RevokesOrdersThatNeedTheOperator) {
+TEST_F(StepLadder, RevokesOrdersWhenOnlyTheOperatorCanClearTheReason) {
   d.in.autopilot_armed = false;
   for (int time = 0; time < 2; ++time) {
     d.in.poses_rejected = d.lim.pose_rejected_hold;
@@ -373,7 +373,7 @@ TEST_F(StepLadder, AllocatesNothing) {
 }
 
 // A healthy vehicle has no condition, and names are unique.
-TEST(Conditions, DoNotHoldForAHealthyVehicleAndHaveUniqueNames) {
+TEST(Conditions, AreFalseForAHealthyVehicleAndHaveUniqueNames) {
   SafetyInputs in;
   in.flight_s = 5.0;
   std::set<std::string> names;
@@ -390,7 +390,7 @@ TEST(Conditions, DoNotHoldForAHealthyVehicleAndHaveUniqueNames) {
   }
 }
 
-TEST(Conditions, OnMessageAgesHoldWhenNothingWasReceived) {
+TEST(Conditions, OnMessageAgesAreTrueWhenNothingWasReceived) {
   SafetyInputs in;
   in.pose_age_s = in.heartbeat_age_s = in.telemetry_age_s = kNever;
   in.battery_age_s = in.operator_age_s = in.planner_age_s = kNever;

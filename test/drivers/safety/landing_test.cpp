@@ -391,7 +391,7 @@ TEST(FlightGuard, LandsWhileItIsPushed) {
 
 // While mocap sees a body below but not the vehicle, the vehicle waits for the longest permitted
 // time before it descends.
-TEST(FlightGuard, WaitsForABodyBelowWithoutAPose) {
+TEST(FlightGuard, WaitsAboveABodyWhileTheVehicleIsUnseen) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
   test::Vehicle& vehicle = bench.vehicle("Q1");

@@ -175,7 +175,7 @@ TEST(Latches, ActBySeverityAndClearing) {
       }));
 }
 
-TEST(Latches, ForbidArmingAndTakingOffWhileTheyHold) {
+TEST(Latches, ForbidArmingAndTakingOffWhileTheirConditionsAreTrue) {
   const std::vector<Condition> rows = made_rows();
   for (unsigned bits : {0U, 0x5A5A5U, 0xFFFFFU, 1U, 1U << (kRows - 1), 0x12345U}) {
     SafetyInputs inputs;

@@ -123,9 +123,9 @@ TEST(SafetyLimits, MatchTheDocuments) {
   test::expect_as_stated(rows);
 }
 
-class FromTheScenario : public testing::Test {
+class LimitsFromTheScenario : public testing::Test {
  protected:
-  FromTheScenario() {
+  LimitsFromTheScenario() {
     scenario.planner.separation_m = 0.9;
     scenario.planner.tracking_tolerance_m = 0.15;
     scenario.planner.obstacle_margin_m = 0.13;
@@ -141,7 +141,7 @@ class FromTheScenario : public testing::Test {
   scenario::Scenario scenario = test::FlightBench::scenario();
 };
 
-TEST_F(FromTheScenario, DerivesLimitsFromTheScenario) {
+TEST_F(LimitsFromTheScenario, DerivesLimitsFromTheScenario) {
   const SafetyLimits is = of();
   EXPECT_EQ(is.fence.bounds.min_m, scenario.world.bounds.min_m);
   EXPECT_EQ(is.fence.bounds.max_m, scenario.world.bounds.max_m);
@@ -175,7 +175,7 @@ TEST_F(FromTheScenario, DerivesLimitsFromTheScenario) {
   EXPECT_EQ(of("Q2").take_off_height_m, scenario.robots[1].height_m);
 }
 
-TEST_F(FromTheScenario, KeepsMinimumLimits) {
+TEST_F(LimitsFromTheScenario, KeepsMinimumLimits) {
   scenario.planner.execute_steps = 1;  // a round of 0.6 s
   scenario.planner.obstacle_margin_m = 0.01;
   scenario.planner.separation_m = 0.445;  // vehicles touch at 0.44 m
@@ -192,7 +192,7 @@ TEST_F(FromTheScenario, KeepsMinimumLimits) {
   EXPECT_LT(is.pose_gate_m, is.pose_gate_max_m);
 }
 
-TEST_F(FromTheScenario, KeepsDefaultsOtherwise) {
+TEST_F(LimitsFromTheScenario, KeepsDefaultsThatTheScenarioDoesNotDetermine) {
   const SafetyLimits is = of();
   const SafetyLimits stated;
   EXPECT_EQ(is.pose_age_hold_s, stated.pose_age_hold_s);
@@ -209,7 +209,7 @@ TEST_F(FromTheScenario, KeepsDefaultsOtherwise) {
 // See "When a driver dies in motion" in docs/explanation/safety.md. The budget covers each vehicle
 // that arms, because a longer time-out forbids arming
 // (Parameters.ForbidArmingWithATimeOutBeyondTheBudget).
-TEST_F(FromTheScenario, BudgetsReactionAndTimeOutPerDialect) {
+TEST_F(LimitsFromTheScenario, BudgetsReactionAndTimeOutPerDialect) {
   using models::AutopilotDialect;
   struct Budget {
     AutopilotDialect dialect;
@@ -255,7 +255,7 @@ TEST(HalfWindow, IsHalfTheTimeToTheGreatestSpeed) {
   }
 }
 
-TEST_F(FromTheScenario, RefusesAnUnknownRobot) { EXPECT_THROW(of("Q9"), UsageError); }
+TEST_F(LimitsFromTheScenario, RefusesAnUnknownRobot) { EXPECT_THROW(of("Q9"), UsageError); }
 
 // The limits of each ladder must be finite and increase strictly.
 TEST(CheckLimits, RefusesLimitsThatDoNotIncrease) {

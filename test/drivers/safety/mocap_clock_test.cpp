@@ -79,7 +79,7 @@ TEST(MocapClock, KeepsTheLatencyWhenTheClockIsSetBackByASecondOrLess) {
 
 // If the clocks of the two computers are not synchronised, only changes of their offset count as
 // latency.
-TEST(MocapClock, CountsFromTheFirstFrameWhenTheClocksDiffer) {
+TEST(MocapClock, MeasuresLatencyFromTheFirstFrameWhenTheClocksDiffer) {
   MocapClock clock;
   EXPECT_FALSE(clock.on_frame(after(-7200.0), after(0.0), 0));
   EXPECT_EQ(clock.latency_s(), 0.0);

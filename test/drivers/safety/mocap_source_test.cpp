@@ -16,7 +16,7 @@ constexpr double kHourS = 3600.0;
 
 Time at(double seconds_s) { return kStart + from_seconds(seconds_s); }
 
-class Source : public testing::Test {
+class MocapSourceTest : public testing::Test {
  protected:
   /// Delivers a frame of run `run` at time `at_s`. The publisher's clock is `ahead_s` ahead of the
   /// local clock.
@@ -38,7 +38,7 @@ class Source : public testing::Test {
   std::int64_t number_ = 0;
 };
 
-TEST_F(Source, IsTheFirstPublisherOfTheBody) {
+TEST_F(MocapSourceTest, IsTheFirstPublisherOfTheBody) {
   shows_body = false;
   EXPECT_EQ(standing_of(1, 0.0), Standing::kCandidate);
   shows_body = true;
@@ -49,7 +49,7 @@ TEST_F(Source, IsTheFirstPublisherOfTheBody) {
   EXPECT_EQ(source.refusal_message(at(2.1)), nullptr);
 }
 
-TEST_F(Source, IsReplacedWhenSilent) {
+TEST_F(MocapSourceTest, IsReplacedWhenSilent) {
   EXPECT_EQ(standing_of(1, 0.0), Standing::kCandidate);
   EXPECT_EQ(standing_of(2, 0.29), Standing::kRefused);
   shows_body = false;
@@ -62,7 +62,7 @@ TEST_F(Source, IsReplacedWhenSilent) {
   EXPECT_EQ(standing_of(1, 0.72), Standing::kRefused);
 }
 
-TEST_F(Source, RefusesOldStamps) {
+TEST_F(MocapSourceTest, RefusesOldStamps) {
   for (const double ahead_s : {-24.0 * kHourS, -2.1, 2.1, 10.0 * 365.0 * 24.0 * kHourS}) {
     EXPECT_EQ(standing_of(1, 0.0, ahead_s), Standing::kRefused);
   }
@@ -70,7 +70,7 @@ TEST_F(Source, RefusesOldStamps) {
   EXPECT_EQ(standing_of(1, 0.0, -1.9), Standing::kCandidate);
 }
 
-TEST_F(Source, StaysAcceptedAfterAClockChange) {
+TEST_F(MocapSourceTest, StaysAcceptedAfterAClockChange) {
   EXPECT_EQ(standing_of(1, 0.0), Standing::kCandidate);
   double at_s = 0.0;
   for (const double ahead_s : {-kHourS, 2.0 * kHourS, 0.0, -3.0}) {
@@ -87,7 +87,7 @@ TEST_F(Source, StaysAcceptedAfterAClockChange) {
   EXPECT_EQ(standing_of(2, at_s + 1.0), Standing::kCandidate);
 }
 
-TEST_F(Source, AcceptsAClockChangeWhenFramesContinue) {
+TEST_F(MocapSourceTest, AcceptsAClockChangeWhenFramesContinue) {
   EXPECT_EQ(standing_of(1, 0.0, 0.0, 10), Standing::kCandidate);
   std::int64_t number = 10;
   double ahead_s = -kHourS;
@@ -101,7 +101,7 @@ TEST_F(Source, AcceptsAClockChangeWhenFramesContinue) {
   }
 }
 
-TEST_F(Source, CountsRefusalsAndTakeovers) {
+TEST_F(MocapSourceTest, CountsRefusalsAndTakeovers) {
   const auto count = [&](const std::string& name) {
     std::vector<models::NamedCount> counts;
     source.count(counts);
@@ -124,7 +124,7 @@ TEST_F(Source, CountsRefusalsAndTakeovers) {
 }
 
 // Tests both sides of the limits for stamps (2 s) and silence (0.3 s), also after a take-over.
-TEST_F(Source, HasTheStatedTimeLimits) {
+TEST_F(MocapSourceTest, HasTheStatedTimeLimits) {
   shows_body = false;
   for (const double side : {1.0, -1.0}) {
     EXPECT_EQ(standing_of(7, 0.0, side * 1.99), Standing::kCandidate);
@@ -143,7 +143,7 @@ TEST_F(Source, HasTheStatedTimeLimits) {
 
 // A refusal of a second source, or of a second clock, is reported for two seconds. If both were
 // refused, the second source is reported first.
-TEST_F(Source, ReportsRefusalsForTwoSeconds) {
+TEST_F(MocapSourceTest, ReportsRefusalsForTwoSeconds) {
   const std::string second = "messages from a second VICON source are rejected";
   const std::string other_time = "VICON messages from another clock or a log are rejected";
   const auto refusal_message = [&](double at_s) {
@@ -172,7 +172,7 @@ TEST_F(Source, ReportsRefusalsForTwoSeconds) {
 
 // Frames of the accepted source that have an old stamp and a discontinuous number are counted and
 // reported, each time.
-TEST_F(Source, RefusesOldDiscontinuousFramesOfTheAcceptedPublisher) {
+TEST_F(MocapSourceTest, RefusesOldDiscontinuousFramesOfTheAcceptedPublisher) {
   EXPECT_EQ(standing_of(1, 0.0, 0.0, 100), Standing::kCandidate);
   for (std::int64_t time = 1; time <= 2; ++time) {
     const double at_s = 10.0 * static_cast<double>(time);
@@ -192,7 +192,7 @@ TEST_F(Source, RefusesOldDiscontinuousFramesOfTheAcceptedPublisher) {
 
 // A changed clock of the source is accepted until it is set back. It does not apply to other
 // sources.
-TEST_F(Source, AcceptsOneClockChangeUntilItIsReverted) {
+TEST_F(MocapSourceTest, AcceptsOneClockChangeUntilItIsReverted) {
   EXPECT_EQ(standing_of(1, 0.0, 0.0, 100), Standing::kCandidate);
   EXPECT_EQ(standing_of(1, 0.1, kHourS, 101), Standing::kAccepted);
   EXPECT_EQ(standing_of(1, 0.2, kHourS, 5), Standing::kAccepted)
@@ -206,7 +206,7 @@ TEST_F(Source, AcceptsOneClockChangeUntilItIsReverted) {
       << "the clock of the previous source";
 }
 
-TEST_F(Source, AcceptsACandidateAtTimeZero) {
+TEST_F(MocapSourceTest, AcceptsACandidateAtTimeZero) {
   models::MocapFrame frame;
   frame.stamp.run_id = 1;
   frame.stamp.time = Time{} + from_seconds(0.1);

@@ -329,7 +329,7 @@ TEST(CheckShape, ToleratesARelativeExcessOfOneMillionth) {
 }
 
 // The distance is that to the nearest obstacle, from outside and inside, in any order of the list.
-TEST(Distances, AreToTheNearestOfAllObstacles) {
+TEST(Distances, AreMeasuredToTheNearestOfAllObstacles) {
   test::Random random(38);
   for (int i = 0; i < 300; ++i) {
     models::World world;
@@ -351,7 +351,7 @@ TEST(Distances, AreToTheNearestOfAllObstacles) {
 }
 
 // The reference is a brute-force search over a fine grid of points on the edge of the rectangle.
-TEST(Distances, AreToTheNearestPointOfTheEdge) {
+TEST(Distances, AreMeasuredToTheNearestPointOfTheEdge) {
   test::Random random(34);
   for (int i = 0; i < 300; ++i) {
     models::World world;

@@ -141,7 +141,7 @@ TEST(CheckPath, FindsTheLeastSeparationOfTwoPlansThatPassClosely) {
   }
 }
 
-TEST(CheckPath, FindsTheLeastDistanceOfABodyWithoutAPlan) {
+TEST(CheckPath, FindsTheLeastDistanceToABodyWithoutAPlan) {
   SafetyLimits limits = open_limits();
   const auto check = [&](int, test::Random& random, const HeldPlan& plan, Time now) {
     const Eigen::Vector3d body_m =
@@ -155,7 +155,7 @@ TEST(CheckPath, FindsTheLeastDistanceOfABodyWithoutAPlan) {
   for_each_plan(32, 300, check);
 }
 
-TEST(CheckPath, FindsTheLeastDistanceOfFenceAndObstacle) {
+TEST(CheckPath, FindsTheLeastDistanceToFenceAndObstacle) {
   SafetyLimits limits = bench_limits();
   const auto check = [&](int i, test::Random& random, const HeldPlan& plan, Time now) {
     const Eigen::Vector2d near_m =
@@ -333,7 +333,7 @@ TEST(PlanCheck, GivesTheSameVerdictForBackwardMotionWithTurnedYaw) {
 
 // ---- Limits of the shape of a plan, by bisection from both sides ----
 
-class ShapeEdges : public testing::Test {
+class PlanCheckTest : public testing::Test {
  protected:
   PlanVerdict verdict(std::vector<models::PlanSegment> segments) const {
     return check_shape(held(kStart, {}, std::move(segments)), limits);
@@ -349,7 +349,7 @@ class ShapeEdges : public testing::Test {
   SafetyLimits limits = bench_limits();  // 1 m/s, 3 rad/s, 2 m/s²
 };
 
-TEST_F(ShapeEdges, LimitsLateralAcceleration) {
+TEST_F(PlanCheckTest, LimitsLateralAcceleration) {
   limits.lateral_max_mps2 = 1.2;
   for (const double speed_mps : {0.8, -0.8}) {
     for (const double side : {1.0, -1.0}) {
@@ -360,7 +360,7 @@ TEST_F(ShapeEdges, LimitsLateralAcceleration) {
   }
 }
 
-TEST_F(ShapeEdges, LimitsSpeedAndYawRate) {
+TEST_F(PlanCheckTest, LimitsSpeedAndYawRate) {
   for (const double sign : {1.0, -1.0}) {
     const double rate_radps =
         test::last_accepted(0.0, 10.0, 1e-9, [&](double w) { return turns(0.1, sign * w); });
@@ -371,7 +371,7 @@ TEST_F(ShapeEdges, LimitsSpeedAndYawRate) {
   }
 }
 
-TEST_F(ShapeEdges, LimitsDecelerationAndDuration) {
+TEST_F(PlanCheckTest, LimitsDecelerationAndDuration) {
   for (const double v : {1.0, -1.0}) {
     const double brake_mps2 = test::last_accepted(1.0, 10.0, 1e-9, [&](double a) {
       return accepts({{{v, 0.0}, 1.0, a}});
@@ -392,7 +392,7 @@ TEST_F(ShapeEdges, LimitsDecelerationAndDuration) {
   EXPECT_EQ(verdict({{{0.0, 0.0}, 1.0, -0.1}}), PlanVerdict::kNotFinite) << "gaining speed";
 }
 
-TEST_F(ShapeEdges, LimitsSpeedChanges) {
+TEST_F(PlanCheckTest, LimitsSpeedChanges) {
   for (const double sign : {1.0, -1.0}) {
     const double change_mps = test::last_accepted(0.0, 1.0, 1e-9, [&](double v) {
       return accepts({{{sign * 0.4, 0.0}, 0.5, 0.0}, {{-sign * v, 0.0}, 0.5, 0.0}, {{}, 0.1, 0.0}});
@@ -401,7 +401,7 @@ TEST_F(ShapeEdges, LimitsSpeedChanges) {
   }
 }
 
-TEST_F(ShapeEdges, LimitsDurationAndReach) {
+TEST_F(PlanCheckTest, LimitsDurationAndReach) {
   const double rest_s = test::last_accepted(1.0, 1000.0, 1e-7, [&](double t_s) {
     return accepts({{{}, 0.5 * t_s, 0.0}, {{}, 0.5 * t_s, 0.0}});
   });
@@ -418,7 +418,7 @@ TEST_F(ShapeEdges, LimitsDurationAndReach) {
   }
 }
 
-TEST_F(ShapeEdges, FliesBetweenTheGroundAndTheCeiling) {
+TEST_F(PlanCheckTest, RequiresAHeightBetweenGroundAndCeiling) {
   const auto accepts_height = [&](double height_m) {
     HeldPlan plan = held(kStart, {1.0, -1.0, 0.0}, {});
     plan.height_m = height_m;
@@ -430,7 +430,7 @@ TEST_F(ShapeEdges, FliesBetweenTheGroundAndTheCeiling) {
 
 // The part of the path behind the vehicle is ignored. The test finds the last time at which a
 // conflict is still ahead.
-TEST_F(ShapeEdges, IgnoresTheFlownPartOfThePath) {
+TEST_F(PlanCheckTest, IgnoresTheFlownPartOfThePath) {
   limits = open_limits();
   const HeldPlan plan = held(kStart, {}, {{{1.0, 0.0}, 3.0, 0.0}, models::brake(1.0, 2.0).front()});
   const OtherCourse others[] = {{nullptr, {1.0, 0.3, 1.0}}};  // passes at 0.3 m after 1 s
@@ -442,7 +442,7 @@ TEST_F(ShapeEdges, IgnoresTheFlownPartOfThePath) {
 }
 
 // Each other body is checked, at any position in the list.
-TEST_F(ShapeEdges, ChecksEveryBody) {
+TEST_F(PlanCheckTest, ChecksEveryBody) {
   const HeldPlan plan = held(kStart, {1.0, -1.0, 0.0}, {});
   for (std::size_t near = 0; near < 4; ++near) {
     std::vector<OtherCourse> others(4, {nullptr, {1.0, 1.5, 1.0}});
@@ -453,7 +453,7 @@ TEST_F(ShapeEdges, ChecksEveryBody) {
 }
 
 // Message encoding rounds values, so a violation of up to 1e-6 m is accepted.
-TEST_F(ShapeEdges, ToleratesAViolationOfAMicrometre) {
+TEST_F(PlanCheckTest, ToleratesAViolationOfAMicrometre) {
   const auto forgiven_m = [&](const Eigen::Vector2d& edge_m, const Eigen::Vector2d& inward,
                               std::vector<OtherCourse> others = {}) {
     return test::last_accepted(-0.01, 0.01, 1e-10, [&](double beyond_m) {

@@ -23,9 +23,9 @@ Time after(double t_s) { return kStart + from_seconds(t_s); }
 
 /// Plan gate of Q1. The vehicle hovers at (1, −1, 1) with a yaw near π, so that yaw differences
 /// cross ±π.
-class Gate : public testing::Test {
+class PlanGateTest : public testing::Test {
  protected:
-  Gate() { course.hover({1.0, -1.0, 1.0}, kYawRad, kStart); }
+  PlanGateTest() { course.hover({1.0, -1.0, 1.0}, kYawRad, kStart); }
 
   /// Returns a new plan of planner run `run`: a hover at the position of the vehicle.
   models::RobotPlan news(double start_s, std::int64_t run = 1) {
@@ -63,7 +63,7 @@ class Gate : public testing::Test {
   std::int64_t sequence = 0;
 };
 
-TEST_F(Gate, ReportsTheAgeOfAcceptedPlans) {
+TEST_F(PlanGateTest, ReportsTheAgeOfAcceptedPlans) {
   EXPECT_EQ(report(0.0).plan_age_s, kNever);
   EXPECT_EQ(report(0.0).planner_age_s, kNever);
   EXPECT_EQ(gate.round(), -1);
@@ -78,7 +78,7 @@ TEST_F(Gate, ReportsTheAgeOfAcceptedPlans) {
 }
 
 // Only consecutive late plans count; a plan in time resets the count.
-TEST_F(Gate, CountsConsecutiveLatePlans) {
+TEST_F(PlanGateTest, CountsConsecutiveLatePlans) {
   int expected[] = {1, 2, 0, 1, 2, 3, 0, 0, 1};
   bool is_late[] = {true, true, false, true, true, true, false, false, true};
   for (std::size_t i = 0; i < std::size(is_late); ++i) {
@@ -93,7 +93,7 @@ TEST_F(Gate, CountsConsecutiveLatePlans) {
   EXPECT_EQ(report(1.0).plans_late, 1) << "late plans of another planner do not count";
 }
 
-TEST_F(Gate, CountsConsecutiveRefusals) {
+TEST_F(PlanGateTest, CountsConsecutiveRefusals) {
   const auto refused = [&](double at_s) {
     models::RobotPlan plan = news(at_s);
     plan.trajectory.start.x_m += 1.0;
@@ -117,7 +117,7 @@ TEST_F(Gate, CountsConsecutiveRefusals) {
   }
 }
 
-TEST_F(Gate, AcceptsEachPlanOnceInOrderOfStart) {
+TEST_F(PlanGateTest, AcceptsEachPlanOnceInOrderOfStart) {
   for (const double at_s : {0.0, 1.0}) {
     const models::RobotPlan first = news(at_s + 0.2);
     EXPECT_EQ(judge(first, at_s), PlanVerdict::kAccepted);
@@ -130,7 +130,7 @@ TEST_F(Gate, AcceptsEachPlanOnceInOrderOfStart) {
   }
 }
 
-TEST_F(Gate, AcceptsANewPlannerAfterTheLease) {
+TEST_F(PlanGateTest, AcceptsANewPlannerAfterTheLease) {
   sequence = 1000;
   EXPECT_EQ(judge(news(0.0, 1), 0.0), PlanVerdict::kAccepted);
   for (std::int64_t run = 2; run <= 3; ++run) {
@@ -145,7 +145,7 @@ TEST_F(Gate, AcceptsANewPlannerAfterTheLease) {
 }
 
 // A clock that was never set may give times before 1970.
-TEST_F(Gate, AcceptsAFirstPlanOnAnyClock) {
+TEST_F(PlanGateTest, AcceptsAFirstPlanOnAnyClock) {
   constexpr double kEpochS = -1'700'000'000.0;
   for (const double at_s : {kEpochS - 5.0, kEpochS + 5.0, 0.0}) {
     EXPECT_TRUE(accepts_at_first(news(at_s), at_s)) << at_s;
@@ -153,7 +153,7 @@ TEST_F(Gate, AcceptsAFirstPlanOnAnyClock) {
   }
 }
 
-TEST_F(Gate, RefusesStaleAndFuturePlans) {
+TEST_F(PlanGateTest, RefusesStaleAndFuturePlans) {
   const double past_s = test::last_accepted(
       0.0, 60.0, 1e-7, [&](double ago_s) { return accepts_at_first(news(-ago_s), 0.0); });
   EXPECT_NEAR(past_s, limits.plan_past_max_s, 2e-6);
@@ -166,7 +166,7 @@ TEST_F(Gate, RefusesStaleAndFuturePlans) {
 
 // The gate knows only the path to the second plan, which has not begun, so it cannot check a third
 // plan.
-TEST_F(Gate, RefusesAPlanAfterOneThatHasNotBegun) {
+TEST_F(PlanGateTest, RefusesAPlanAfterOneThatHasNotBegun) {
   for (const double at_s : {0.0, 10.0}) {
     const models::RobotPlan next = news(at_s + 0.5);
     ASSERT_EQ(judge(next, at_s), PlanVerdict::kAccepted);
@@ -182,7 +182,7 @@ TEST_F(Gate, RefusesAPlanAfterOneThatHasNotBegun) {
   }
 }
 
-TEST_F(Gate, AcceptsPlansExactlyAtTheTimeLimits) {
+TEST_F(PlanGateTest, AcceptsPlansExactlyAtTheTimeLimits) {
   const double past_s = -limits.plan_past_max_s;
   const double future_s = limits.plan_future_max_s;
   for (const auto& [start_s, verdict] : {std::pair(past_s - 1e-6, PlanVerdict::kStale),
@@ -194,7 +194,7 @@ TEST_F(Gate, AcceptsPlansExactlyAtTheTimeLimits) {
   }
 }
 
-TEST_F(Gate, AcceptsPlansThatBeginNearTheCourse) {
+TEST_F(PlanGateTest, AcceptsPlansThatBeginNearTheCourse) {
   for (const double side : {1.0, -1.0}) {
     for (int axis = 0; axis < 3; ++axis) {
       const double off_m = test::last_accepted(0.0, 0.9, 1e-9, [&](double m) {
@@ -219,7 +219,7 @@ TEST_F(Gate, AcceptsPlansThatBeginNearTheCourse) {
 
 // A plan that has begun is compared with the course at the current time, a future plan at its start
 // time.
-TEST_F(Gate, ComparesThePoseWithThePlanNowOrAtItsStart) {
+TEST_F(PlanGateTest, ComparesThePoseWithThePlanNowOrAtItsStart) {
   HeldPlan drives;
   drives.start_time = kStart;
   drives.start = {1.0, -1.0, kPi};
@@ -240,7 +240,7 @@ TEST_F(Gate, ComparesThePoseWithThePlanNowOrAtItsStart) {
 
 // A plan that agrees with the flown path is accepted up to the maximum age. The same path that
 // begins now at the old start position is refused.
-TEST_F(Gate, AcceptsPlansThatMatchTheFlownPath) {
+TEST_F(PlanGateTest, AcceptsPlansThatMatchTheFlownPath) {
   limits.plan_start_tolerance_m = 0.01;
   models::RobotPlan plan = news(0.0);
   plan.trajectory.segments = {{{1.0, -1.0}, 1.0, 0.0}, {{}, 0.1, 0.0}};
@@ -257,7 +257,7 @@ TEST_F(Gate, AcceptsPlansThatMatchTheFlownPath) {
   }
 }
 
-TEST_F(Gate, RefusesPlansTooCloseToTeammates) {
+TEST_F(PlanGateTest, RefusesPlansTooCloseToTeammates) {
   limits.plan_separation_m = kSeparationM;
   others = {{nullptr, {1.0, -1.0 + kSeparationM + 0.01, 1.0}}};
   EXPECT_EQ(judge(news(0.0), 0.0), PlanVerdict::kAccepted);
@@ -265,7 +265,7 @@ TEST_F(Gate, RefusesPlansTooCloseToTeammates) {
   EXPECT_EQ(judge(news(0.1), 0.1), PlanVerdict::kTeammate);
 }
 
-TEST_F(Gate, CountsEachVerdictByName) {
+TEST_F(PlanGateTest, CountsEachVerdictByName) {
   const auto bad = [&](auto&& corrupt) {
     models::RobotPlan plan = news(0.1);
     corrupt(plan);
@@ -325,7 +325,7 @@ TEST_F(Gate, CountsEachVerdictByName) {
 }
 
 // Each verdict has its own counter.
-TEST_F(Gate, CountsVerdictsSeparately) {
+TEST_F(PlanGateTest, CountsEachVerdictSeparately) {
   const std::map<std::string, int> met = {
       {"accepted", 5}, {"wrong vehicle", 1}, {"stale", 2}, {"too far ahead", 3}, {"not finite", 4}};
   for (int i = 0; i < 5; ++i) {
@@ -355,7 +355,7 @@ TEST_F(Gate, CountsVerdictsSeparately) {
 }
 
 // Each time, a second planner is reported until it has been silent for the lease time.
-TEST_F(Gate, ReportsASecondPlannerForTheLease) {
+TEST_F(PlanGateTest, ReportsASecondPlannerForTheLeaseTime) {
   EXPECT_EQ(judge(news(0.0, 1), 0.0), PlanVerdict::kAccepted);
   EXPECT_FALSE(report(0.0).second_planner);
   for (const double at_s : {1.0, 9.0}) {
@@ -367,7 +367,7 @@ TEST_F(Gate, ReportsASecondPlannerForTheLease) {
   }
 }
 
-TEST_F(Gate, AllocatesNothing) {
+TEST_F(PlanGateTest, AllocatesNothing) {
   models::RobotPlan plan = news(0.0);
   plan.trajectory.segments = {{{0.5, 0.0}, 0.5, 0.0}, {{}, 0.1, 0.0}};
   const test::AllocationCounter allocations;

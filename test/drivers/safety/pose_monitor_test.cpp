@@ -115,7 +115,7 @@ TEST_F(Poses, AllowACommandedDescentWhileUnseen) {
 
 // On the ground the body may be carried. A jump then restarts the track at rest, with a count of
 // one accepted pose. Tested twice.
-TEST_F(Poses, RestartAtRestAfterCarrying) {
+TEST_F(Poses, StartANewTrackAtRestAfterCarrying) {
   double t_s = 0.0;
   Eigen::Vector3d p_m(0.0, -1.0, 0.0);
   for (const double to_m : {2.0, -2.0}) {
@@ -139,7 +139,7 @@ TEST_F(Poses, RestartAtRestAfterCarrying) {
 
 // The filtered velocity responds to a step with 1 − e^(−t / 50 ms) in either direction. A velocity
 // change that needs more than 10 m/s² is limited.
-TEST_F(Poses, FilterVelocityAndTurnWithFiftyMilliseconds) {
+TEST_F(Poses, FilterVelocityAndTurnRateWithATimeConstantOf50Ms) {
   for (const double side : {1.0, -1.0}) {
     stand({0.0, -1.0, 1.0});
     for (int i = 1; i <= 30; ++i) {
@@ -162,7 +162,7 @@ TEST_F(Poses, FilterVelocityAndTurnWithFiftyMilliseconds) {
 
 // Identical poses are accepted for the time limit; afterwards the pose age counts from the first of
 // them.
-TEST_F(Poses, AreStuckAfterTheTimeLimit) {
+TEST_F(Poses, CountAsStuckAfterTheTimeLimit) {
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
   for (const BodyContext& context : {kFlies, kHovers}) {
     const double allowed_s =
@@ -206,7 +206,7 @@ TEST_F(Poses, AreCountedConsecutively) {
   }
 }
 
-TEST_F(Poses, AreCountedFromTheFirst) {
+TEST_F(Poses, AreCountedFromTheFirstAcceptedOne) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
   EXPECT_EQ(monitor.accepted_in_row(), 0);
   for (int n = 1; n <= 3; ++n) {
@@ -220,7 +220,7 @@ TEST_F(Poses, AreCountedFromTheFirst) {
 }
 
 // The length of a quaternion may differ from 1 by up to 1 %.
-TEST_F(Poses, HaveRotationsOfUnitLength) {
+TEST_F(Poses, NeedUnitQuaternionsToOnePercent) {
   const auto accepts = [&](double length) {
     monitor = {};
     models::MocapBody body{"Q1", lift({0.5, -0.4, 0.7}, 1.0), false};
@@ -324,7 +324,7 @@ TEST_F(Poses, AreExtrapolatedWhileUnseen) {
 // When the pose of a moving vehicle repeats, the time limit counts from its first occurrence,
 // regardless of the earlier flight. Afterwards the pose age counts from that occurrence. A second
 // repetition has the same effect.
-TEST_F(Poses, AreStuckFromTheFirstRepetition) {
+TEST_F(Poses, StuckTimeCountsFromTheFirstOccurrence) {
   double t_s = 0.0;
   Eigen::Vector3d p_m(-3.0, -1.0, 1.0);
   for (int time = 0; time < 2; ++time) {

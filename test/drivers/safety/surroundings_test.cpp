@@ -24,7 +24,7 @@ double clearance_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
          limits.vehicle.radius_m;
 }
 
-TEST(ClearSpot, IsClearAndNearOrEmptyWhenAlreadyClear) {
+TEST(ClearSpot, IsANearbyClearSpotOrEmptyIfTheHoverIsClear) {
   const SafetyLimits limits = bench_limits();
   test::Random random(11);
   int moved = 0;
@@ -243,7 +243,7 @@ TEST(ComputeSurroundings, ReportsTheNearestBodyAndItsPriority) {
   }
 }
 
-TEST(ComputeSurroundings, FindsTheLeastDistanceToTheRoomWhileBraking) {
+TEST(ComputeSurroundings, FindsTheLeastDistancesToFenceAndObstaclesWhileBraking) {
   const SafetyLimits limits = bench_limits();
   test::Random random(42);
   for (int i = 0; i < 1000; ++i) {
@@ -365,7 +365,7 @@ TEST(Surroundings, AreInvariantUnderSymmetries) {
 
 // A body that is not a robot is assumed to keep its last speed for one second after mocap lost it.
 // A larger radius reduces the distance.
-TEST(Surroundings, GrowForMovingAndLargeBodies) {
+TEST(Surroundings, AllowForTheMotionAndRadiusOfBodies) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
   OtherBody body;

@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, PoseNoise,
                                            models::SensorKind::kRange, models::SensorKind::kBearing,
                                            models::SensorKind::kRangeBearing));
 
-TEST(AssumePose, MovesTheViewpointAndAddsThePosesCovariance) {
+TEST(AssumePose, MovesTheViewpointAndAddsTheCovarianceOfThePose) {
   const models::SensorModel sensor = sensor_of(models::SensorKind::kRangeBearing);
   models::RobotMeasurement seen;
   seen.viewpoint = {{0.9, -0.4, 0.6}, 1.5};

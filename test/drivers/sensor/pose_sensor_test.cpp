@@ -112,7 +112,7 @@ TEST(PoseSensor, ReportsNoVelocityWithoutAnEarlierPose) {
   EXPECT_TRUE(driver.measure(frame, false, &frame)->detections.empty()) << "same instant";
 }
 
-TEST(PoseSensor, DetectsTargetsInRangeViewAndSight) {
+TEST(PoseSensor, DetectsTargetsInRangeInTheFieldOfViewAndInSight) {
   scenario::Scenario scenario = scenario_with(models::SensorKind::kRangeBearing);
   scenario.robots[0].sensor.fov_rad = radians(90.0);
   scenario.world.obstacles.push_back({{{2.4, 3.9}, {2.5, 4.1}}, 0.5});

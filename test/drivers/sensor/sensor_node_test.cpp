@@ -215,7 +215,7 @@ scenario::Scenario mapping_scenario() {
   return scenario;
 }
 
-TEST(SensorNode, ScansInMappingUnlessJammed) {
+TEST(SensorNode, PublishesScansInMappingScenariosUnlessJammed) {
   Bench bench(mapping_scenario());
   bench.send_frame(Duration{0});
   bench.send_attack({"Q1"});

@@ -134,7 +134,7 @@ TEST(BodyTracker, RefusesIdenticalPosesInTheAir) {
   EXPECT_EQ(tracker.update(frame_at(time, at(0, 0)), time, time, true), BodyVerdict::kTaken);
 }
 
-TEST(BodyTracker, MeasuresAgeByArrival) {
+TEST(BodyTracker, MeasuresThePoseAgeFromItsArrival) {
   BodyTracker tracker("Q1", 2.0);
   EXPECT_FALSE(tracker.age(kStart).has_value());
   const Time captured = kStart - Duration{50'000};

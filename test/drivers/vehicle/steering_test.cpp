@@ -25,7 +25,7 @@ BodyState seen_at(const Eigen::Vector3d& position_m) {
   return out;
 }
 
-TEST(Steering, PassesSetPointsWithinTheLimits) {
+TEST(Steering, LeavesSetPointsWithinTheLimitsUnchanged) {
   Setpoint planned = planned_at({1.0, 2.0, 1.5}, {0.6, -0.8, 0.5});
   planned.acceleration_world_mps2 = {1.0, 2.0, 0.0};
   planned.yaw_rate_radps = -3.0;

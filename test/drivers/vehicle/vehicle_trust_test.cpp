@@ -24,7 +24,7 @@ using test::VehicleTrust;
 
 // ---- Channel COMMAND ----
 
-TEST_F(VehicleTrust, AcceptsAStopAfterForgedNumbers) {
+TEST_F(VehicleTrust, AcceptsAStopAfterForgedSequenceNumbers) {
   take_off();
   bench.publish_forged(bus::kCommand, command(OperatorAction::kHeartbeat, kLabRun, kFarAhead, {}));
   bench.publish_forged(bus::kCommand,
@@ -37,7 +37,7 @@ TEST_F(VehicleTrust, AcceptsAStopAfterForgedNumbers) {
   EXPECT_EQ(bench.state(), FlightState::kKilled);
 }
 
-TEST_F(VehicleTrust, AcceptsAStopWithAnOldNumber) {
+TEST_F(VehicleTrust, AcceptsAStopWithAnOldSequenceNumber) {
   take_off();
   bench.publish_forged(bus::kCommand, command(OperatorAction::kEmergencyStop, kLabRun, 3, {}));
   bench.run(0.05);
@@ -190,7 +190,7 @@ TEST_F(VehicleTrust, IgnoresAFrameWithAStampFarInTheFuture) {
   EXPECT_TRUE(only_hovered());
 }
 
-TEST_F(VehicleTrust, AcceptsPosesAfterForgedNumbers) {
+TEST_F(VehicleTrust, AcceptsPosesAfterForgedSequenceNumbers) {
   take_off();
   models::MocapFrame frame = bench.see();
   frame.stamp = {bench.clock.now(), kLabRun, kFarAhead};

@@ -21,7 +21,7 @@ using test::kPeriod;
 using test::spec_of;
 using test::ViconBench;
 
-TEST(ReadFlight, RequiresEvenTimesAndUnitQuaternions) {
+TEST(ReadFlight, RequiresEvenlySpacedTimesAndUnitQuaternions) {
   const vantage::test::TemporaryFolder folder;
   const auto is_taken = [&](const std::string& third_row) {
     const std::string path = folder.file("flight.csv");

@@ -71,7 +71,7 @@ TEST(FrameFilter, AppliesUnusuallyLongLatencies) {
   }
 }
 
-TEST(FrameFilter, CaptureTimesIncreaseUpToArrival) {
+TEST(FrameFilter, CaptureTimesIncreaseAndNeverExceedTheArrival) {
   FilterBench bench;
   Time last{};
   for (int k = 0; k < 50; ++k) {
@@ -212,7 +212,7 @@ TEST(FrameFilter, RefusesZeroAndImpossiblePoses) {
   EXPECT_EQ(bench.filter.counts().poses_refused, 1);
 }
 
-TEST(FrameFilter, RefusesThePoseFromTheThirdRepetition) {
+TEST(FrameFilter, RefusesARepeatedPoseFromTheThirdRepetitionOn) {
   FilterBench bench;
   const Pose3 pose = bench.moving_pose();
   EXPECT_TRUE(bench.is_accepted(pose));

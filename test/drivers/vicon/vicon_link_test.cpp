@@ -74,7 +74,7 @@ TEST_P(ViconLink, BacksOffAndReconnects) {
   EXPECT_TRUE(bench.driver.has_frames());
 }
 
-TEST_P(ViconLink, ReportsAnotherProduct) {
+TEST_P(ViconLink, ReportsAServerOfAnotherProduct) {
   bench.cut();
   bench.driver.on_opening(bench.now());
   bench.driver.on_opened(bench.now());
@@ -204,7 +204,7 @@ struct HandServer {
   DataStreamSession session;
 };
 
-TEST(DataStreamSession, RequestsTheContentForPoses) {
+TEST(DataStreamSession, RequestsTheContentThatPosesNeed) {
   const HandServer server;
   const wire::vicon::Framed first = wire::vicon::next_packet(server.session.outgoing);
   ASSERT_EQ(first.state, wire::vicon::Framing::kWhole);
@@ -283,7 +283,7 @@ TEST(DataStreamSession, DropsFramesWithoutTheRequestedContent) {
   EXPECT_EQ(server.bodies[0].pose_state, PoseState::kAbsent);
 }
 
-TEST(DataStreamSession, UsesTheRootSegmentOrTheObjectsOwn) {
+TEST(DataStreamSession, UsesTheRootSegmentOrTheSegmentNamedAsTheSubject) {
   HandServer server;
   server.send([](wire::vicon::PacketWriter& packet) {
     wire::vicon::SubjectInfo skeleton = HandServer::subject(1, "Man");

@@ -82,7 +82,7 @@ struct ChangingServer {
 };
 
 // After a gap in the frame numbers, a fast ping reply shows that no frames are queued.
-TEST(FrameFilter, RecoversAfterAPauseWhenAnEchoIsFast) {
+TEST(FrameFilter, RecoversAfterAPauseWhenAPingReplyIsFast) {
   ChangingServer server;
   server.states_rate = server.answers_pings = true;
   server.run(500, kPeriod);
@@ -99,7 +99,7 @@ TEST(FrameFilter, RecoversAfterAPauseWhenAnEchoIsFast) {
 
 // Without a ping reply, a pause cannot be distinguished from a queue. The latency is reported until
 // the next connection.
-TEST(FrameFilter, StaysLateAfterAPauseUntilAReconnect) {
+TEST(FrameFilter, ReportsLatencyAfterAPauseUntilAReconnect) {
   for (const double pause_s : {0.15, 0.5, 5.0}) {
     ChangingServer server;
     server.run(500, kPeriod);
@@ -134,7 +134,7 @@ TEST(FrameFilter, UsesTheServersStatedRate) {
 
 // If the stated rate differs from the rate of the frame numbers, ping replies reveal this within
 // three seconds.
-TEST(FrameFilter, PrefersEchoesToTheStatedRate) {
+TEST(FrameFilter, PrefersPingRepliesToTheStatedRate) {
   for (const double stated_share : {0.5, 0.999, 1.001, 2.0, 10.0}) {
     FilterBench bench;
     double worst_late_s = 0.0;
@@ -192,7 +192,7 @@ TEST(FrameFilter, EstimatesTheRateAgainOnANewConnection) {
 
 // The queue grows too slowly to be detected from the frame numbers. A ping reply passes through the
 // same queue and reveals the delay.
-TEST(FrameFilter, ReportsAQueueThatOnlyEchoesShow) {
+TEST(FrameFilter, ReportsAQueueThatOnlyPingRepliesReveal) {
   FilterBench bench;
   for (int k = 0; k < 500; ++k) {
     bench.begin();

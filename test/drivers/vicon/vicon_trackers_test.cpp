@@ -138,7 +138,7 @@ TEST_F(VrpnTrackersOnTheWire, AreUnseenWhenSilent) {
   }
 }
 
-TEST_F(VrpnTrackersOnTheWire, ContinueWhenTheLeaderIsSilent) {
+TEST_F(VrpnTrackersOnTheWire, ContinueWhenTheFastestTrackerIsSilent) {
   run({{"A", ms(10), ms(0), ms(1'000)}, {"B", ms(10), ms(4)}, {"C", ms(20), ms(7)}}, ms(2'000));
   const auto after = frames(ms(1'200), ms(2'000));
   EXPECT_NEAR(static_cast<double>(after.size()), 80.0, 1.0);
