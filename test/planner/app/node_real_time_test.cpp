@@ -32,7 +32,7 @@ class RealClock : public bus::Clock {
 
 // A restarted planner waits for one round plus 350 ms. In that time it receives the status of its
 // vehicle and the plans of its teammates.
-TEST_F(PlannerNodeTest, WaitsForMessagesFirstOnlyInRealTime) {
+TEST_F(PlannerNodeTest, WaitsForMessagesBeforePlanningOnlyInRealTime) {
   const scenario::Scenario scenario = test::lab_scenario();
   const RoundSchedule::Slot slot = test::first_inputs(scenario, 0).slot;
   const auto workspace = std::make_shared<Workspace>(scenario);
@@ -81,7 +81,7 @@ TEST_F(PlannerNodeTest, ReceivesPlanOfEachTeammateBeforeFirstSlot) {
 }
 
 // A search that ends after the slot leads to no new plan and no new proposal.
-TEST_F(PlannerNodeTest, PublishesNoNewSearchAfterItsSlot) {
+TEST_F(PlannerNodeTest, PublishesNoSearchResultAfterItsSlot) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
   RealClock clock;

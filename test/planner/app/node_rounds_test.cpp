@@ -91,7 +91,7 @@ class PlannerNodeClosing : public PlannerNodeTest, public testing::WithParamInte
 
 INSTANTIATE_TEST_SUITE_P(Budgets, PlannerNodeClosing, testing::Values(0.06, 0.48, 0.9));
 
-TEST_P(PlannerNodeClosing, ReservesAFifthOfSlotUpTo20Ms) {
+TEST_P(PlannerNodeClosing, ReservesAFifthOfTheSlotButAtMost20Ms) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
   scenario.planner.team_budget_s = GetParam();
@@ -352,7 +352,7 @@ TEST_F(PlannerNodeTest, PollsProposalsEveryFiveMilliseconds) {
   }
 }
 
-TEST_F(PlannerNodeTest, NamesInputsAndBaseOfProposal) {
+TEST_F(PlannerNodeTest, NamesInputsOfProposalAndTheProposalItImproves) {
   start(team_that_agrees());
   std::vector<models::TeamProposal> proposals;
   world_.subscribe<models::TeamProposal>(bus::team_proposal_channel("Q1"),

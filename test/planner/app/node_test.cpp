@@ -173,7 +173,7 @@ TEST_F(PlannerNodeTest, ContinuesWithoutAnInvalidBelief) {
 
 /// A planner node that receives a belief of step 3 and a mixture of any step. `mixtures_named` is
 /// the number of mixtures among the inputs that its plan names.
-class PlannerNodeByMixtures : public PlannerNodeTest {
+class PlannerNodeWithMixtures : public PlannerNodeTest {
  protected:
   std::int64_t mixtures_named(std::int64_t step_of_mixture) {
     scenario::Scenario scenario = test::lab_scenario();
@@ -198,11 +198,11 @@ class PlannerNodeByMixtures : public PlannerNodeTest {
   }
 };
 
-TEST_F(PlannerNodeByMixtures, UsesAMixtureThatArrivedBeforeItsBelief) {
+TEST_F(PlannerNodeWithMixtures, UsesAMixtureThatArrivedBeforeItsBelief) {
   EXPECT_EQ(mixtures_named(3), 1);
 }
 
-TEST_F(PlannerNodeByMixtures, IgnoresMixtureOfAnotherStep) { EXPECT_EQ(mixtures_named(2), 0); }
+TEST_F(PlannerNodeWithMixtures, IgnoresMixtureOfAnotherStep) { EXPECT_EQ(mixtures_named(2), 0); }
 
 TEST_F(PlannerNodeTest, CountsUnusableMaps) {
   scenario::Scenario scenario = test::lab_scenario();

@@ -51,7 +51,7 @@ TEST(PoseFill, AddsABodyThatTheFrameLacks) {
   EXPECT_EQ(frame.bodies[0].name, "Q1");
 }
 
-TEST(PoseFill, LeavesFramesUnchangedThatShowTheRobotOrAreTooFarAway) {
+TEST(PoseFill, LeavesFramesUnchangedThatShowTheRobotOrDifferTooMuchInTime) {
   models::MocapFrame seen = frame_after(0.1, false);
   EXPECT_FALSE(show_robot(one_robot(), estimate(), seen));
   EXPECT_EQ(seen.bodies[0].world_from_body.translation_m.x(), 9.0);

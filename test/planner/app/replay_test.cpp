@@ -228,7 +228,7 @@ TEST_F(ReplayTest, ReproducesExternalPlans) {
 
 // The replay repeats the robot's own proposals and the resulting plan. The robot's first proposal
 // improves on a proposal of a teammate.
-TEST_F(ReplayTest, ReplaysOwnProposals) {
+TEST_F(ReplayTest, ReplaysTheRobotsProposals) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.team_algorithm = scenario::TeamAlgorithm::kLocalSearch;
   scenario.planner.candidates_max = 20;

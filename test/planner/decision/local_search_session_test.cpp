@@ -257,7 +257,7 @@ TEST(LocalSearchSession, EndsWhenBeliefsDiffer) {
   EXPECT_GE(disputed, 10);
 }
 
-TEST(LocalSearchSession, ProposesSameAfterAnyInterruption) {
+TEST(LocalSearchSession, MakesTheSameProposalsAfterAnyInterruption) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const TeamProblem problem = drawn(seed);
     Team whole({problem});
@@ -350,7 +350,7 @@ TEST(LocalSearchSession, StartsWithoutCommittedPlans) {
   }
 }
 
-TEST(LocalSearchSession, RefusesOtherRoundTeamOrRobot) {
+TEST(LocalSearchSession, RefusesProposalsOfAnotherRoundTeamOrRobot) {
   Team team({drawn(3)});
   const auto sent = team[0].improve(Deadline::never());
   ASSERT_TRUE(sent);
@@ -419,7 +419,7 @@ TEST(LocalSearchSession, KeepsSeparationInProposals) {
   EXPECT_GE(kept, 100);
 }
 
-TEST(LocalSearchSession, CountsUnsharedInformation) {
+TEST(LocalSearchSession, AddsUnsharedInformationToTheValue) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const TeamProblem plain = drawn(seed);
     const TeamOracle before(plain);

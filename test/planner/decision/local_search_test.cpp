@@ -96,7 +96,7 @@ TEST(CoordinateDescent, IsAtLeastHalfOfTheOptimum) {
   }
 }
 
-TEST(CoordinateDescent, LazyEvaluationMakesEqualChoices) {
+TEST(CoordinateDescent, LazyEvaluationDoesNotChangeTheChoices) {
   std::int64_t lazy_calls = 0;
   std::int64_t calls = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
@@ -175,7 +175,7 @@ TEST(ValueBound, RefusesInformationThatIsNotSubmodular) {
   EXPECT_THROW(value_bound(oracle, nothing), UsageError);
 }
 
-TEST(LocalSearch, KeepsItsBoundOnInformationLessCosts) {
+TEST(LocalSearch, MeetsItsGuaranteeForInformationMinusCosts) {
   for (const double alpha : {0.1, 1.0}) {
     for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
       const TeamProblem problem = test::random_instance(seed, {4, 4, 2.0}, {});

@@ -208,7 +208,7 @@ void expect_known(double is, double known) {
   EXPECT_LE(is, known * (1.0 + 2e-3));
 }
 
-TEST(PathsBound, IsExactWhenAllPathsSeeTheSame) {
+TEST(PathsBound, IsExactWhenAllPathsHaveTheSameMeasurements) {
   PathsBound bound(4, 5);
   std::vector<SearchProblem> team = observer_team();
   for (const InformationMeasure measure : kMeasures) {

@@ -156,7 +156,7 @@ models::TeamProposal proposal_of(const std::string& robot, double value_nats, do
   return proposal;
 }
 
-TEST(InformationAlone, ExcludesCostAndUnsharedInformation) {
+TEST(StandAloneInformation, ExcludesCostAndUnsharedInformation) {
   const SessionSetup setup = setup_of({{3.0, 0.5, 0.25}});
   EXPECT_NEAR(information_alone(setup.problem, setup.problem.candidates[1][0]), std::log(4.0),
               1e-12);
@@ -199,7 +199,7 @@ TEST(LocalSearchSession, ProposesOnlyIncreasesOfAMicronatOrMore) {
   EXPECT_TRUE(above.improve(Deadline::never()));
 }
 
-TEST(LocalSearchSession, RefusesForeignTeamAndUnknownMotions) {
+TEST(LocalSearchSession, RefusesProposalsWithAnotherTeamOrUnknownMotions) {
   for (const int robot : {-1, 3}) {
     SessionSetup setup = setup_of({});
     setup.robot = robot;
@@ -215,7 +215,7 @@ TEST(LocalSearchSession, RefusesForeignTeamAndUnknownMotions) {
 
 // A session prefers the greater value, then the sender that is first in the team, then the lower
 // fingerprint. It selects the same proposal for any order of arrival.
-TEST(LocalSearchSession, HoldsSameProposalInAnyOrder) {
+TEST(LocalSearchSession, KeepsTheSameProposalForAnyOrderOfArrival) {
   models::TeamProposal low = proposal_of("Q3", 1.0, 1.0);
   models::TeamProposal high = proposal_of("Q3", 1.0, 2.0);
   if (low.history.back() > high.history.back()) {

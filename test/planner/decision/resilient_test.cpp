@@ -247,7 +247,7 @@ TEST(AttackOnBestTogether, AddsRobotThatMaximisesJointValue) {
   EXPECT_GT(unlike_alone, 10);
 }
 
-TEST(PlanResiliently, EvaluatesInAlgorithmOrder) {
+TEST(PlanResiliently, EvaluatesCandidatesInTheOrderOfTheAlgorithm) {
   using Call = std::pair<int, std::vector<int>>;
   const std::vector<double> values = {2.0, 5.0, 3.0, 4.0};
   std::vector<Call> calls;
@@ -307,7 +307,7 @@ TEST(ResilientRound, BaitPlansAloneAndOthersTogether) {
   EXPECT_TRUE(calm.robots_without_sensing_for(1).empty());
 }
 
-TEST(BaitRobots, HaveHighestValueThenLowerIndex) {
+TEST(BaitRobots, AreThoseOfHighestValueThenLowestIndex) {
   const std::vector<double> values = {1.0, 3.0, 2.0, 3.0, 2.0};
   EXPECT_EQ(bait_robots(values, 0), (std::vector<int>{}));
   EXPECT_EQ(bait_robots(values, 1), (std::vector<int>{1}));

@@ -38,7 +38,7 @@ std::vector<char> drawn_exclusion(const TeamOracle& oracle, std::uint64_t seed) 
 
 // A change improves if J increases and g' ≥ (1 + α/N⁴) g, where g = J + O and O is the sum of the
 // highest cost of each robot.
-TEST(ImprovementRule, RequiresShareOfValueAndCosts) {
+TEST(ImprovementRule, RequiresAShareOfTheValuePlusHighestCosts) {
   const TeamProblem one = made_team(1, {{{0, 1.0, 3.0}}});
   const TeamOracle of_one(one);
   ASSERT_EQ(of_one.offset(), 3.0);
@@ -102,7 +102,7 @@ TEST(ProposalOrder, PrefersValueThenLowNumbersThenDeletions) {
 
 // The best addition of a robot may add nothing; of equal candidates it has the lowest id. Lazy
 // evaluation with bounds has the same result with fewer calls.
-TEST(BestAddition, IsFirstBestCandidateAsSolutionGrows) {
+TEST(BestAddition, IsTheFirstBestCandidateForAnySolution) {
   std::int64_t calls = 0;
   std::int64_t lazy_calls = 0;
   for (std::uint64_t seed = 0; seed < 2 * kInstances; ++seed) {

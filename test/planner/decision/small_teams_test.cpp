@@ -86,7 +86,7 @@ TEST(LocalSearch, AddsTheSecondRobotWithOneCallAndOneMessage) {
   EXPECT_EQ(central.adopted, 1);
 }
 
-TEST(LocalSearch, BeginsWithFirstBestSingleCandidate) {
+TEST(LocalSearch, BeginsWithTheFirstOfTheBestSingleCandidates) {
   const TeamProblem problem =
       made_team(3, {{{0, 1.0}, {0, 1.5}}, {{1, 2.0}, {1, 2.0}}, {{2, 2.0}}});
   const TeamOracle oracle(problem);
@@ -162,7 +162,7 @@ TEST(CoordinateDescent, EndsAfterARoundWithoutChange) {
   }
 }
 
-TEST(CoordinateDescent, ChoosesFirstOfEqualsForGivenRobotsOnly) {
+TEST(CoordinateDescent, ChoosesFirstOfEqualCandidatesForGivenRobotsOnly) {
   const TeamProblem alike = made_team(2, {{{0, 1.0}}, {{1, 1.0}, {1, 1.5}, {1, 1.5}}});
   const TeamOracle oracle(alike);
   for (const bool lazy : {false, true}) {
@@ -178,7 +178,7 @@ TEST(CoordinateDescent, ChoosesFirstOfEqualsForGivenRobotsOnly) {
 }
 
 // In a second turn a robot changes its candidate only if the new one is better.
-TEST(CoordinateDescent, EndsInASingleRobotOptimum) {
+TEST(CoordinateDescent, EndsWhenNoSingleRobotCanImprove) {
   int kept = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {4, 5, 1.0}, {});
@@ -200,7 +200,7 @@ TEST(CoordinateDescent, EndsInASingleRobotOptimum) {
 
 // Each step adds the candidate with the largest gain among the robots without a candidate; of equal
 // ones the first.
-TEST(Greedy, AddsBestCandidateWhileItGains) {
+TEST(Greedy, AddsBestCandidateWhileTheValueIncreases) {
   for (const InformationMeasure measure : kMeasures) {
     std::int64_t calls = 0;
     std::int64_t calls_of_all = 0;

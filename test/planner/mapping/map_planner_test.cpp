@@ -165,7 +165,7 @@ TEST(MapPlanner, FindsBestSafeRoute) {
 }
 
 // The plan uses planned_beams beams, for any number of beams of the scanner.
-TEST(MapPlanner, PlansWithItsPlannedBeams) {
+TEST(MapPlanner, PlansWithTheConfiguredNumberOfBeams) {
   Random random(5404);
   scenario::Scenario few = mapping_scenario();
   few.mapping.scanner.beams = few.mapping.planned_beams = 12;

@@ -189,7 +189,7 @@ TEST(MappingSearch, TeamValueIsIndependentOfOrderAndZeroWhenEmpty) {
   EXPECT_EQ(search.value(std::vector<const MapRoute*>{nullptr, nullptr}), 0.0);
 }
 
-TEST(MappingSearch, CountsTeammatesViews) {
+TEST(MappingSearch, GainsLessWhereTeammatesScan) {
   test::Random random(4704);
   Bench bench(random, 3, 0.0);
   MappingSearch search(bench.views, bench.drive, bench.options);
@@ -397,7 +397,7 @@ TEST(ResilientMapping, WithoutAttacksEqualsCoordinateDescent) {
   }
 }
 
-TEST(ResilientMapping, KeepsBestStandAloneRoutesAndPlansRest) {
+TEST(ResilientMapping, KeepsBestStandAloneRoutesOfBaitAndPlansTheRest) {
   test::Random random(4708);
   for (int i = 0; i < 20; ++i) {
     Bench bench(random, 2, 0.5);

@@ -68,7 +68,7 @@ TEST(ViewTable, EqualsTheInformationOfASingleBeam) {
   }
 }
 
-TEST(ViewTable, IsZeroForKnownCellsAndOutside) {
+TEST(ViewTable, IsZeroForKnownCellsAndOutsideTheMap) {
   OccupancyBelief belief(kGrid, 2.0);
   for (int cell = 0; cell < kGrid.size(); ++cell) {
     belief.add_log_odds(cell, cell % 7 == 0 ? 5.0 : -5.0);
@@ -103,7 +103,7 @@ TEST(ViewTable, RemovesDependentBeamsOfAScan) {
   }
 }
 
-TEST(ViewTable, KeepsTheFieldOfView) {
+TEST(ViewTable, RespectsTheFieldOfView) {
   OccupancyBelief belief(kGrid, 3.0);
   for (int cell = 0; cell < kGrid.size(); ++cell) {
     if (kGrid.centre_m(cell).x() < 4.0) {

@@ -77,7 +77,7 @@ TEST(BlockKernels, UnpackInvertsPack) {
   });
 }
 
-TEST(BlockKernels, UseInformationAboutTheStateLikeInverses) {
+TEST(BlockKernels, AddInformationAboutTheStateLikeMatrixInversion) {
   std::mt19937_64 rng(23);
   for (int i = 0; i < 400; ++i) {
     const Eigen::Matrix4d S = random_spd(rng, 4, uniform(rng, 0.01, 10.0), 2.0);
@@ -275,7 +275,7 @@ TEST(Dominates, IsTrueInBothDirectionsForEqualBlocks) {
   });
 }
 
-TEST(Dominates, IsFalseForADominatingDiagonalOnly) {
+TEST(Dominates, IsFalseIfOnlyTheDiagonalIsLarger) {
   // [2 1.9; 1.9 2] has a larger diagonal than I but does not dominate it.
   const double a[] = {2.0, 1.9, 2.0};
   const double b[] = {1.0, 0.0, 1.0};

@@ -247,7 +247,7 @@ double greatest_separation_m(const std::vector<models::PlanSegment>& segments, i
 // Each piece is treated as straight and uniform. If it is straight and uniform, only the rounding
 // of the clock is added. Otherwise the allowance is exactly a Δ²/8 for an acceleration a, and J s
 // (1 − s) Δ for a speed jump J after the share s of the piece.
-TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
+TEST(IsFree, AllowsOnlyForTheCurvatureOfATeammatesPiece) {
   constexpr double kPiece_s = 0.1;
   constexpr double kClock_m = 1e-5;
   const auto bulge_m = [&](double acceleration_mps2) {
@@ -422,7 +422,7 @@ TEST(IsFree, AddsExactlyTheSagittaOfTheRobotsArc) {
 }
 
 // Headings stay within (−π, π], bit for bit as from wrap_to_pi().
-TEST(MotionTable, WrapsHeadingsLikeTheUnicycle) {
+TEST(MotionTable, WrapsHeadingsLikeTheUnicycleModel) {
   std::mt19937_64 rng(63);
   SearchProblem problem;
   for (const double turn_rad : {0.0, 0.5 * kPi, -0.5 * kPi, kPi, -kPi, 1.0, -3.0}) {

@@ -45,7 +45,7 @@ double sampled_clearance_m(const models::World& world, const Pose2& from,
   return least_m;
 }
 
-TEST(MotionTable, EqualsTheUnicycle) {
+TEST(MotionTable, EqualsTheUnicycleModel) {
   std::mt19937_64 rng(30);
   SearchProblem problem;
   problem.controls = models::standard_primitives();

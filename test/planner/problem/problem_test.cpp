@@ -162,7 +162,7 @@ std::vector<Fault> faults_of_one_number() {
 
 TEST(RequireValid, AcceptsAValidProblem) { EXPECT_NO_THROW(require_valid(valid_problem())); }
 
-TEST(RequireValid, RefusesEachBrokenRule) {
+TEST(RequireValid, RefusesAProblemThatBreaksAnyRule) {
   ReducedValueIteration search({1'000, 10'000, 4, 8, 2});
   for (const Fault& fault : faults()) {
     SearchProblem problem = valid_problem();
@@ -181,7 +181,7 @@ TEST(RequireValid, RefusesEachInvalidNumber) {
 }
 
 // Values exactly at each limit are accepted.
-TEST(RequireValid, AcceptsLimits) {
+TEST(RequireValid, AcceptsValuesExactlyAtTheLimits) {
   static const models::World world;
   static const models::DistanceField field;
   const std::vector<Fault> allowed = {
@@ -294,7 +294,7 @@ TEST(SearchProblem, HasTheStatedDefaults) {
   EXPECT_EQ(separation_height_m(walled, teammate), 2.0);
 }
 
-TEST(SearchResult, ResetClearsAll) {
+TEST(SearchResult, ResetClearsEveryField) {
   SearchResult result;
   result.found = true;
   result.controls = {1, 2};

@@ -143,7 +143,7 @@ TEST(SightTable, StateInformationEqualsTheModels) {
   EXPECT_GT(seen_count, 1'000);
 }
 
-TEST(SightTable, LineOfSightIsIndependentOfTheField) {
+TEST(SightTable, LineOfSightDoesNotDependOnTheDistanceField) {
   std::mt19937_64 rng(44);
   SightTable sight;
   int clear = 0;

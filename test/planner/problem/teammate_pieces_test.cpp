@@ -19,7 +19,7 @@ using test::pick;
 using test::uniform;
 
 // A teammate drives along the x axis at 1 m/s and passes a robot that hovers at the origin at 3 s.
-TEST(IsFree, UsesTeammatePositionInThatStep) {
+TEST(IsFree, UsesTeammatePositionOfTheSameStep) {
   SearchProblem problem;
   problem.start_time = from_utime(1'700'000'000'000'000);
   problem.horizon_steps = 8;

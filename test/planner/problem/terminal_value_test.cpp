@@ -41,7 +41,7 @@ std::vector<std::uint16_t> random_subset(std::mt19937_64& rng, std::size_t targe
   return out;
 }
 
-TEST(TerminalValue, ChargesEachUnmeasuredStopForTheTimeOfItsArrival) {
+TEST(TerminalValue, ChargesEachUnmeasuredStopForItsArrivalTime) {
   const TerminalValue value = two_stops();
   const Eigen::Vector2d p_m(3.0, 4.0);  // 2.5 s from both stops
   const std::uint16_t neither[] = {0, 2};
@@ -61,7 +61,7 @@ TEST(TerminalValue, ChargesEachUnmeasuredStopForTheTimeOfItsArrival) {
 
 // A stop with open > done counts with the share (cost − done) / (open − done) of its rate, limited
 // to 0 … 1, with the cost of the target's covariance.
-TEST(TerminalValue, KeepsTheShareOfAStopThatTheCovarianceLeaves) {
+TEST(TerminalValue, ScalesTheRateOfAStopByItsUnmeasuredShare) {
   const TerminalValue value({{4, 3.0, 0.0, 2.0, -2.0}, {1, 5.0, 4.0}}, two_fields());
   const Eigen::Vector2d p_m(3.0, 4.0);  // 2.5 s from both stops
   const std::uint16_t first[] = {0, 4};

@@ -212,7 +212,7 @@ TEST_F(CommitmentOfADriver, HoversAtTheObservedPoseWithoutAPlan) {
 
 // A holding vehicle is compared with the point of its plan at the time of its status. Before the
 // plan begins, that is the start of the plan.
-TEST_F(CommitmentOfADriver, ComparesHoldWithPlanAtStatusTime) {
+TEST_F(CommitmentOfADriver, ComparesAHoldingVehicleWithItsPlanAtTheStatusTime) {
   models::VehicleStatus& status = inputs_.team_statuses["Q2"];
   status.state = models::FlightState::kHold;
   for (const double since_s : {-3.0, 0.0, 0.7, 1.9}) {

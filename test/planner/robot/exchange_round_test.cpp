@@ -89,7 +89,7 @@ class Round {
   std::map<std::string, models::RobotPlan> plans_;
 };
 
-TEST(RoundSchedule, SharesTheFirstHalfOfALocalSearch) {
+TEST(RoundSchedule, LetsAllRobotsShareTheFirstHalfInALocalSearch) {
   scenario::PlannerSpec spec;
   spec.team_algorithm = scenario::TeamAlgorithm::kLocalSearch;
   const int robots = 5;

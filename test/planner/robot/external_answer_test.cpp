@@ -80,7 +80,7 @@ TEST_F(MotionOfAnswer, StartsAtTheCommittedPose) {
 }
 
 // Each limit may be reached but not exceeded, in the first segment and in the last.
-TEST_F(MotionOfAnswer, KeepsItsVehiclesLimits) {
+TEST_F(MotionOfAnswer, RespectsTheLimitsOfItsVehicle) {
   struct Edge {
     std::string what;
     models::PlanSegment last;

@@ -163,7 +163,7 @@ TEST_F(Ladder, UsesItsProposalIfSearchedAndSafe) {
 
 // The robot stops within v² / 2a = 0.25 m. If the wall is nearer, the last fallback still gives a
 // plan.
-TEST_F(Ladder, HoversOrFallsBack) {
+TEST_F(Ladder, HoversIfSafeAndAlwaysHasAFallback) {
   {
     PlanLadder ladder = begin(5.0);
     const auto rest = ladder.hovering();
@@ -267,7 +267,7 @@ TEST(KeepsApart, RequiresSeparationFromEachTeammate) {
 }
 
 // The clearance to walls and the separation may be violated by up to two centimetres.
-TEST(IsSafe, AllowsTwoCentimetres) {
+TEST(IsSafe, AllowsViolationsOfUpToTwoCentimetres) {
   models::World world;
   world.bounds = {{-10.0, -10.0}, {10.0, 10.0}};
   SearchProblem problem;

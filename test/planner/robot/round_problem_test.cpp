@@ -67,9 +67,9 @@ TEST(ProblemOfRound, UsesTheTerminalValueOfTheTour) {
 
 /// Fixture with a scenario in which the beliefs of unseen targets are mixtures of several
 /// Gaussians.
-class PlansByMixtures : public ::testing::Test {
+class PlansWithMixtures : public ::testing::Test {
  protected:
-  PlansByMixtures() {
+  PlansWithMixtures() {
     scenario_.estimator.target_model = {models::TargetKind::kDoubleIntegrator, 2, 0.01};
     scenario_.estimator.samples = true;
     inputs_ = test::first_inputs(scenario_, 0);
@@ -118,7 +118,7 @@ class PlansByMixtures : public ::testing::Test {
 };
 
 // The test scenario has static targets. The robot has observed one cell of the grid.
-TEST(ProblemOfRound, ExploresUntilFoundIfConfigured) {
+TEST(ProblemOfRound, ExploresUntilTargetsAreFoundIfConfigured) {
   scenario::Scenario scenario = test::lab_scenario();
   PlanInputs inputs = test::first_inputs(scenario, 0, 1);
   const models::VisibilityGrid grid(scenario.world, scenario.estimator.grid_resolution_m,
@@ -401,7 +401,7 @@ TEST(ProblemOfRound, UsesMapGridOfTheScenarioOnly) {
   EXPECT_EQ(round_of().unusable_maps, 1);
 }
 
-TEST_F(PlansByMixtures, HaveOneTargetPerComponent) {
+TEST_F(PlansWithMixtures, HaveOneTargetPerComponent) {
   add(1, {0.5, 0.3, 0.2});
   add(4, {0.97, 0.03});  // below 1/32 a component is dropped; one position comes from the belief
   const std::vector<Eigen::Vector2d> places_m = this->places_m();
@@ -414,7 +414,7 @@ TEST_F(PlansByMixtures, HaveOneTargetPerComponent) {
   }
 }
 
-TEST_F(PlansByMixtures, UsesOnlyMixtureOfItsBelief) {
+TEST_F(PlansWithMixtures, UseOnlyTheMixtureOfTheirBelief) {
   add(1, {0.5, 0.5});
   EXPECT_EQ(places_m().size(), 6U);
   const models::BeliefMixture right = *inputs_.mixture;
@@ -437,7 +437,7 @@ TEST_F(PlansByMixtures, UsesOnlyMixtureOfItsBelief) {
   EXPECT_EQ(places_m().size(), 6U);
 }
 
-TEST_F(PlansByMixtures, KeepTheTargetLimit) {
+TEST_F(PlansWithMixtures, KeepTheTargetLimit) {
   EXPECT_EQ(components_max(scenario_), 35U);
   for (int id = 0; id < 5; ++id) {
     add(id, std::vector<double>(8, 0.125));

@@ -52,7 +52,7 @@ void expect_optimal(std::uint64_t seed, const SearchProblem& problem,
   EXPECT_NEAR(result.cost, best.cost, slack(best.cost)) << "seed " << seed;
 }
 
-TEST(Exhaustive, EqualsOracle) {
+TEST(Exhaustive, FindsTheOptimumOfTheReference) {
   ReducedValueIteration search(small_capacity());
   for_oracle_problems(
       [&](std::uint64_t seed, const SearchProblem& problem, const test::OracleAnswer& best) {

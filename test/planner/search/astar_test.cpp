@@ -115,7 +115,7 @@ TEST(WeightedAStar, KeepsItsBoundForPositiveCosts) {
 }
 
 // With ε and δ > 0, the lower bound holds at every budget.
-TEST(Aegis, CertificateAlwaysHolds) {
+TEST(Aegis, LowerBoundIsValidAtEveryBudget) {
   BestFirstSearch search(small_capacity());
   int worse = 0;
   int open = 0;
@@ -258,7 +258,7 @@ TEST(WeightedAStar, ExpandsOnlyNodesThatMayImprove) {
   EXPECT_GT(left_alone, 1'000);
 }
 
-TEST(BestFirst, LimitsDivesToOption) {
+TEST(BestFirst, DivesLessOftenIfConfigured) {
   BestFirstSearch search(small_capacity());
   BestFirstOptions how = options(BestFirst::kAStar);
   const auto work_when_diving_every = [&](int nodes) {

@@ -49,7 +49,7 @@ TEST(RefiningBeam, ReportsOptimum) {
 
 // Every budget that allows a complete pass gives a plan. A larger budget never gives a higher cost,
 // and the lower bound is at most the cost of every plan.
-TEST(RefiningBeam, BoundHoldsAndCostNeverRises) {
+TEST(RefiningBeam, BoundIsValidAndCostNeverRises) {
   RefiningBeam search(small_capacity());
   int worse = 0;
   for (const test::SolvedProblem& each : solved()) {

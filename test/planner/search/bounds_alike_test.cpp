@@ -205,7 +205,7 @@ SearchProblem rest_of(const SearchProblem& problem, int depth) {
   return out;
 }
 
-TEST(InformationHeuristic, AtDepthEqualsProblemFromThere) {
+TEST(InformationHeuristic, AtADepthEqualsThatOfTheRemainingProblem) {
   InformationHeuristic heuristic(8, 8);
   InformationHeuristic of_rest(8, 8);
   BeliefTable beliefs(8, 8);

@@ -91,7 +91,7 @@ TEST(CandidateGrid, CostIsIndependentOfDistantTargets) {
 
 // Up to four relevant targets at a depth are returned at every position. Of five, only those that
 // may be visible from the position are returned.
-TEST(CandidateGrid, FiltersOnlyAboveFourTargets) {
+TEST(CandidateGrid, FiltersOnlyMoreThanFourTargets) {
   for (const int count : {1, 4, 5}) {
     SearchProblem problem;
     problem.horizon_steps = 2;

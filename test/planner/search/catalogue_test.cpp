@@ -32,7 +32,7 @@ TEST(Catalogue, ContainsTheSearchesOfScenarios) {
   EXPECT_EQ(words, names());
 }
 
-TEST(Catalogue, RefusesUnknownNamesWithTheList) {
+TEST(Catalogue, RefusesUnknownNamesAndListsTheKnownOnes) {
   try {
     static_cast<void>(algorithm_called("dijkstra"));
     FAIL() << "the unknown name was accepted";

@@ -82,7 +82,7 @@ TEST(CrossingIndex, VisitsNearPosesAndNoFarOnes) {
   }
 }
 
-TEST(CrossingIndex, StopsOnRequestAndReportsFull) {
+TEST(CrossingIndex, StopsOnRequestAndReportsWhenItIsFull) {
   CrossingIndex index(3);
   index.reset(0.0);
   for (const NodeId id : {7U, 8U, 9U}) {

@@ -20,7 +20,7 @@ using test::uniform;
 
 constexpr std::uint64_t kProblems = 240;
 
-TEST(Expander, CostsEqualTheScorers) {
+TEST(Expander, CostsEqualThoseOfTheScorer) {
   std::size_t nodes = 0;
   for (std::uint64_t seed = 0; seed < kProblems; ++seed) {
     const OwnedProblem owned = test::random_problem(seed);
@@ -82,7 +82,7 @@ TEST(Expander, NeitherOverflowsNorUnderflowsForSharpMeasurements) {
   }
 }
 
-TEST(Expander, UsesPositionSensorAtItsOwnPosition) {
+TEST(Expander, SupportsAPositionSensorExactlyAtTheTarget) {
   SearchProblem problem;
   problem.horizon_steps = 1;
   problem.controls = {{0.0, 0.0}};
@@ -110,7 +110,7 @@ TEST(Expander, HasCapacityForAllControlsAtAnyHorizon) {
   EXPECT_EQ(allocations.count(), 0U);
 }
 
-TEST(Expander, HoverCostEqualsTheScorers) {
+TEST(Expander, HoverCostEqualsThatOfTheScorer) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const OwnedProblem owned = test::random_problem(seed);
     FullTree full(owned.problem);

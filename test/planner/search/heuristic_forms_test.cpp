@@ -435,7 +435,7 @@ TEST_F(InformationHeuristicTest, BoundsOneMeasurementAsInClosedForm) {
   // the two in every direction.
   expect(look({Kind::kRangeBearing}, 0, 2.0, 2.5, 0), bearing(2.0), range - bearing(2.0), 1);
   expect(look({Kind::kRangeBearing}, 0, 1.0, 2.5, 0), range, bearing(1.0) - range, 1);
-  // Information of several sensors adds up. For a spatial target, all directions gain it.
+  // The information of several sensors adds up; for a spatial target, in all directions.
   expect(look({Kind::kRange, Kind::kPosition, Kind::kBearing}, 0, 2.0, 2.5, 0), position,
          range + bearing(2.0), 2);
   expect(look({Kind::kRange, Kind::kBearing}, 1, 2.0, 2.5, 0), range + bearing(2.0), 0.0, 0);

@@ -38,7 +38,7 @@ SearchProblem tracking_problem(std::uint64_t seed) {
 
 ReducedOptions anytime() { return {}; }
 
-TEST(Interruption, HasAPlanAtEveryBudgetThatImprovesWithIt) {
+TEST(Interruption, HasAPlanThatImprovesWithTheBudget) {
   ReducedValueIteration search(small_capacity());
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const SearchProblem problem = tracking_problem(seed);
@@ -63,7 +63,7 @@ TEST(Interruption, HasAPlanAtEveryBudgetThatImprovesWithIt) {
   }
 }
 
-TEST(Interruption, AtATimeIsReproducedByNodeBudget) {
+TEST(Interruption, ByTheClockIsReproducedByNodeBudget) {
   ReducedValueIteration search(small_capacity());
   int stopped = 0;
   for (const std::uint64_t seed : {4U, 5U, 6U, 7U}) {

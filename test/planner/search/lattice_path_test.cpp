@@ -296,7 +296,7 @@ TEST(LatticeBound, IncludesFloatRounding) {
 
 // The bound uses the best position of a cell. No position of the cell may have more information,
 // even if the target is only about a cell away.
-TEST(LatticeBound, HoldsForMeasurementsFromAnywhereInACell) {
+TEST(LatticeBound, IsValidForMeasurementsFromAnywhereInACell) {
   LatticeBound lattice(2, 2, kStates);
   BeliefTable beliefs(2, 2);
   std::mt19937_64 rng(94);

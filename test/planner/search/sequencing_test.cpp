@@ -141,7 +141,7 @@ TEST(SequencingBound, IsAdmissibleAfterAnyCutOff) {
   expect_admissible(60, 60'000, gained);
 }
 
-TEST(SequencingBound, KeepsTheOptimum) {
+TEST(SequencingBound, DoesNotChangeTheOptimumOfASearch) {
   const SearchCapacity capacity{20'000, 800'000, 16, 8, 1};
   BestFirstSearch by_reach(capacity);
   BestFirstSearch by_sequence(capacity);

@@ -50,7 +50,7 @@ int for_solved(std::uint64_t count, const Check& check) {
   return solved;
 }
 
-TEST(TerminalSearch, CostsOfAllNodesEqualTheScorers) {
+TEST(TerminalSearch, CostsOfAllNodesEqualThoseOfTheScorer) {
   for (std::uint64_t seed = 0; seed < kProblems; ++seed) {
     const test::OwnedProblem owned = problem_with_tour(seed);
     test::FullTree full(owned.problem);
@@ -66,7 +66,7 @@ TEST(TerminalSearch, CostsOfAllNodesEqualTheScorers) {
   }
 }
 
-TEST(TerminalSearch, HoverCostsEqualTheScorers) {
+TEST(TerminalSearch, HoverCostsEqualThoseOfTheScorer) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const test::OwnedProblem owned = problem_with_tour(seed);
     test::FullTree full(owned.problem);

@@ -57,7 +57,7 @@ std::vector<int> targets_of(std::span<const TourStop> tour) {
 
 // A measurement of a static target keeps its effect. The gain is therefore the cost saved per step
 // times the number of remaining steps, and falls at a constant rate with the arrival time.
-TEST(TourPlanner, GainsTheSavedCostPerStepOfAStaticTarget) {
+TEST(TourPlanner, GainsTheCostSavedByMeasuringAStaticTarget) {
   SearchProblem problem = empty_problem();
   problem.targets = {still_target(20.0, 0.0)};
   TourPlanner planner(4);
@@ -72,7 +72,7 @@ TEST(TourPlanner, GainsTheSavedCostPerStepOfAStaticTarget) {
   EXPECT_NEAR(planner.solver().gain(), found * saved_nats * (80.0 - 7.0) / problem.step_s, 1e-9);
 }
 
-TEST(TourPlanner, ChargesTheTraceIfTheProblemDoes) {
+TEST(TourPlanner, UsesTheTraceAsCostIfTheProblemDoes) {
   SearchProblem problem = empty_problem();
   problem.cost = CostKind::kTrace;
   problem.targets = {still_target(20.0, 0.0)};
@@ -121,7 +121,7 @@ TEST(TourPlanner, LeavesStopsToNearerTeammates) {
 }
 
 // A teammate plans to measure one of two equal targets, so a visit to this target gains less.
-TEST(TourPlanner, CountsTheTeammatesPlannedMeasurements) {
+TEST(TourPlanner, AllowsForPlannedMeasurementsOfTeammates) {
   SearchProblem problem = empty_problem();
   problem.targets = {still_target(20.0, 0.0), still_target(-20.0, 0.0)};
   const models::PositionMatrix none;
@@ -218,7 +218,7 @@ TEST(TourPlanner, VisitsUnexploredRegionsByTheirExpectedTargets) {
 }
 
 // A stop is complete when 0.7 of the cost that a visit saves has been saved.
-TEST(TourPlanner, LeavesAStopUntilItWasMeasuredOften) {
+TEST(TourPlanner, KeepsAStopUntilMostOfItsCostIsSaved) {
   SearchProblem problem = empty_problem();
   problem.targets = {still_target(20.0, 0.0)};
   TourPlanner planner(4);
