@@ -25,8 +25,7 @@ struct Shot {
   std::uint32_t sequence = 0;
 };
 
-/// Stand-in for a V4L2 device: the calls that the driver makes, with the results that the kernel's
-/// documentation defines.
+/// Stand-in for a V4L2 device. Answers the driver's calls as the kernel's documentation defines.
 class Device {
  public:
   DeviceCalls calls() {

@@ -127,11 +127,11 @@ class CrazyflieBench : public SteppedBench {
   bool has_mocap = true;
   bool has_operator = true;
   bool has_driver = true;       ///< false: the driver's process was killed
-  bool reaches_vehicle = true;  ///< packets of the driver arrive
-  bool reaches_driver = true;   ///< packets of the vehicle arrive
+  bool reaches_vehicle = true;  ///< packets from the driver arrive
+  bool reaches_driver = true;   ///< packets from the vehicle arrive
   std::function<bool(const wire::crtp::Packet&)> loses_sent;  ///< selects packets that are lost
   std::function<void(models::MocapFrame&)> alter_frame;
-  std::vector<wire::crtp::Packet> sent;  ///< packets of the driver since the last clear()
+  std::vector<wire::crtp::Packet> sent;  ///< packets sent by the driver since the last clear()
   double descent_max_mps = 0.0;          ///< m/s; largest descent of the body so far
 
  private:

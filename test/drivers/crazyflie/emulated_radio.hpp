@@ -17,7 +17,7 @@ namespace vantage::test {
 
 using RadioBytes = std::vector<std::uint8_t>;
 
-/// Vehicle's end of a radio link, with the firmware's rules of safe link.
+/// Vehicle's end of a radio link; follows the firmware's safe-link protocol.
 struct EmulatedPeer {
   std::vector<RadioBytes> received;  ///< packets with content; the link bits of the header are set
   std::deque<RadioBytes> to_send;

@@ -163,8 +163,8 @@ TEST_F(CrazyflieRadio, FindsSafeLinkAgainAfterTheVehicleRestarts) {
   EXPECT_FALSE(peer(at).received.empty());
 }
 
-// A late set-point must not be sent, and the newest replaces its predecessor; but "set-points end"
-// must stay behind the last set-point.
+// A set-point that is too old is not sent, and a new set-point replaces a waiting one. "Set-points
+// end" must be sent after the last set-point.
 TEST_F(CrazyflieRadio, SendsOnlyTheNewestSetpoint) {
   const RadioAddress at = address(80, 1);
   RadioLink link(at);

@@ -82,8 +82,8 @@ TEST(NatNetSession, UsesNewNamesFromTheFirstFrameAfterAChange) {
   EXPECT_EQ(bench.frames.back().find("BODY0"), nullptr) << "the body was removed";
 }
 
-// The capture time is the time of exposure by the server's clock, for any offset between the
-// clocks.
+// The capture time is the instant of exposure, as measured by the server's clock, for any offset
+// between the two clocks.
 TEST(NatNetSession, StampsFramesAtTheExposure) {
   for (const Duration offset : {Duration{1'000'000}, Duration{std::chrono::hours(24 * 365)}}) {
     NatNetBench bench;
@@ -196,7 +196,7 @@ TEST(NatNetSession, ConnectsAgainWhenFramesStop) {
   NatNetBench bench;
   bench.run(20, 2);
   bench.peer = test::make_peer(ViconBench::settings_for(test::spec_of(MocapProtocol::kNatNet)));
-  bench.server_clock_offset = Duration{5};  // its clock begins again
+  bench.server_clock_offset = Duration{5};  // the server's clock restarts
   bench.pass(std::chrono::seconds(1));
   bench.number = 0;
   bench.frames.clear();

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t kTicksPerSecond = 3'312'787;  // as recorded from Motive
 
-/// Server whose clock began `began_s` before ours and runs faster by `skew`.
+/// Server with a clock that began `began_s` before the local clock and runs faster by `skew`.
 struct Server {
   double began_s = 4'000.0;
   double skew = 0.0;

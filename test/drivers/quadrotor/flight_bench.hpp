@@ -194,7 +194,7 @@ class FlightBench : public SteppedBench {
   /// Delivers the frames captured one frame time ago.
   void deliver_mocap() {
     for (models::MocapFrame& frame : waiting_) {
-      frame.arrival = frame.stamp.time + kLatency;  // by the clock of the stamp
+      frame.arrival = frame.stamp.time + kLatency;  // on the clock that stamps the frame
       if (has_mocap) {
         driver->on_mocap(frame, now);
       }

@@ -64,7 +64,7 @@ struct SwapRow {
   double gap_s;
 };
 constexpr std::array kSwapRows{SwapRow{0.6, 0.3}, SwapRow{1.0, 0.1}, SwapRow{2.0, 0.2}};
-constexpr double kFarM = 2.2;         // m; distance of the bodies at take-off
+constexpr double kFarM = 2.2;         // m; distance between the bodies at take-off
 constexpr double kApproachMps = 0.3;  // m/s; approach speed of the other body in the air
 
 TEST(MocapIdentity, HidesSwappedNamesFromTheVehicle) {

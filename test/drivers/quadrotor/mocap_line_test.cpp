@@ -1,5 +1,5 @@
-// Tests a slow connection, or one with a queue, from mocap server to driver: from the server's
-// bytes to the reason in the status of the vehicle.
+// Tests slow and queueing connections from mocap server to driver, from the bytes of the server to
+// the reasons in the vehicle's status.
 
 #include <algorithm>
 #include <cmath>

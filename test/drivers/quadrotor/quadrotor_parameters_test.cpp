@@ -21,7 +21,7 @@ class Parameters : public ::testing::TestWithParam<AutopilotDialect> {
   std::string loss_name() const {
     return GetParam() == AutopilotDialect::kPx4 ? "COM_OF_LOSS_T" : "GUID_TIMEOUT";
   }
-  /// Commands arming and runs until the motors run, at most `seconds`.
+  /// Commands arming; returns true if the motors run within `seconds`.
   bool arms_within(double seconds) {
     bench.command(OperatorAction::kArm);
     return bench.run_until([this] { return bench.is_armed(); }, seconds);

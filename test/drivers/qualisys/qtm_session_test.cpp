@@ -21,7 +21,7 @@ struct QtmBench : test::CirclingBench {
   }
 };
 
-// A stream has no boundaries: a packet may arrive in any pieces.
+// A TCP stream has no packet boundaries, so a packet may arrive in pieces of any size.
 TEST(QtmSession, ReadsPosesFromPiecesOfAnySize) {
   for (const std::size_t chunk_bytes : {0u, 1u, 7u, 333u}) {
     QtmBench bench(chunk_bytes);
@@ -48,7 +48,8 @@ TEST(QtmSession, MarksBodiesWithoutCoordinatesAsOccluded) {
   EXPECT_EQ(bench.driver.frame_counts().poses_refused, 0);
 }
 
-// Frames contain no names, only an order: no pose may appear under another body's name.
+// Frames identify bodies by their order only. After a change of the order, no pose may appear under
+// another body's name.
 TEST(QtmSession, UsesNewNamesFromTheFirstFrameAfterAnEvent) {
   QtmBench bench;
   bench.run(50, 3);

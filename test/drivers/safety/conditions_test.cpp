@@ -31,7 +31,7 @@ struct Edge {
   const char* name;
   double In::*input;
   double limit;
-  bool is_upper = true;  ///< true: the condition holds above the limit; false: below it
+  bool is_upper = true;  ///< true: the condition is true above the limit; false: below it
 };
 
 std::vector<Edge> edges(const SafetyLimits& l) {

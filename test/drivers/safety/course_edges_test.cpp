@@ -135,9 +135,9 @@ TEST(Course, ChangesItsSpeedOnlyWithinTheWindow) {
   }
 }
 
-// A shift from rest to rest in closed form: v τ²/(4 w) during the acceleration, then the
-// constant-speed path delayed by w, then the mirrored deceleration. Tested from a hover, back after
-// a long time, and from the end of a stop.
+// Compares a shift from rest to rest with its closed form: v τ²/(4 w) during the acceleration, then
+// the constant-speed path delayed by w, then the mirrored deceleration. The shift starts from a
+// hover, from the end of the first shift, or from the end of a stop.
 TEST(Course, ShiftStartsAtTheCurrentPosition) {
   constexpr double kShiftMps = 0.4;
   constexpr double kW = kHalfWindowS;

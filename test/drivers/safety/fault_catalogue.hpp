@@ -29,7 +29,7 @@ struct Fault {
   const char* name;  ///< name of this case
   const char* what;
   const char* vehicles;  ///< vehicles that must react: "Q1", "Q1 Q2" or "all"
-  double begins_s;       ///< s after the injection, > 0 if the fault needs a preparation
+  double begins_s;       ///< s; begin after the injection, > 0 if preparation is needed
   Act act;
   std::vector<Stage> stages;      ///< empty: the vehicle flies on
   const char* reason = nullptr;   ///< condition that must be among the reasons

@@ -114,8 +114,8 @@ TEST_F(FleetOfQ2, PredictsOtherBodiesAtConstantVelocity) {
   EXPECT_EQ(fleet.courses(at(3.0), limits)[0].velocity_world_mps.norm(), 0.0) << "not seen";
 }
 
-// An unknown body, for example a person, counts under any name; a body that this vehicle carries
-// does not.
+// An unknown body, for example a person, is included under any name, unless this vehicle carries
+// the body.
 TEST_F(FleetOfQ2, KeepsBodiesWithUnknownNames) {
   show(0.0, {{"Q2", {0, 0, 1}}, {"HELMET", {1.5, 0, 1.7}}, {"GIMBAL", {0.1, 0, 1.0}}});
   auto bodies = fleet.bodies(at(0.0), limits);

@@ -64,7 +64,7 @@ TEST(GuardClimb, ReachesLiftHeightThenFlightHeight) {
   }
 }
 
-// Heights count from the ground position of the vehicle, which may be a table.
+// Heights are measured from the vehicle's ground position, which may be on a table.
 TEST(GuardClimb, StartsAtTheGroundHeight) {
   scenario::Scenario room = OneVehicle::room();
   OneVehicle one({0.0, 0.0, 0.0}, 0.0, room);

@@ -351,8 +351,8 @@ TEST(Landing, KeepsItsSpotDuringTheFinalDescent) {
   EXPECT_LT(one.position_m.z(), 0.04);
 }
 
-// On the path aside the estimator failed and the vehicle sank so low that the landing is final. The
-// vehicle stops within its braking distance and does not move aside.
+// While the vehicle moved aside, the estimator failed and the vehicle sank so low that the landing
+// is final. The vehicle stops within its braking distance and does not continue to move aside.
 TEST(Landing, DoesNotMoveAsideOnceLow) {
   OneVehicle one;
   const auto walker = [&] { one.others = {one.body("W1", {-0.62, 0.0, 0.1})}; };

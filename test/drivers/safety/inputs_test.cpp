@@ -187,7 +187,7 @@ TEST_F(Inputs, ContainTheProcessorWait) {
 }
 
 // While the vehicle must stay on the ground, its rise is measured from its ground position, which
-// may be a table.
+// may be on a table.
 TEST_F(Inputs, MeasureARiseWithoutAnOrder) {
   for (const double table_m : {0.0, 0.4}) {
     guard.emplace(scenario, "Q1", limits);

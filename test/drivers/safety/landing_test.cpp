@@ -16,7 +16,7 @@ namespace {
 
 using models::FlightState;
 
-constexpr double kTouchM = 0.5;  // m; distance of the centres at contact
+constexpr double kTouchM = 0.5;  // m; distance between the centres at contact
 
 double clearance_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
   const Eigen::Vector2d level_m = p_m.head<2>();

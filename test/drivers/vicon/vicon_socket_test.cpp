@@ -21,8 +21,8 @@
 #include "test/support/free_port.hpp"
 #include "wire/vicon/vrpn.hpp"
 
-// The node and the emulated server on real loopback sockets. The result does not depend on the
-// speed of the machine, because each step waits for its condition.
+// Tests the node with the emulated server on real loopback sockets. The result does not depend on
+// the speed of the machine, because each step waits for its condition.
 
 namespace vantage::drivers {
 namespace {
