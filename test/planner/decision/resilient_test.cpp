@@ -152,8 +152,8 @@ TEST(AttackOnBestAlone, AttacksRobotsWithHighestStandAloneValue) {
   }
 }
 
-// Bait robots keep their best stand-alone candidates, and the attack on the best alone attacks
-// these robots.
+// Bait robots keep their best stand-alone candidates, so attack_on_best_alone() attacks these
+// robots.
 TEST(AttackOnBestAlone, AttacksTheBait) {
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {4, 4, 0.0}, {});

@@ -157,7 +157,7 @@ TEST(MapCoverage, GainIsAtMostTheWholeView) {
 }
 
 /// One beam as documented: its information is distributed over its cells in proportion to P(the
-/// beam reaches the cell) · o (1 − o).
+/// beam reaches the cell) · o (1 − o), with the occupancy probability o of the cell.
 struct Traced {
   double nats = 0.0;
   std::map<int, double> nats_of;  ///< by cell index

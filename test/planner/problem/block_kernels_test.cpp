@@ -179,7 +179,7 @@ TEST(BlockKernels, MeasureLikeTheModels) {
   });
 }
 
-// These identities give the cost of a child without its covariance.
+// These identities give the cost of a child node without its covariance.
 TEST(BlockKernels, ComputeCostWithoutUpdate) {
   for_random_blocks([](const Case& c, std::mt19937_64&) {
     const models::StateMatrix after = models::update_covariance(c.covariance, c.information);

@@ -230,8 +230,9 @@ struct TeamProblem {
   SearchProblem problem;
 };
 
-// Teammates in a small arena that start at other times and with other steps than the robot. Some
-// continue long after its horizon, so their pieces do not align with those of the robot.
+// Returns a problem with teammates in a small arena. They start at other times than the robot, have
+// other steps, and some continue long after the robot's horizon. Their pieces therefore do not
+// align with those of the robot.
 std::unique_ptr<TeamProblem> team_problem(std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   auto team = std::make_unique<TeamProblem>();

@@ -42,7 +42,7 @@ planner::SearchTarget random_target(std::mt19937_64& rng) {
   const bool moves = target.model.kind == models::TargetKind::kDoubleIntegrator;
   target.model.position_dim = moves || pick(rng, 0, 2) > 0 ? 2 : 3;
   target.model.q = target.model.kind == models::TargetKind::kStatic ? 0.0 : uniform(rng, 0.0, 0.05);
-  constexpr double kDragAbove = 0.035;  // makes a third of the moving targets a user's kind
+  constexpr double kDragAbove = 0.035;  // a third of the moving targets get a user-defined kind
   if (moves && target.model.q > kDragAbove) {
     target.model.kind = drag();
   }

@@ -74,7 +74,8 @@ TEST(Workspace, HasCapacityForAnyRound) {
   }
 }
 
-// The longest plan that is accepted starts four horizons ahead, drives for four and then brakes.
+// The longest plan that is accepted starts four horizons ahead, drives for four horizons and then
+// brakes.
 TEST(Workspace, AllocatesNothingForTheLongestAcceptedPlans) {
   if (!vantage::test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";

@@ -23,7 +23,7 @@ struct OracleState {
 };
 
 struct OracleAnswer {
-  bool found = false;         ///< a sequence is feasible and can stop at its end
+  bool found = false;         ///< true if some sequence is feasible and can stop at its end
   double cost = 0.0;          ///< least cost of the steps after `depth` and the terminal value
   std::vector<int> controls;  ///< sequence with the least cost
   /// True if a motion is so near to an obstacle that its clearance depends on rounding.
