@@ -186,7 +186,7 @@ TEST(ConditionRow, IsTrueOnlyIfAllItsRequirementsAreMet) {
   }
 }
 
-TEST(NameOf, IsUniqueForSeverityAndClearing) {
+TEST(NameOf, IsUniqueForEachSeverityAndClearing) {
   std::set<std::string> names = {"?"};
   for (const Severity each : {Severity::kNote, Severity::kHold, Severity::kLand, Severity::kKill}) {
     EXPECT_TRUE(names.insert(name_of(each)).second) << name_of(each);

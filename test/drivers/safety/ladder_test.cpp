@@ -103,7 +103,7 @@ TEST_F(StepLadder, StaysArmedInALandingWithAnEstimatedHeight) {
 
 // A condition takes effect after it was true for an uninterrupted time. It clears after it was
 // false for an uninterrupted time clear_s. Shorter periods do not add up.
-TEST_F(StepLadder, TimesConditionsSeparately) {
+TEST_F(StepLadder, RequiresConditionsForAnUninterruptedTime) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
     for (int burst = 0; burst < 3; ++burst) {  // "tracking" must be true for 0.1 s

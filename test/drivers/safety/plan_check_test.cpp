@@ -185,7 +185,7 @@ TEST(PointAt, TurnsAtVerySmallRates) {
 }
 
 // The result is the greatest speed between two times, for forward and backward motion.
-TEST(SpeedMax, CoversTheGivenTime) {
+TEST(SpeedMax, IsTheGreatestSpeedWithinTheGivenTime) {
   HeldPlan plan;
   plan.count = 3;
   plan.segments[0] = {{0.5, 0.0}, 1.0, 0.0};
@@ -203,7 +203,7 @@ TEST(SpeedMax, CoversTheGivenTime) {
   }
 }
 
-TEST(PlanVerdict, HasAName) {
+TEST(PlanVerdict, EachHasAName) {
   const std::vector<std::pair<PlanVerdict, std::string>> names = {
       {PlanVerdict::kAccepted, "accepted"},
       {PlanVerdict::kWrongVehicle, "wrong vehicle"},

@@ -144,7 +144,7 @@ TEST(MapCoverage, SumsDisjointScans) {
   });
 }
 
-TEST(MapCoverage, GainIsAtMostTheWholeView) {
+TEST(MapCoverage, GainIsAtMostTheInformationOfTheView) {
   for_each_dependence(4504, [](test::Random& random, ViewTable& table) {
     MapCoverage coverage(kGrid.size());
     for (int i = 0; i < 200; ++i) {
@@ -225,7 +225,7 @@ class CellInformation {
 
 // The gains of single and successive scans follow the two documented rules, also at several
 // headings with a limited field of view.
-TEST(ViewTable, AppliesItsTwoBeamRules) {
+TEST(ViewTable, AppliesTheTwoDocumentedBeamRules) {
   test::Random random(4507);
   for (int i = 0; i < 36; ++i) {
     ViewOptions options;
@@ -313,7 +313,7 @@ TEST(ViewTable, HasTheStatedDefaults) {
   EXPECT_EQ(options.cutoff_sigmas, 6.0);
 }
 
-TEST(MapCoverage, BestOfCellIsSubmodularAndIndependentOfOrder) {
+TEST(MapCoverage, BestBeamPerCellIsSubmodularAndIndependentOfOrder) {
   test::Random random(4505);
   const OccupancyBelief belief = test::random_map(random, kGrid, 0.05);
   ViewTable table(belief, kCircle, options_of(BeamDependence::kBestOfCell));

@@ -249,7 +249,7 @@ TEST(LogProduct, EqualsTheSumOfLogarithms) {
   }
 }
 
-TEST(Lanes, ReturnOneBitEachInOrder) {
+TEST(Lanes, CompareToOneBitPerLaneInOrder) {
   for (unsigned mask = 0; mask < 16; ++mask) {
     const double values[] = {1.0, 4.0, 9.0, 16.0};
     double limits[4];

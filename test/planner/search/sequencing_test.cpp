@@ -209,7 +209,7 @@ TEST(SequencingBound, ObservesOnePlaceAtATimeAfterAnyCutOff) {
 
 // Two clusters of targets, each merged into one place, are reachable only late in a long horizon.
 // After the first cluster the time is too short for the second.
-TEST(SequencingBound, ExcludesTwoFarPlaces) {
+TEST(SequencingBound, ExcludesVisitsToTwoFarPlaces) {
   constexpr int kSteps = 200;
   InformationHeuristic heuristic(16, kSteps);
   SequencingBound sequencing(16, kSteps, 2'000);

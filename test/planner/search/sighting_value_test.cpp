@@ -60,7 +60,7 @@ TEST_F(Sighting, ValuesMeasurementsFromHalfTheRange) {
 
 // Each step of driving or turning at full speed delays the measurements by one step. The first is
 // at the next step at the earliest. Left and right are equal.
-TEST_F(Sighting, IsDelayedByPathAndTurn) {
+TEST_F(Sighting, IsDelayedByDistanceAndTurn) {
   const double look = at(1.0, 0.0, 0) / problem_.horizon_steps;
   int late = 0;
   for (double away_m = 1.0; away_m < 8.0; away_m += 0.7) {
