@@ -164,8 +164,8 @@ TEST(Workspace, UsesScenarioSearchOptions) {
   EXPECT_EQ(finite.front().delta_m, 0.6);
 }
 
-// The grid has the given time stamps and the world's free cells, for any part and any previous
-// content. Observations expire after the memory time.
+// The grid has the given time stamps and the world's free cells. This applies to any part of the
+// grid and any previous content. Observations expire after the memory time.
 TEST(Workspace, ReturnsTheRequestedPartOfTheGrid) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.estimator.grid_memory_s = 10.0;
