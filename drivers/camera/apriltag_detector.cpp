@@ -51,7 +51,7 @@ class AprilTagDetector : public TagDetector {
   AprilTagDetector& operator=(AprilTagDetector&&) = delete;
 
   std::vector<DetectedTag> detect(const models::GrayImage& image) override {
-    constexpr int kAlignment = 96;  // as the library's own images
+    constexpr int kAlignment = 96;  // bytes; alignment of the library's own images
     const int stride = (image.width + kAlignment - 1) / kAlignment * kAlignment;
     padded_.assign(static_cast<std::size_t>(stride) * static_cast<std::size_t>(image.height), 0);
     for (int row = 0; row < image.height; ++row) {

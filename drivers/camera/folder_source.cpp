@@ -44,7 +44,7 @@ std::optional<Time> time_of(const std::string& digits) {
 
 /// Returns the content of a regular file; nullopt if it cannot be read or is too large.
 std::optional<std::vector<std::uint8_t>> bytes_of(const std::string& path) {
-  // A pipe in the folder must not block.
+  // Without O_NONBLOCK, opening a pipe in the folder would block.
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) {
     return std::nullopt;
@@ -173,7 +173,7 @@ void FolderSource::read_events() {
         add(std::string(buffer.data() + at + sizeof event));
       }
       if ((event.mask & IN_Q_OVERFLOW) != 0U) {
-        ++counts_.lost;  // an unknown number of files
+        ++counts_.lost;  // counts as one, since the number of lost files is unknown
       }
       is_gone =
           is_gone || (event.mask & (IN_DELETE_SELF | IN_MOVE_SELF | IN_IGNORED | IN_UNMOUNT)) != 0U;

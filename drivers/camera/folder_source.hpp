@@ -14,8 +14,8 @@ namespace vantage::drivers::camera {
 std::optional<Time> time_in_name(const std::string& name);
 
 /// Images that other programs write into a folder. A file is read when its writer closes it or
-/// renames it to its name. Its time is in its name, or in the file times.csv of the folder, which
-/// has lines "NAME,TIME" with the time in µs since the Unix epoch.
+/// gives it its final name. The time of an image is in the file name, or in the file times.csv of
+/// the folder, which has lines "NAME,TIME" with the time in µs since the Unix epoch.
 class FolderSource : public ImageSource {
  public:
   /// @param reads_present  true: the files that exist already are read, too, in the order of their

@@ -23,7 +23,7 @@ struct SourceCounts {
   std::int64_t undecodable = 0;    ///< files or images that are damaged or incomplete
   std::int64_t unstamped = 0;      ///< images without a usable time
   std::int64_t lost = 0;           ///< images that the device or the queue dropped
-  std::int64_t interruptions = 0;  ///< times at which the device or folder disappeared
+  std::int64_t interruptions = 0;  ///< how often the device or folder disappeared
 };
 
 /// Device or folder that delivers images.
@@ -37,10 +37,10 @@ class ImageSource {
   ImageSource& operator=(ImageSource&&) = delete;
 
   /// Returns the next image that has arrived; nullopt if none is waiting. Tries once a second to
-  /// open a source that is absent. `now`: the time of the stack.
+  /// open a source that is absent. `now`: time by the stack's clock.
   virtual std::optional<CapturedImage> next(Time now) = 0;
   [[nodiscard]] virtual SourceCounts counts() const = 0;
-  /// Returns the state in one sentence, for people.
+  /// Returns a sentence for the operator that describes the state of the source.
   [[nodiscard]] virtual std::string status() const = 0;
 };
 

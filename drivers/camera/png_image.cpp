@@ -21,7 +21,7 @@ Result<models::GrayImage> decode_png(std::span<const std::uint8_t> bytes) {
   png.format = PNG_FORMAT_GRAY;
   models::GrayImage out{static_cast<int>(png.width), static_cast<int>(png.height),
                         std::vector<std::uint8_t>(PNG_IMAGE_SIZE(png))};
-  constexpr png_color kBlack{};  // behind transparent pixels
+  constexpr png_color kBlack{};  // background of transparent pixels
   if (png_image_finish_read(&png, &kBlack, out.pixels.data(), 0, nullptr) == 0) {
     return Error{std::string("the PNG is damaged: ") + png.message};
   }

@@ -10,8 +10,8 @@
 namespace vantage::drivers::camera {
 namespace {
 
-// Smallest contrast of a tag's bits, in grey levels of 255. Random patterns that the library takes
-// for tags have a lower one.
+// Smallest accepted contrast of a tag's bits, in grey levels of 255. Random patterns that the
+// library mistakes for tags have a lower contrast.
 constexpr double kMarginMin = 12.0;
 constexpr double kHorizontalMin_m = 1e-6;
 

@@ -19,7 +19,7 @@ namespace vantage::drivers::camera {
 /// Tag of the scenario that was seen in an image, in the frame of the robot's body.
 struct SeenTag {
   scenario::TagSpec tag;
-  Pose3 body_from_tag;  ///< of the most likely pose
+  Pose3 body_from_tag;  ///< most likely pose of the tag
   Eigen::Vector3d position_body_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_body_m2 = Eigen::Matrix3d::Zero();
   double range_m = 0.0;  ///< m; horizontal distance from the body's origin
@@ -30,12 +30,12 @@ struct SeenTag {
 
 /// Numbers of dropped tags.
 struct TagCounts {
-  std::int64_t unknown = 0;      ///< ids that are not in the scenario
-  std::int64_t misread = 0;      ///< too many corrected bits, or too little contrast
+  std::int64_t unknown = 0;      ///< tags with ids that are not in the scenario
+  std::int64_t misread = 0;      ///< tags with too many corrected bits or too little contrast
   std::int64_t duplicate = 0;    ///< tags with an id that occurs several times in an image
   std::int64_t at_border = 0;    ///< tags too near the border of the image
-  std::int64_t bad_fit = 0;      ///< corners that are not those of a square
-  std::int64_t ambiguous = 0;    ///< two different positions are about equally likely
+  std::int64_t bad_fit = 0;      ///< tags whose corners are not those of a square
+  std::int64_t ambiguous = 0;    ///< tags with two about equally likely positions
   std::int64_t out_of_view = 0;  ///< targets that cannot be seen according to the sensor model
 };
 
@@ -45,8 +45,8 @@ class TagObserver {
   TagObserver(scenario::CameraSpec spec, const models::CameraModel& camera,
               const models::SensorModel& sensor, int position_dim);
 
-  /// Returns the tags of the scenario, with the covariances from the geometry and from the attitude
-  /// of the camera.
+  /// Returns the detected tags that the scenario contains. Their covariances include the errors of
+  /// the corners and of the camera's attitude.
   [[nodiscard]] std::vector<SeenTag> observe(const std::vector<DetectedTag>& tags);
   /// Adds the detections of targets to `out`. Precondition: the viewpoint of `out` is set.
   /// @param world_from_body  pose of the robot at the time of the exposure

@@ -194,7 +194,7 @@ std::optional<TagPoses> estimate_poses(const models::CameraModel& camera, double
 
 bool is_inside(const models::CameraModel& camera,
                const std::array<Eigen::Vector2d, 4>& corners_pixels) {
-  constexpr double kBorderMin = 3.0 - 0.5;  // from the centre of a pixel at the border
+  constexpr double kBorderMin = 3.0 - 0.5;  // pixels; from the centre of a border pixel
   return std::all_of(corners_pixels.begin(), corners_pixels.end(), [&](const auto& corner) {
     return corner.x() >= kBorderMin && corner.x() <= camera.width - 1 - kBorderMin &&
            corner.y() >= kBorderMin && corner.y() <= camera.height - 1 - kBorderMin;

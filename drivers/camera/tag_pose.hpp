@@ -52,14 +52,14 @@ struct TagPosition {
 
 enum class PositionFault {
   kAmbiguous,  ///< the two poses are about equally likely, but their positions differ
-  kBadFit,     ///< the corners are not those of a square: the tag is hidden in part, or blurred
+  kBadFit,     ///< the corners are not those of a square: the tag is partly hidden or blurred
 };
 
 /// Position from the poses, or the reason why there is none. If both poses are likely and their
 /// positions agree, the covariance contains their difference.
 struct PositionOrFault {
   std::optional<TagPosition> position;
-  PositionFault fault = PositionFault::kAmbiguous;  ///< meaningless with a position
+  PositionFault fault = PositionFault::kAmbiguous;  ///< meaningless if there is a position
 };
 PositionOrFault position_of(const TagPoses& poses, double corner_sigma_pixels);
 

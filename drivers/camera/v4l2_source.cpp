@@ -18,7 +18,7 @@ namespace vantage::drivers::camera {
 namespace {
 
 constexpr std::uint32_t kBuffers = 4;
-constexpr std::int64_t kExposureUnit_us = 100;  // of V4L2_CID_EXPOSURE_ABSOLUTE
+constexpr std::int64_t kExposureUnit_us = 100;  // unit of V4L2_CID_EXPOSURE_ABSOLUTE
 constexpr std::int64_t kExposureMax_us = 1'000'000;
 
 struct Format {

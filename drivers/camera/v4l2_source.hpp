@@ -29,7 +29,7 @@ DeviceCalls machine_calls();
 Duration stamp_delay(bool is_start, Duration exposure, Duration readout);
 
 /// Camera with a V4L2 driver. It delivers grey images (GREY, or the luminance of YUYV, NV12 and
-/// YU12) of the size of the calibration. If the device disappears, it is opened again.
+/// YU12) with the size given by the calibration. If the device disappears, it is opened again.
 class V4l2Source : public ImageSource {
  public:
   /// @param spec  exposure_s and readout_s, used if the device does not report its exposure
@@ -52,9 +52,9 @@ class V4l2Source : public ImageSource {
   };
 
   void open(Time now);
-  /// Returns what prevents the device from delivering images; empty: nothing.
+  /// Returns the reason why the device cannot deliver images; empty if it can.
   std::string set_up();
-  /// Maps the buffers and starts the stream; returns as set_up().
+  /// Maps the buffers and starts the stream. Returns the reason for a failure, as set_up() does.
   std::string start();
   void close();
   void on_failure(const std::string& what);

@@ -27,9 +27,9 @@ namespace vantage::drivers {
 /// ATTACK, publishes MEASUREMENT_R.
 ///
 /// A measurement has the time of the middle of the exposure. The robot's pose at this time is
-/// interpolated between two mocap frames, so an image waits until a later frame has arrived. Of
-/// each period of the measurements only one image is processed, the first one after 9/10 of the
-/// previous period: errors of successive images are not independent.
+/// interpolated between two mocap frames, so an image waits until a later frame has arrived. Errors
+/// of successive images are not independent, so only one image per measurement period is
+/// processed: the first one later than 1/10 period before the start of that period.
 class CameraNode : public bus::Node {
  public:
   static constexpr Duration kAgeMax{1'000'000};  ///< older images are dropped
@@ -54,8 +54,8 @@ class CameraNode : public bus::Node {
   };
 
   void on_frame(const std::shared_ptr<const models::MocapFrame>& received);
-  /// Processes the images that have arrived, then publishes the measurements of which
-  /// the pose is known.
+  /// Processes the images that have arrived, then publishes the measurements for which the robot's
+  /// pose is known.
   void work(Time now);
   void process(const camera::CapturedImage& captured, Time now);
   void publish(const Waiting& seen, Time now);
@@ -77,7 +77,7 @@ class CameraNode : public bus::Node {
   std::deque<Waiting> waiting_;
   std::optional<Time> last_image_;
   std::int64_t last_period_ = 0;  ///< number of the period of the last processed image
-  LatencyRecord processing_;      ///< time from the arrival of an image to its tags
+  LatencyRecord processing_;      ///< time from an image's arrival to the detection of its tags
   std::int64_t images_ = 0;
   std::int64_t late_ = 0;
   std::int64_t early_ = 0;
