@@ -85,7 +85,7 @@ class OperatorAuthority {
   Station* learn(const models::OperatorCommand& command, Time now);
 
   std::int64_t in_charge_ = 0;
-  std::optional<Time> received_at_;  ///< time of its last message; nullopt: no station in charge
+  std::optional<Time> received_at_;  ///< last message of the station in charge; nullopt: none
   std::array<Station, kStationsMax> stations_{};
   std::size_t station_count_ = 0;
   std::int64_t handovers_ = 0;

@@ -25,7 +25,7 @@ struct AutopilotReport {
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
   bool has_attitude = false;
   Quaternion world_from_body = Quaternion::Identity();  ///< estimate of the autopilot
-  double yaw_rate_radps = 0.0;                          ///< rad/s; by its gyroscopes
+  double yaw_rate_radps = 0.0;                          ///< rad/s; measured by the gyroscopes
   bool is_flown_by_hand = false;                        ///< a pilot controls the vehicle
   /// the autopilot is in the mode that accepts set-points
   bool is_in_our_mode = false;
@@ -54,7 +54,7 @@ class AutopilotWatch {
   [[nodiscard]] double battery_age_s(Time now) const { return time_since_s(battery_at_, now); }
   [[nodiscard]] bool has_heartbeat() const { return heartbeat_at_.has_value(); }
   [[nodiscard]] double battery_share() const { return battery_share_; }
-  /// Returns the time since the last tick at which the estimator was good, s.
+  /// Returns the time since the last tick at which the estimator was reported as good, s.
   [[nodiscard]] double estimator_gap_s(Time now) const {
     return to_seconds(now - estimator_good_at_);
   }

@@ -22,7 +22,7 @@ constexpr Condition kPoseLostLow = kills(
     "pose_age_s > pose_age_kill_s while the vehicle is below safe_height_m or outside the fence; "
     "not checked while a pilot flies or poses are distrusted",
     {}, [](const In& in, const Lim& lim) {
-      // The autopilot received the distrusted poses, so its height may be the other body's height.
+      // While poses are distrusted, the height may be that of another body, so it is not compared.
       return !in.is_pose_distrusted && in.autopilot_obeys && in.pose_age_s > lim.pose_age_kill_s &&
              (in.height_m < lim.safe_height_m || in.fence_centre_m < 0.0);
     });
@@ -184,7 +184,7 @@ constexpr Condition kBatteryForTakeOff = notes(
     });
 
 constexpr auto kRows = std::to_array<Condition>({
-    // KILL
+    // Conditions that cause KILL.
     common::kEmergencyStop,
     kTilt,
     common::kFenceFar,
@@ -194,7 +194,7 @@ constexpr auto kRows = std::to_array<Condition>({
     kLiftOffCourse,
     kLiftDisagrees,
     kUncommandedRise,
-    // LAND
+    // Conditions that cause LAND.
     common::kPoseLost,
     common::kFence,
     common::kSeparationBreach,
@@ -215,7 +215,7 @@ constexpr auto kRows = std::to_array<Condition>({
     kOperatorLost,
     common::kShortOfProcessor,
     common::kEnding,
-    // HOLD
+    // Conditions that cause HOLD.
     common::kPoseStale,
     common::kPoseLate,
     common::kPoseImplausible,

@@ -41,16 +41,16 @@ class BrakingPath {
 /// after it, or a shift from one hover to another. The course contains no heights.
 ///
 /// The speed of a plan changes instantaneously, but a vehicle's cannot. The course therefore
-/// commands the mean of the planned positions within ± `half_window_s`. It begins to slow before
-/// the plan does. Its velocity and acceleration are differences of planned positions: a stop from
-/// speed v becomes a deceleration of v / (2 half_window_s). The mean deviates from the plan by at
-/// most v half_window_s / 4 at a change of speed, and scales a circle's radius by sin(ω
+/// commands the mean of the planned positions within ± `half_window_s`. The course begins to slow
+/// before the plan does. Its velocity and acceleration are differences of planned positions: a stop
+/// from speed v becomes a deceleration of v / (2 half_window_s). The mean deviates from the plan by
+/// at most v half_window_s / 4 at a change of speed, and scales a circle's radius by sin(ω
 /// half_window_s)/(ω half_window_s).
 ///
-/// The next plan usually replaces the part of a plan after its round, and arrives shortly before
-/// the end of the round. Until the next plan has arrived or is due, the course extrapolates
-/// straight from the end of the round. Otherwise the course could begin a turn 0.35 s before that
-/// end which the next plan reverses.
+/// A plan is usually flown only for one round: the next plan arrives shortly before the end of the
+/// round and replaces the rest. Until the next plan has arrived or is due, the course extrapolates
+/// straight from the end of the round. Otherwise the course could, 0.35 s before this end, begin a
+/// turn that the next plan reverses.
 class Course {
  public:
   /// @param half_window_s  s; half the averaging window; 0: no averaging

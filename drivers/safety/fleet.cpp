@@ -7,7 +7,7 @@ namespace vantage::drivers {
 namespace {
 
 constexpr double kPredictOthersS = 0.5;
-constexpr double kTeammateSpare = 1.1;  // ratio of a plan's limits to its vehicle's limits
+constexpr double kTeammateSpare = 1.1;  // factor on a teammate's limits in the check of its plan
 constexpr double kForgottenS = 10.0;    // s; an unknown body unseen for longer is deleted
 constexpr std::size_t kNameMax = 64;    // bytes; maximum length of an unknown body's name
 // Number of consecutive rejected poses after which the track of a body restarts at the new
@@ -26,7 +26,7 @@ models::VehicleLimits with_spare(const models::VehicleLimits& can) {
 }
 
 // Returns the body, extrapolated from its last pose. A robot unseen for long is assumed to have
-// stopped, as it must without a pose. The uncertainty radius covers the motion of any other body.
+// stopped, as it must without a pose. Another body may move on within its uncertainty radius.
 OtherBody body_of(const PoseMonitor& pose, const SafetyLimits& limits, Time now) {
   OtherBody body;
   body.position_world_m = pose.predict_m(now, limits.pose_age_hold_s);

@@ -91,7 +91,7 @@ CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, T
     return core_.is_ours(command) ? CommandVerdict::kNotInCharge : CommandVerdict::kOtherRobot;
   }
   if (command.action == OperatorAction::kTakeOff) {
-    // commands to every robot count, since robots lift one by one
+    // take-off commands to other robots are queued, too: robots lift one by one
     take_off_.queue().on_take_off(command.robot);
   }
   if (const auto verdict = core_.execute_if_stateless(command)) {
@@ -134,7 +134,7 @@ double FlightGuard::height_error_m() const {
                                  : std::abs(at_m - height_.command_m);
 }
 
-// Fills the inputs with the state at `now`. Later inputs use earlier inputs.
+// Fills the inputs with the state at `now`. The order matters: later inputs use earlier ones.
 void FlightGuard::update_inputs(Time now) {
   started_at_ = started_at_.value_or(now);
   SafetyInputs& in = core_.inputs();

@@ -59,15 +59,15 @@ class FlightGuard {
               const SafetyLimits& limits);
 
   /// Processes a mocap frame. Returns false for a publisher that is not accepted (MocapSource).
-  /// Subscribe to VICON as a shared channel: this function chooses the publisher.
+  /// The caller subscribes to VICON as a shared channel; this function selects the publisher.
   [[nodiscard]] bool on_mocap(const models::MocapFrame& frame, Time now);
   /// Returns the capture time of the last frame of the accepted publisher, by the local clock
   /// (MocapClock).
   [[nodiscard]] Time captured() const { return core_.captured(); }
   /// Returns the verdict about this vehicle's body in the last accepted frame.
   [[nodiscard]] PoseVerdict pose_verdict() const { return core_.pose_verdict(); }
-  /// Checks a plan for this vehicle. Subscribe to PLAN_R as a shared channel: the lease chooses the
-  /// publisher.
+  /// Checks a plan for this vehicle. The caller subscribes to PLAN_R as a shared channel; the
+  /// planner lease selects the publisher.
   PlanVerdict on_plan(const models::RobotPlan& plan, Time now) {
     return core_.on_plan(plan, may_take_plans(), height_.command_m, now);
   }

@@ -168,7 +168,7 @@ bool GuardCore::keeps_to_course(Time now) const {
 bool GuardCore::has_planned_speed(Time now) const {
   const double commanded_mps = course_.at(now).velocity_world_mps.norm();
   if (commanded_mps > 2.0 * pose_.velocity_world_mps().norm() + kSameSpeedMps) {
-    return false;  // commanded to move a moment ago: the stop must not start the plan's motion
+    return false;  // the vehicle has not begun this motion: a stop must not continue it
   }
   const double half_brake_s = 0.5 * commanded_mps / limits_.vehicle.brake_mps2;
   const auto differs = [&](const Setpoint& planned) {

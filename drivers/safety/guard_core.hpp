@@ -63,8 +63,8 @@ class GuardCore {
         course_(course) {}
 
   /// Processes a mocap frame. Returns false for a publisher that is not accepted (MocapSource).
-  /// While the vehicle `is_armed`, a new publisher is accepted only if its pose of the vehicle
-  /// agrees with the predicted pose, as in the air.
+  /// While the vehicle `is_armed`, even on the ground, a new publisher is accepted only if its pose
+  /// of the vehicle agrees with the predicted pose.
   /// @param pose_sigma_m  1σ of the vehicle's pose if motion capture does not see the vehicle and
   ///                      `frame` contains an estimate instead (POSE_R); 0: motion capture. The
   ///                      estimate is ignored without moves_by_estimate
@@ -173,7 +173,7 @@ class GuardCore {
   std::optional<models::OperatorAction> request_;
   std::array<std::int64_t, kPoseVerdicts> pose_counts_{};
   PoseVerdict pose_verdict_ = PoseVerdict::kAbsent;
-  double pose_sigma_m_ = 0.0;  ///< m; of the last accepted pose; 0: motion capture
+  double pose_sigma_m_ = 0.0;  ///< m; 1σ of the last accepted pose; 0: from motion capture
   std::int64_t estimates_used_ = 0;
   std::int64_t estimates_refused_ = 0;
   std::int64_t clocks_set_ = 0;

@@ -41,7 +41,7 @@ struct SafetyInputs : Surroundings {
   // Inputs about the pose.
   double pose_age_s = 0.0;        ///< s since the arrival of the last plausible pose
   double pose_latency_s = 0.0;    ///< s; arrival minus capture time, if the clocks are comparable
-  double pose_sigma_m = 0.0;      ///< m; 1σ of a pose without motion capture; 0: motion capture
+  double pose_sigma_m = 0.0;      ///< m; 1σ of an estimated pose (POSE_R); 0: motion capture
   int poses_rejected = 0;         ///< number of consecutive implausible poses
   int poses_accepted = 1000;      ///< number of consecutive plausible poses
   double height_m = 0.0;          ///< m above the ground, by the best available source

@@ -58,7 +58,7 @@ void Landing::step(GuardCore& core, HeightState& height, bool is_blind, double d
     sink(core, height, dt_s);
   } else if (is_sinking_) {
     is_sinking_ = false;
-    // The set-point was lower than the vehicle.
+    // Stops the descent here: the commanded height may be below the vehicle.
     height.command_m = std::max(height.command_m, in.height_m);
   }
 }

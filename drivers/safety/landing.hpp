@@ -24,7 +24,7 @@ class Landing {
   [[nodiscard]] bool is_sinking() const { return is_sinking_; }
 
  private:
-  /// Positions at the current height, and the bodies of one tick.
+  /// Measured and commanded position at the current height, and the other bodies, in one tick.
   struct View {
     Eigen::Vector3d here_m;
     Eigen::Vector3d hover_m;  ///< m; commanded position

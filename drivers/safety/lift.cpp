@@ -13,7 +13,7 @@ constexpr double kOnItsWayM = 0.02;  // m; a climbing body counts as lifting abo
 constexpr double kStillLiftingM = 0.5;
 constexpr double kClimbsMps = 0.05;
 constexpr double kTurnSlackS = 6.0;     // s; additional time for the start of the motors
-constexpr double kReportAgeMaxS = 0.5;  // s; vehicles report at 10 Hz
+constexpr double kReportAgeMaxS = 0.5;  // s; maximum age of a report; vehicles report at 10 Hz
 constexpr double kTurnDelayS = 0.15;
 constexpr double kShownShare = 0.3;  // required share of a commanded step or turn
 // m below the hover height, where the verification starts
@@ -129,8 +129,8 @@ void Lift::begin(const Pose3& world_from_body, std::span<const OtherBody> others
   rest_m_ = world_from_body.translation_m;
   rest_yaw_rad_ = flatten(world_from_body).yaw_rad;
   height_m_ = std::min(rest_m_.z() + limits.lift_height_m, limits.take_off_height_m);
-  // The step goes along both axes, so that a mocap frame mirrored in either axis is detected. The
-  // direction with the largest clearance of the four is chosen.
+  // The step goes along both axes, so that a mocap frame mirrored in either axis is detected. Of
+  // the four such directions, the one with the largest clearance is chosen.
   double roomiest_m = -std::numeric_limits<double>::infinity();
   for (const Eigen::Vector2d& sign : {Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(-1.0, 1.0),
                                       Eigen::Vector2d(-1.0, -1.0), Eigen::Vector2d(1.0, -1.0)}) {

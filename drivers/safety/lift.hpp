@@ -19,8 +19,9 @@
 
 namespace vantage::drivers {
 
-/// Queue that decides which vehicle may lift next. The order is that of the take-off commands, then
-/// by name within one command. Mocap shows when a lift is complete.
+/// Queue that decides which vehicle may lift next. Vehicles lift in the order of their take-off
+/// commands; vehicles of one command lift in the order of names. Mocap shows when a lift is
+/// complete.
 ///
 /// A vehicle that was commanded to lift but does not rise is skipped after lift_wait_s + 6 s; the 6
 /// s are for the start of its motors. A vehicle that has risen is skipped lift_proof_s later, so no

@@ -78,8 +78,8 @@ struct OtherCourse {
   const HeldPlan* plan = nullptr;  ///< plan of the body; nullptr: use position_world_m
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< m/s; used without a plan
-  double prediction_s = 0.0;    ///< s; prediction time of a moving body; then it is ignored
-  bool reaches_ground = false;  ///< the space below it counts as occupied
+  double prediction_s = 0.0;    ///< s; a moving body is predicted this long, then ignored
+  bool reaches_ground = false;  ///< the space below the body counts as occupied
 };
 
 /// Checks the plan without its surroundings. Returns kAccepted, kNotFinite, kInfeasible or

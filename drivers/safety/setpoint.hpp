@@ -4,8 +4,8 @@
 
 namespace vantage::drivers {
 
-/// Commanded state of a vehicle at one instant, always with all fields: from the plan to the wire.
-/// If the set of fields changes, ArduPilot restarts its position controller and keeps the present
+/// Commanded state of a vehicle at one instant. Set-points are always sent with all fields: if the
+/// set of fields changes, ArduPilot restarts its position controller and keeps the present
 /// deceleration (docs/decisions/0009).
 struct Setpoint {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();

@@ -18,7 +18,7 @@ struct OtherBody {
   /// m/s; velocity that its plan will command next, or the measured velocity if it has no plan. The
   /// prediction uses the velocity that brings the body nearer.
   Eigen::Vector3d planned_world_mps = Eigen::Vector3d::Zero();
-  double brake_mps2 = 0.0;  ///< m/s²; braking deceleration of a robot; 0: that of this vehicle
+  double brake_mps2 = 0.0;       ///< m/s²; braking deceleration of a robot; 0: as this vehicle
   double excess_radius_m = 0.0;  ///< m, ≥ 0; excess of its radius over this vehicle's radius
   /// m/s; last measured speed of a body other than a robot; 0 for robots, which stop without poses
   double last_speed_mps = 0.0;
@@ -66,11 +66,11 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
 bool is_path_blocked(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                      std::span<const OtherBody> others, const SafetyLimits& limits);
 
-/// True if a body that blocks the landing is horizontally closer to `position_m` than
-/// landing_clearance_m + `spare_m` and its uncertainty. Robots block when they are below, or at the
-/// same height with priority. Other bodies block at any height, since a person occupies the space
-/// from the markers to the ground. Their motion is predicted at constant velocity until touchdown,
-/// for at most `prediction_s`.
+/// True if a body blocks a landing at `position_m`: its horizontal distance is less than the sum of
+/// landing_clearance_m, `spare_m`, its uncertainty radius and its excess radius. A robot blocks
+/// only if it is below, or if it is at the same height and has priority. Other bodies block at any
+/// height, since a person occupies the space from the markers to the ground. Their motion is
+/// predicted at constant velocity until touchdown, for at most `prediction_s`.
 bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
                        const SafetyLimits& limits, double spare_m, double prediction_s);
 /// Overload for a descending vehicle; predicts for descent_prediction_s.

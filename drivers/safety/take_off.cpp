@@ -68,7 +68,7 @@ void TakeOff::update_inputs(GuardCore& core, const AutopilotReport& report,
   if (core.pose().has_pose()) {
     in.near_m = predicted_distance_m(here_m, bodies, limits.take_off_prediction_s);
     if (std::exchange(had_motors_, in.autopilot_armed) != in.autopilot_armed) {
-      queue_.begin_turn(now);  // another vehicle's motors may have changed simultaneously
+      queue_.begin_turn(now);  // another vehicle's motors may have started or stopped, too
     }
     queue_.update(bodies, limits, now);
   }
