@@ -104,7 +104,7 @@ void CrazyflieDriver::report_battery(Time now) {
 }
 
 void CrazyflieDriver::on_mocap(const models::MocapFrame& frame, Time now) {
-  // The vehicle follows any pose at once, so only accepted poses are sent.
+  // The vehicle trusts every pose that it receives, so only accepted poses are sent.
   if (!accept_pose(frame, now)) {
     return;
   }

@@ -166,7 +166,7 @@ void CrazyflieSequence::hand_over(CrazyflieLink& link, const Situation& situatio
   const Time now = situation.now;
   landing_since_ = landing_since_.value_or(now);
   const auto error = link.high_level_error(crtp::HighLevelCommand::kLand, *landing_since_);
-  // A repeated command is refused by the planner, because the first one was accepted.
+  // The firmware's planner refuses a repeated command if it has accepted the first one.
   is_landing_accepted_ =
       is_landing_accepted_ || error == crtp::kHighLevelOk || error == crtp::kHighLevelRefused;
   if (is_landing_accepted_ && telemetry.has_info(now) && telemetry.has(info::kHighLevelActive)) {

@@ -59,8 +59,8 @@ class CrazyflieTelemetry {
   [[nodiscard]] bool has_position(Time now) const {
     return has_state(now) && position_world_m_.allFinite() && velocity_world_mps_.allFinite();
   }
-  /// True if the attitude may be used. Its compressed form cannot show NaN, but the position is NaN
-  /// then.
+  /// True if the attitude may be used. The compressed attitude cannot represent NaN, so the
+  /// position is checked: it is NaN whenever the attitude is.
   [[nodiscard]] bool has_attitude(Time now) const { return has_position(now); }
   [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
   [[nodiscard]] double tilt_rad() const;

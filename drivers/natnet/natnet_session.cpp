@@ -17,7 +17,7 @@ constexpr Duration kDefinitionsPeriod = std::chrono::milliseconds(500);
 constexpr Duration kEchoPeriod = std::chrono::milliseconds(50);
 /// A unicast server stops sending to a client that sends nothing.
 constexpr Duration kKeepAlivePeriod = std::chrono::seconds(1);
-/// Newest version that this client reads. Later versions of the server answer in their own version.
+/// Newest protocol version that this client reads. A newer server answers in its own version.
 constexpr wire::natnet::Version kNewest{{4, 2, 0, 0}};
 
 }  // namespace
@@ -88,7 +88,7 @@ bool NatNetSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
   const auto packet = wire::natnet::decode_packet(datagram);
   if (!packet) {
     ++counts.broken_streams;
-    return true;  // the next datagram may be whole
+    return true;  // the next datagram may be complete
   }
   switch (packet->id) {
     case PacketId::kServerInfo:

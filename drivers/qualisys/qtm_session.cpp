@@ -189,7 +189,7 @@ void QtmSession::on_frame(Moment arrival, wire::vicon::Bytes body) {
     return;
   }
   if (is_waiting_) {
-    waits_since_ = arrival;  // retry_due_ requests the names again
+    waits_since_ = arrival;  // the names are requested again at retry_due_
     return;
   }
   retry_due_ = arrival.steady + kRetryPeriod;

@@ -30,8 +30,8 @@ class RoverLink {
   [[nodiscard]] bool has_flag(std::uint32_t flag) const { return (telemetry_.flags & flag) != 0; }
   /// Returns the time since the arrival of the newest telemetry, s; infinite before the first.
   [[nodiscard]] double receive_age_s(Time now) const;
-  /// Returns the time since the newest command that the rover reports as accepted was sent, s;
-  /// infinite before the first. It covers both directions of the link.
+  /// Returns the age of the newest command that the rover reports as accepted, s: the time since
+  /// the command was sent, which covers both directions of the link. Infinite before the first.
   [[nodiscard]] double taken_command_age_s(Time now) const;
   /// False while the rover reports that it accepts commands from another session.
   [[nodiscard]] bool is_ours() const;

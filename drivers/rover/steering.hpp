@@ -10,9 +10,9 @@ namespace vantage::drivers {
 /// Gains of a rover's tracking control. As a function of distance driven, a sideways error decays
 /// like an oscillator of √side_per_m2 rad/m with damping turn_per_m / (2 √side_per_m2).
 struct SteeringGains {
-  double along_per_s = 1.5;  ///< K_x
-  double side_per_m2 = 4.0;  ///< K_y
-  double turn_per_m = 3.2;   ///< K_θ
+  double along_per_s = 1.5;  ///< K_x in steer(): error along the heading
+  double side_per_m2 = 4.0;  ///< K_y in steer(): sideways error
+  double turn_per_m = 3.2;   ///< K_θ in steer(): error of the yaw
   double pivot_mps = 0.3;    ///< m/s; replaces the speed when the reference turns in place
 };
 

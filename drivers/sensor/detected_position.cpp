@@ -3,8 +3,8 @@
 namespace vantage::drivers {
 namespace {
 
-/// Smallest variance of a measurement relative to that of the robot's sensor. It makes a covariance
-/// positive definite.
+/// Smallest variance of a measurement, relative to the variance of the robot's sensor. This limit
+/// keeps the covariance positive definite.
 constexpr double kVarianceShareMin = 1e-6;
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace vantage::drivers {
 
 /// Returns the measurement of a target whose position a detector has measured: z = h(position) with
-/// the covariance H Σ Hᵀ of the sensor model. Without a covariance (zero), that of the sensor.
+/// the covariance H Σ Hᵀ. If the covariance Σ is zero, the sensor's covariance is used instead.
 /// Nullopt if the sensor cannot have measured the target from `viewpoint`.
 /// @param position_dim  2: only x and y are used
 std::optional<models::Measurement> measurement_at(const models::SensorModel& sensor,

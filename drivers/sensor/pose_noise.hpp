@@ -8,9 +8,9 @@
 
 namespace vantage::drivers {
 
-/// Returns the covariance H P Hᵀ by which an error of the sensor's pose (x, y, yaw) with the
-/// covariance P changes a measurement of a target at `target_world_m`. H = ∂h/∂pose follows from
-/// ∂h/∂position: only the target's position in the body frame matters.
+/// Returns the covariance H P Hᵀ that an error of the sensor's pose (x, y, yaw) with the covariance
+/// P adds to a measurement of a target at `target_world_m`. H = ∂h/∂pose follows from ∂h/∂position:
+/// only the target's position in the body frame matters.
 models::MeasurementMatrix pose_noise(const models::SensorModel& sensor,
                                      const models::Viewpoint& from,
                                      const models::PositionVector& target_world_m,
@@ -20,8 +20,8 @@ models::MeasurementMatrix pose_noise(const models::SensorModel& sensor,
 /// pose_noise() to the covariance of each measurement. A measurement that does not determine a
 /// position is assumed to be of a target in the middle of the sensor's range, straight ahead.
 ///
-/// The errors of all measurements with the same pose are correlated, which an estimator that uses
-/// each measurement's covariance alone does not know (docs/guide/localisation.md).
+/// The errors of all measurements with the same pose are correlated. An estimator that uses only
+/// the covariance of each measurement ignores this correlation (docs/guide/localisation.md).
 void assume_pose(const models::SensorModel& sensor, int position_dim,
                  const models::PoseEstimate& estimate, models::RobotMeasurement& seen);
 

@@ -24,9 +24,9 @@ std::mt19937_64 noise_of(std::uint64_t seed, const std::string& robot, int strea
 inline constexpr int kScanStream = -1;
 inline constexpr int kClutterStream = -2;
 
-/// Returns the mean horizontal velocity of body `name`, at `position_m` in `frame`, since an
-/// earlier frame; nullopt if the body is absent or occluded there, or `earlier` is not before
-/// `frame`.
+/// Returns the mean horizontal velocity of body `name` from `earlier` to `frame`, in which the body
+/// is at `position_m`. Nullopt if the body is absent or occluded in `earlier`, or if `earlier` is
+/// not before `frame`.
 std::optional<Eigen::Vector2d> velocity_since(const models::MocapFrame& earlier,
                                               const models::MocapFrame& frame,
                                               const std::string& name,

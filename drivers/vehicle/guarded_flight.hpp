@@ -64,7 +64,8 @@ class GuardedFlight {
   /// True if the body is less than `height_m` above the ground. An unknown ground height is assumed
   /// to be 0.
   [[nodiscard]] bool is_below(double height_m) const;
-  /// Appends the counters of flight safety and of poses; the latter begin with `prefix`.
+  /// Appends the counters of flight safety, and the counters of poses with names that begin with
+  /// `prefix`.
   void append_counters(std::vector<models::NamedCount>& counters, std::string_view prefix) const;
 
   FlightGuard guard_;

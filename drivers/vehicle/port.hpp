@@ -35,7 +35,7 @@ class Port {
 };
 
 /// Opens a port by URL:
-///   udp://[HOST]:PORT      receives there from the vehicle and answers the accepted sender
+///   udp://[HOST]:PORT      receives at this address and answers the accepted sender
 ///   udpout://HOST:PORT     sends first
 ///   serial:DEVICE[:BAUD]   default 921600 baud, at least 230400; reopened after a loss
 /// @throws StartupError that names the fault in the URL, the address or the device's settings. A

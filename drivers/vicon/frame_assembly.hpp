@@ -33,8 +33,8 @@ class FrameAssembly {
   [[nodiscard]] std::optional<Duration> next_wake() const;
   /// Makes the next frame wait for this body.
   void expect(std::string_view name);
-  /// Adds a body that arrived after its frame was passed on to frame(), and makes the next frame
-  /// wait for it.
+  /// Adds to frame() a body that arrived after its frame was passed on, and makes the next frame
+  /// wait for this body.
   void expect_late(std::string_view name);
 
  private:

@@ -6,8 +6,8 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// Largest difference of the minimum jitter of two intervals; divided by a time span, it gives the
-/// relative error of a tick period.
+/// Largest difference between the minimum jitters of two intervals. Divided by a time span, it
+/// gives the relative error of a tick period.
 constexpr double kJitter_s = 0.003;
 /// A tick period estimated from data of this duration is final.
 constexpr double kLearned_s = 10.0;
@@ -16,7 +16,7 @@ constexpr double kFitPeriod_s = 1.0;
 /// estimated again.
 constexpr double kFaster = 0.01;
 constexpr double kBlock_s = 1.0;
-/// Longest gap between frames over which the line rises by the error of the tick period.
+/// Longest gap between frames over which the line (see FrameClock) rises by the period's error.
 constexpr double kDriftGap_s = 0.1;
 constexpr double kLate_s = 0.02;
 /// A queue counts as not emptying if the lateness has not decreased by kEmpties_s within kStands_s
@@ -59,7 +59,7 @@ Duration FrameClock::lateness(const FrameTiming& frame, Duration arrival, Durati
   if (frame.stated_tick_s != stated_s_) {
     const double line_s = std::min(line_s_ + now.arrival_s - last_->arrival_s, now.arrival_s);
     begin(now, frame.stated_tick_s);
-    line_s_ = line_s;  // a new tick period does not empty a queue
+    line_s_ = line_s;  // a new tick period does not shorten the wait of frames
   }
   const double passed_s = std::clamp(now.arrival_s - last_->arrival_s, 0.0, kDriftGap_s);
   line_s_ += tick_s_ * static_cast<double>(now.tick - last_->tick) + drift_ * passed_s;

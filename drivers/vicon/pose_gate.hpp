@@ -36,8 +36,8 @@ struct GateSettings {
   /// values of flights in the lab.
   int usual_divisor = 5;
   int confirm_frames = 5;  ///< number of consistent poses that confirm a lost body
-  /// A jump is accepted after its poses were consistent for this time. By then, a vehicle with this
-  /// body has been without a pose for long enough to land (design §6).
+  /// A jump is accepted after its poses were consistent for this time. By then, the
+  /// vehicle with this body has had no accepted pose for long enough to land.
   Duration accept_jump_after{2'000'000};
   int stuck_frames = 3;  ///< number of repetitions of a stuck pose; 0: not checked
 };

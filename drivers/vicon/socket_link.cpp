@@ -153,7 +153,7 @@ void SocketLink::follow_group() {
   if (!wanted) {
     return;
   }
-  // Joins on the card of the route to the server; the default route may use another card.
+  // Joins the group on the network card that leads to the server; the default card may differ.
   sockaddr_in own{};
   socklen_t own_size = sizeof own;
   const Descriptor route(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
@@ -167,7 +167,7 @@ void SocketLink::follow_group() {
   join.imr_interface = own.sin_addr;
   group_socket_.reset(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   set_option(group_socket_.fd(), SOL_SOCKET, SO_REUSEADDR,
-             1);  // other processes may receive it too
+             1);  // other processes may also join the group
   enlarge_receive_buffer(group_socket_.fd());
   sockaddr_in address = address_of(INADDR_ANY, wanted->port);
   address.sin_addr = join.imr_multiaddr;

@@ -52,8 +52,9 @@ class SocketLink {
   Descriptor group_socket_;
   std::optional<MulticastGroup>
       group_;  ///< group of `group_socket_`, or the one that could not be joined
-  std::optional<sockaddr_in> server_;  ///< destination of datagrams; nullopt: connected, or none
-  std::optional<in_addr_t> sender_;    ///< accepted sender of datagrams; nullopt: any
+  /// destination of datagrams; nullopt: the socket is connected, or there is none
+  std::optional<sockaddr_in> server_;
+  std::optional<in_addr_t> sender_;  ///< accepted sender of datagrams; nullopt: any
   std::int64_t strangers_ = 0;
   bool is_opening_ = false;
   std::uint32_t watched_ = 0;

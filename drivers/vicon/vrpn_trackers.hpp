@@ -48,11 +48,11 @@ class VrpnTrackers {
     Report last;
     Report before;
     int reports = 0;
-    std::array<std::int64_t, kSteps> steps_us{};  ///< µs; newest intervals between its reports
+    std::array<std::int64_t, kSteps> steps_us{};  ///< µs; newest intervals between reports
     std::size_t steps = 0;                        ///< number of stored intervals
-    /// consecutive reports not at the leader's instants
+    /// number of consecutive reports at other instants than the leader's
     int apart = 0;
-    int together = 0;  ///< consecutive reports at the leader's instants
+    int together = 0;  ///< number of consecutive reports at the leader's instants
     bool is_held = false;
 
     /// Returns the median of the newest intervals, µs; 0 if too few are stored.

@@ -7,7 +7,7 @@
 #include "drivers/contacts/app/node.hpp"
 
 int main(int argc, char** argv) {
-  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  using namespace vantage;  // NOLINT(google-build-using-namespace): main file only
   return bus::node_main(
       {"vantage-contacts", "Detects contacts and near misses of real bodies from motion capture."},
       argc, argv,

@@ -9,7 +9,7 @@
 #include "drivers/crazyflie/app/table_files.hpp"
 
 int main(int argc, char** argv) {
-  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  using namespace vantage;  // NOLINT(google-build-using-namespace): main file only
   return bus::node_main(
       {"vantage-crazyflie", "Flies one Crazyflie.", true}, argc, argv,
       [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,

@@ -8,7 +8,7 @@
 #include "drivers/quadrotor/app/node.hpp"
 
 int main(int argc, char** argv) {
-  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  using namespace vantage;  // NOLINT(google-build-using-namespace): main file only
   return bus::node_main(
       {"vantage-quadrotor", "Flies one quadrotor with a MAVLink autopilot.", true}, argc, argv,
       [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,

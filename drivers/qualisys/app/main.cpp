@@ -11,7 +11,7 @@
 #include "drivers/vicon/app/node.hpp"
 
 int main(int argc, char** argv) {
-  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  using namespace vantage;  // NOLINT(google-build-using-namespace): main file only
   return bus::node_main(
       {.name = "vantage-qualisys",
        .description = "Publishes the poses that Qualisys Track Manager measures.",

@@ -8,7 +8,7 @@
 #include "drivers/rover/app/node.hpp"
 
 int main(int argc, char** argv) {
-  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  using namespace vantage;  // NOLINT(google-build-using-namespace): main file only
   return bus::node_main(
       {"vantage-rover", "Drives one rover with the protocol that docs/guide/rovers.md defines.",
        true},

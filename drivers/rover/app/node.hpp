@@ -28,7 +28,7 @@ class RoverNode : public VehicleNode<RoverDriver> {
   bool receive(std::span<const std::uint8_t> datagram, Time now) override;
   void act(Time now) override;
 
-  std::optional<EstimatedPose> estimate_;  ///< only if the rover may drive by POSE_R
+  std::optional<EstimatedPose> estimate_;  ///< present only if the rover may drive by POSE_R
 };
 
 }  // namespace vantage::drivers

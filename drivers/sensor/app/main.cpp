@@ -7,7 +7,7 @@
 #include "drivers/sensor/app/node.hpp"
 
 int main(int argc, char** argv) {
-  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  using namespace vantage;  // NOLINT(google-build-using-namespace): main file only
   return bus::node_main(
       {"vantage-sensor", "Measures targets for one robot from mocap poses.", true}, argc, argv,
       [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,

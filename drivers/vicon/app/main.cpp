@@ -10,7 +10,7 @@
 #include "drivers/vicon/app/node.hpp"
 
 int main(int argc, char** argv) {
-  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  using namespace vantage;  // NOLINT(google-build-using-namespace): main file only
   return bus::node_main(
       {.name = "vantage-vicon",
        .description = "Publishes the poses that a Vicon or VRPN server measures.",
