@@ -240,7 +240,7 @@ TEST(WireRover, ReportsItsRequirements) {
   }
 }
 
-// Without an address, the emulator of the right kind states its requirement.
+// Without an address, the error names the section of the robot's kind.
 TEST(MakeWireVehicle, HasAnEmulatorForEachKind) {
   scenario::Scenario scenario = test::lab_scenario();
   const auto why = [&] {

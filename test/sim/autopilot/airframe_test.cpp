@@ -149,8 +149,8 @@ TEST(Airframe, IsStationaryOnTheGroundBeforeLiftAndAfterAFall) {
   EXPECT_LT(falls.position_m().y(), kPlace.y() - 1.0);
 }
 
-// With v̇ = d (w − v) and a wind with standard deviation w and decay rate β, the variance of the
-// speed is w² d/(d + β).
+// If v̇ = d (w − v), and the wind w has the standard deviation σ and the decay rate β, then the
+// speed v has the variance σ² d/(d + β).
 TEST(Airframe, GustsCauseTheExpectedSpeedVariance) {
   AirframeParameters p;
   p.wind_sigma_mps = 0.5;
@@ -398,8 +398,8 @@ TEST(AutopilotSettings, UseFirmwareDefaultsWithoutParameters) {
   EXPECT_EQ(ardupilot.setpoint_loss_s, 3.0);
   EXPECT_FALSE(ardupilot.lands_on_setpoint_loss);
   EXPECT_TRUE(ardupilot.has_barometer);
-  EXPECT_EQ(ardupilot.position_gain_per_s, 1.0);  // PSC_POSXY_P
-  EXPECT_EQ(ardupilot.velocity_gain_per_s, 2.0);  // PSC_VELXY_P
+  EXPECT_EQ(ardupilot.position_gain_per_s, 1.0);  // parameter PSC_POSXY_P
+  EXPECT_EQ(ardupilot.velocity_gain_per_s, 2.0);  // parameter PSC_VELXY_P
   EXPECT_EQ(ardupilot.heartbeat_loss_s, std::nullopt);
   EXPECT_EQ(ardupilot.station_id, 255);
   EXPECT_EQ(ardupilot.pose_loss_s, 7.0);
@@ -466,9 +466,9 @@ TEST(AutopilotProfile, UsesMavlinkNumbers) {
   EXPECT_EQ(px4.refusal, 1);
   const AutopilotProfile& ardupilot = profile_of(AutopilotDialect::kArdupilot);
   EXPECT_EQ(ardupilot.autopilot_id, 3);
-  EXPECT_EQ(ardupilot.follow_mode, 4U);  // guided
+  EXPECT_EQ(ardupilot.follow_mode, 4U);  // mode 4: guided
   EXPECT_EQ(ardupilot.land_mode, 9U);
-  EXPECT_EQ(ardupilot.start_mode, 0U);  // stabilize
+  EXPECT_EQ(ardupilot.start_mode, 0U);  // mode 0: stabilize
   EXPECT_EQ(ardupilot.refusal, 4);
   // Without poses, attitude and vertical velocity are valid, but positions are not.
   constexpr std::uint16_t kPositions = 0x8 | 0x10 | 0x100 | 0x200;

@@ -17,7 +17,7 @@
 
 namespace {
 
-using namespace vantage;  // NOLINT(google-build-using-namespace): a program
+using namespace vantage;  // NOLINT(google-build-using-namespace): main file only
 
 int record(int count, char** words) {
   if (count < 2) {

@@ -156,7 +156,7 @@ class Player {
     station_.sends_poses = true;
   }
   void stand_still() {
-    height_m_ = drill_.drill == Drill::kArming ? 0.5F : 0.1F;  // m; starts below the ground
+    height_m_ = drill_.drill == Drill::kArming ? 0.5F : 0.1F;  // m, z down: below the ground
     send_setpoint({});
   }
   /// Requests arming once per second until the vehicle arms or `seconds` have passed. @return true

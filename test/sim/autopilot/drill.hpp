@@ -23,7 +23,7 @@ enum class Drill {
   kEverythingStops,
   /// Stops the poses during hover.
   kPosesStop,
-  /// Shifts the poses sideways during hover, by a short and by a long distance, permanently.
+  /// Shifts the poses sideways during hover: by 0.3 m for 5 s, later by 1.5 m until the landing.
   kPosesJump,
 };
 

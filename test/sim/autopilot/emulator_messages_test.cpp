@@ -195,8 +195,8 @@ TEST(EmulatorMessages, ReportsBatteryPerDialect) {
     }
   }
   EmulatorBench bench = flying();
-  // In hover, the thrust acceleration is g of the 20 m/s² available, so the current is that share
-  // of 25 A.
+  // The current is 25 A at the maximum thrust acceleration, 20 m/s². In hover, thrust acceleration
+  // and current are lower by the ratio g / (20 m/s²).
   EXPECT_NEAR(bench.request<mavlink::BatteryStatus>().current_battery, 2500.0 * 9.81 / 20.0, 60.0);
 }
 

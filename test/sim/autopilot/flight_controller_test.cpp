@@ -333,8 +333,8 @@ TEST(FlightController, ReportsEstimatorFlags) {
   EXPECT_TRUE(pilot.texts.empty() || pilot.texts.back() == pilot.profile.arming_text);
 }
 
-// The loss of the station on the ground stops the motors. A station that is received again can be
-// lost again.
+// If the station is lost while the vehicle is on the ground, the motors stop. A station that is
+// received again can be lost again.
 TEST(FlightController, FailsOnlyOnLossOfItsOwnStation) {
   AutopilotSettings set = settings();
   set.heartbeat_loss_s = 1.0;

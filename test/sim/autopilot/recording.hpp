@@ -16,7 +16,7 @@ namespace vantage::test {
 struct Recording {
   struct Event {
     double time_s = 0.0;
-    std::string kind;  ///< mark, mode, armed, flags, landed, ack, text
+    std::string kind;  ///< one of mark, mode, armed, flags, landed, ack, text
     std::string what;
   };
   struct Moment {

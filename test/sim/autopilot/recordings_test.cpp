@@ -144,7 +144,7 @@ TEST(RecordedArdupilot, RefusesToArmForTheSameReasons) {
   EXPECT_EQ(refusals(emulated, "arm without poses", "poses"),
             refusals(real, "arm without poses", "poses"));
   EXPECT_EQ(refusals(real, "arm without poses", "poses").size(), 5U);
-  // With poses: the refusals before the vehicle has an origin, and then until its gyroscopes agree.
+  // Refusals with poses: until the vehicle has an origin, and then until its gyroscopes agree.
   EXPECT_EQ(refusals(emulated, "no set-points", "origin"),
             refusals(real, "no set-points", "origin"));
   EXPECT_EQ(refusals(emulated, "origin", "idle"), refusals(real, "origin", "idle"));
@@ -165,7 +165,7 @@ TEST(RecordedArdupilot, ReportsAPositionBeforeItHasAnOrigin) {
     EXPECT_LT(recording->first("flags", "0x033F")->time_s, recording->mark("origin"));
   }
   expect_delay(pair, "origin", "origin", "confirmed", 0.2);
-  expect_delay(pair, "poses", "flags", "0x033F", 1.5);  // s since power-up; aligns its tilt first
+  expect_delay(pair, "poses", "flags", "0x033F", 1.5);  // s; aligns its tilt before this
 }
 
 TEST(RecordedPx4, RefusesToArmForTheSameReasons) {

@@ -55,7 +55,7 @@ class CameraEmulator : public testing::Test {
   test::BusPair buses_{1, 2};
 };
 
-// One image per period, with the time of the truth and the tag of R1.
+// The emulator writes one image per period. The image shows the tag of R1 at the time of the truth.
 TEST_F(CameraEmulator, WritesImagesForTheCamera) {
   const auto node = start();
   drivers::camera::FolderSource source(spec_.simulated_folder);

@@ -260,7 +260,7 @@ TEST_F(CrazyflieEmulatorTest, OnlyOneControllerUsesVelocities) {
     hover(uses_mellinger);
     double square_m2 = 0.0;
     int count = 0;
-    for (double t = 0.0; t < 12.0; t += 0.01) {  // a circle of 0.5 m at 1 rad/s
+    for (double t = 0.0; t < 12.0; t += 0.01) {  // circle of radius 0.5 m at 1 rad/s
       setpoint->position_world_m = {0.5 * std::sin(t), 0.5 - 0.5 * std::cos(t), 1.0};
       setpoint->velocity_world_mps = {0.5 * std::cos(t), 0.5 * std::sin(t), 0.0};
       setpoint->acceleration_world_mps2 = {-0.5 * std::sin(t), 0.5 * std::cos(t), 0.0};
@@ -280,7 +280,7 @@ TEST_F(CrazyflieEmulatorTest, OnlyOneControllerUsesVelocities) {
   }
 }
 
-// The firmware follows any pose at once.
+// The firmware trusts every pose, so a jump of the poses moves the vehicle.
 TEST_F(CrazyflieEmulatorTest, FollowsAJumpOfThePose) {
   hover();
   pose_error_m.x() = 0.3;

@@ -52,7 +52,7 @@ class CrazyflieFirmware : public testing::Test {
     // Calibrates gyro and accelerometer at rest: 2 s of samples after the hello.
     fly_ms(3'500, [](std::int64_t) {});
     ASSERT_TRUE(info()) << "the firmware does not answer";
-    dropped_before_ = counts().dropped;  // poses before the firmware's hello
+    dropped_before_ = counts().dropped;  // poses sent before the firmware's hello
   }
   ~CrazyflieFirmware() override {
     close(fd_);

@@ -76,7 +76,7 @@ TEST(JsonPhysics, RefusesEveryOtherLengthAndMagic) {
   }
 }
 
-// The firmware's parser searches a key, skips the quote and the colon, and reads with "[%f, %f,
+// The firmware's parser searches for a key, skips the quote and the colon, and reads with "[%f, %f,
 // %f]". It does not accept a blank before the bracket.
 TEST(JsonPhysics, IsReadableByTheFirmwaresParser) {
   wire::sitl::JsonSensors sensors;

@@ -159,8 +159,8 @@ TEST(MultirotorForces, TumblesWithAConstantAngularMomentum) {
   EXPECT_NEAR(energy(), energy_before, 0.01 * energy_before);
 }
 
-// On the ground, a part of the weight carried by thrust reduces the compression of the feet; the
-// body tilts on these springs.
+// On the ground, thrust carries a part of the weight and thus reduces the compression of the feet.
+// The body tilts on these springs.
 TEST(MultirotorForces, RestsOnItsFeetLikeSprings) {
   MultirotorParameters p = still_air();
   p.foot_m = 0.10;

@@ -157,7 +157,7 @@ TEST(SensorBoard, MeasuresGravityInFrdAndNorth) {
   const FirmwareSensors sensed = board.sample(body, Duration{0});
   EXPECT_LT((sensed.specific_force_body_mps2 - Eigen::Vector3d(0.0, 0.0, -kGravityMps2)).norm(),
             1e-9);
-  // North is to its right.
+  // North is to the right of the vehicle.
   EXPECT_GT(sensed.magnetic_field_body_gauss.y(), 0.15);
   EXPECT_NEAR(sensed.pressure_altitude_m, 10.0, 1e-9);
   EXPECT_NEAR(sensed.pressure_hpa, 1012.05, 0.05);

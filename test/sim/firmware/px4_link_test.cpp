@@ -322,7 +322,7 @@ TEST(Px4Link, SupportsABoardWithASeparateClock) {
   EXPECT_DOUBLE_EQ(command->throttles[0], 0.5);
 }
 
-// The number after the last colon is the baud rate; the default is that of PX4.
+// The number after the last colon is the baud rate; the default is 921600, as in PX4.
 TEST(Px4Link, OpensSerialLineAtGivenBaudRate) {
   if (test::is_emulated()) {
     GTEST_SKIP() << "qemu's user mode has no pseudo terminals";

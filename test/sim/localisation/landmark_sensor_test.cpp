@@ -84,7 +84,7 @@ TEST(LandmarkSensor, DetectsWithTheStatedProbability) {
   for (int i = 0; i < kFrames; ++i) {
     detected += find(sensor.look(truth_with({}, {9.0, 9.0, 0.0})), 101) != nullptr ? 1 : 0;
   }
-  EXPECT_NEAR(static_cast<double>(detected) / kFrames, 0.7, 0.02);  // 4 σ
+  EXPECT_NEAR(static_cast<double>(detected) / kFrames, 0.7, 0.02);  // tolerance: 4σ
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST(Odometer, SlipsWithTheStatedRate) {
     EXPECT_NEAR(forward_m, odometer.is_slipping() ? 0.075 : 0.05, 1e-12);
     slipping += odometer.is_slipping() ? 1 : 0;
   }
-  // Slips last 1 s after the last begin: the stationary share is 1 − exp(−0.1 /s · 1 s).
+  // Reports slip for 1 s after each start of a slip: their share is 1 − exp(−0.1 /s · 1 s).
   EXPECT_NEAR(static_cast<double>(slipping) / kReports, 1.0 - std::exp(-0.1), 0.01);
 }
 
@@ -58,12 +58,12 @@ TEST(Odometer, HasTheStatedNoiseOfTheHeading) {
   noise.turn_sigma_rad_per_sqrt_s = 0.02;
   noise.turn_sigma_per_sqrt_rad = 0.0;
   noise.turn_drift_radps = 0.01;
-  noise.turn_drift_time_s = 1e6;  // constant during the test
+  noise.turn_drift_time_s = 1e6;  // the drift is constant during the test
   noise.slide_sigma_per_sqrt_m = 0.0;
   noise.speed_drift_share = 0.0;
   scenario::SimulatedOdometerSpec spec;
   constexpr int kRuns = 4000;
-  constexpr int kReports = 20;  // 1 s
+  constexpr int kReports = 20;  // 1 s in total
   double squared = 0.0;
   for (int run = 0; run < kRuns; ++run) {
     Odometer odometer(spec, noise, "Q1", static_cast<std::uint64_t>(run));

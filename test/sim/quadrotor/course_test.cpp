@@ -43,7 +43,7 @@ TEST(Course, FollowsTheLastStartedPlan) {
   EXPECT_EQ(course.at(kStart).world_from_body, (Pose2{1.0, 2.0, 0.5}));
   EXPECT_EQ(course.at(kStart).velocity_world_mps, Eigen::Vector2d::Zero());
   EXPECT_EQ(course.newest_start(), kStart + 3 * kSecond);
-  // The plan has the heading y, so the velocity is along y.
+  // The plan's heading is along the y axis, so the velocity is, too.
   const CoursePoint point = course.at(kStart + 3 * kSecond);
   EXPECT_EQ(point.world_from_body, (Pose2{5.0, 0.0, kPi / 2}));
   EXPECT_LT((point.velocity_world_mps - Eigen::Vector2d(0.0, 1.0)).norm(), 1e-12);
@@ -60,7 +60,7 @@ TEST(Course, DropsPlansThatStartAtOrAfterTheNewOne) {
   EXPECT_EQ(course.round(kStart + kSecond), 1);
   EXPECT_EQ(course.round(kStart + 2 * kSecond), 4);
   EXPECT_EQ(course.round(kStart + 9 * kSecond), 4);
-  // This plan is older than the initial hover, which still applies before it.
+  // This plan starts before the initial hover. At times before the plan, the hover still applies.
   course.follow(straight(kStart - kSecond, 9.0, 0.0, 6.0), 5);
   EXPECT_EQ(course.round(kStart - 2 * kSecond), -1);
   EXPECT_EQ(course.round(kStart), 5);

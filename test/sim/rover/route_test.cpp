@@ -146,7 +146,7 @@ TEST(RouteMap, HasTheStatedCellSize) {
 }
 
 // The passage is narrower than routes allow. Its cells are open only within one and a half cells of
-// the start, so a start one large cell inside is possible, and two cells are not.
+// the start. The rover can therefore leave from one large cell inside, but not from two.
 TEST(RouteMap, LetsRoverLeaveNarrowPassageWithinOneCell) {
   models::World world;
   world.bounds = {{0.0, 0.0}, {51.2, 12.8}};

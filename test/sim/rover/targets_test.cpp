@@ -79,14 +79,14 @@ TEST(TargetStarts, KeepDistancesAndCoverTheWorld) {
   EXPECT_GE(robot_m, 1.0);
   EXPECT_LT(robot_m, 1.03);
   for (int k = 0; k < 4; ++k) {
-    EXPECT_GT(quarters[k], 120) << k;  // of 900 starts
+    EXPECT_GT(quarters[k], 120) << k;  // a quarter of 900 starts is 225
     EXPECT_GT(headings[k], 160) << k;
   }
 }
 
 TEST(TargetStarts, UseTheScenariosStartsFirst) {
   scenario::Scenario scenario = room_of(2.0, {0.2, 0.2, 0.2});
-  scenario.targets[2].start = Pose2{0.0, 4.0, 1.5};  // in the middle of the room; the last target
+  scenario.targets[2].start = Pose2{0.0, 4.0, 1.5};  // in the middle of the room
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const std::vector<Pose2> starts = target_starts(scenario, seed);
     ASSERT_EQ(starts.size(), 3u);

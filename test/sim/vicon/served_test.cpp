@@ -1,5 +1,5 @@
-// Tests the data that clients receive over sockets from the emulated server and its program. Times
-// have only those limits that a busy machine cannot violate.
+// Tests the data that clients receive over sockets from the emulated server and its program. The
+// limits on times are so wide that a busy machine cannot violate them.
 
 #include <algorithm>
 #include <array>

@@ -114,8 +114,8 @@ TEST(ReadFlight, ReadsNamesPeriodsAndPoses) {
             ":4: times must be evenly spaced");
 }
 
-// Each body has the pose of the newest row of its file. All flights end with the shortest one, or
-// start again.
+// Each body has the pose of the newest row of its file. When the shortest flight
+// ends, all flights end or start again.
 TEST(Flights, EndTogetherWithTheShortest) {
   const vantage::test::TemporaryFolder folder;
   // Durations: B 12 rows × 0.1 s = 1.2 s, A 20 × 0.05 s = 1 s, C 7 × 0.15 s = 1.05 s.
@@ -248,7 +248,7 @@ TEST(RunEmulator, SendsAtItsRateForItsDuration) {
   EXPECT_EQ(frames_of({"--rate", "500", "--duration-s", "0.004"}).at(0).size(), 3u);
 }
 
-// At its end the program reports the number of frames sent, for any reason of the end.
+// When the program ends for any reason, it reports the number of frames sent.
 TEST(RunEmulator, ReportsFrameCount) {
   const vantage::test::TemporaryFolder folder;
   const std::string path = flight_in(folder, "LARK.csv", 4, 0.01);
