@@ -95,7 +95,7 @@ class MapPublisherTest : public ::testing::Test {
   bus::Bus bus_{*own_end_, 1};
   bus::Bus ear_{*ear_end_, 2};
   bus::Bus replay_bus_{*replay_end_, 3, "REPLAY_"};
-  std::map<std::int64_t, bus::Bus> mates_;  ///< by run id
+  std::map<std::int64_t, bus::Bus> mates_;  ///< teammates' buses by run id
   MapPublisher publisher_{bus_, scenario_, "Q1"};
   std::vector<models::RobotMap> received_;
 
@@ -244,7 +244,7 @@ TEST_F(MapPublisherTest, IsReproducedFromItsNamedInputs) {
   }
   EXPECT_TRUE(replayer.counters().empty());
   // A map that names an unknown input, or no belief, is not reproduced. The replay waits two
-  // seconds for the unknown input, and no longer for later maps.
+  // seconds for the unknown input; later maps do not prolong this wait.
   models::RobotMap strange = received_.back();
   strange.inputs.push_back({"SCAN_Q1", 77, 0});
   bus_.publish(bus::map_channel("Q1"), strange);

@@ -181,7 +181,7 @@ TEST_F(NodeTest, CountsSkippedSteps) {
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"), [&](const auto& belief) {
     received.push_back(belief.stamp.time);
   });
-  node.tick(kStart + 1960ms);  // instants at 0.4, 0.9, 1.4 and 1.9 s; 1.9 + delay is over
+  node.tick(kStart + 1960ms);  // after the deadlines of 0.4, 0.9, 1.4 and 1.9 s
   deliver();
   EXPECT_EQ(received, std::vector<Time>{kStart + 1900ms});
   EXPECT_EQ(node.deadlines_missed(), 3);
@@ -272,7 +272,7 @@ TEST_F(NodeTest, KeepsTheNewestInputs) {
   EXPECT_EQ(counters()["viewpoint_unknown"], 1) << "256 poses have arrived since then";
 }
 
-// The robot's position at t is that of an observation or pose from the step that ends at t.
+// The robot's position at t is taken from an observation or a pose of the step that ends at t.
 TEST_F(NodeTest, UsesPoseFromInputsOfThisStep) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   std::vector<models::RobotBelief> received;

@@ -121,7 +121,7 @@ TEST(HasViewpoint, IsTrueForAMeasurementWithinTheStep) {
   EXPECT_FALSE(has("Q2", instant(3)));
 }
 
-// The viewpoint of a step is that of the newest own observation, even if teammates observed later.
+// The robot's newest own observation gives the viewpoint, even if teammates observed later.
 TEST(MakeStep, UsesTheLastViewpoint) {
   FilterSpec spec = test::open_spec({models::TargetKind::kStatic, 2, 0.0},
                                     test::far_sighted(models::SensorKind::kPosition), 1);

@@ -181,9 +181,8 @@ TEST(BeliefSender, StaysWithinTheRoom) {
   }
 }
 
-// Two robots on opposite sides of a partition, each with its own target: after the partition ends,
-// both know both targets within the time of a whole state, although a fifth of the messages is
-// lost.
+// Two robots are separated by a partition, and each knows only its own target. A fifth of the later
+// messages is lost. At most kWholePeriod + 2 steps after its end, both know both targets.
 TEST(BeliefSender, BringsTeammatesTogetherAfterAPartition) {
   FilterSpec specs[] = {spec_of(2), spec_of(2)};
   specs[1].robot = "Q2";

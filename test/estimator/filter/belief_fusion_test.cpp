@@ -110,7 +110,8 @@ TEST(BeliefFusion, FirstBeliefIsWeightedMeanOfTeammates) {
   const std::vector<Gaussian> of_one = {
       around(1.0, 0.0, Eigen::Vector2d(0.25, 1.0).asDiagonal()),         // diagonal of Ω: 4, 1
       around(3.0, 2.0, Eigen::Vector2d(1.0 / 9, 1.0 / 9).asDiagonal()),  // diagonal of Ω: 9, 9
-      around(-2.0, 5.0, Eigen::Vector2d(1.0 / 16.0, 1.0 / 25).asDiagonal())};  // diagonal: 16, 25
+      around(-2.0, 5.0,
+             Eigen::Vector2d(1.0 / 16.0, 1.0 / 25).asDiagonal())};  // diagonal of Ω: 16, 25
   const double weights[] = {2.0, 9.0, 20.0};
   models::Information expected{Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero()};
   for (std::size_t i = 0; i < 3; ++i) {

@@ -228,8 +228,8 @@ TEST_F(LateMeasurements, GiveTheSameBeliefAsTimelyOnes) {
   ASSERT_EQ(a_.targets.size(), b_.targets.size());
   ASSERT_FALSE(a_.targets.empty());
   for (std::size_t m = 0; m < a_.targets.size(); ++m) {
-    // The results are not equal to the bit: the rounding of Eigen's AVX kernels depends on the
-    // address mod 32.
+    // The results are not bit-identical: the rounding of Eigen's AVX kernels depends on the memory
+    // address modulo 32.
     const models::Information& a = a_.targets[m].information;
     const models::Information& b = b_.targets[m].information;
     const double size = a.matrix.cwiseAbs().maxCoeff();

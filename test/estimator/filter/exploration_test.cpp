@@ -96,7 +96,7 @@ TEST_F(UnexploredRegions, GrowWithTheTimeSinceTheLastScan) {
   grid_.see(sensor_, at(0, 0), world_, instant(0));
   EXPECT_TRUE(unexplored_regions(grid_, 5.0, 10, instant(0)).empty());
   EXPECT_EQ(unexplored_regions(grid_, 5.0, 10, instant(10)).size(), 4u);
-  // A quarter was seen again: it is without a scan for 5 s, the others for 15 s.
+  // One quarter was scanned again 5 s ago; the others were last scanned 15 s ago.
   sensor_.range_max_m = 3.4;
   grid_.see(sensor_, at(2.5, 2.5), world_, instant(20));
   const auto regions = unexplored_regions(grid_, 5.0, 10, instant(30));

@@ -107,7 +107,7 @@ class Posterior {
   }
 
   /// Updates the particles with `candidates`, at most one of which originates from the target.
-  /// `is_told`: no candidate is a false alarm.
+  /// If `is_told`, no candidate is a false alarm.
   void look(const models::SensorModel& sensor, const Eigen::Vector2d& eye_m,
             const std::vector<models::Measurement>& candidates, bool is_told,
             const models::DetectionModel& detection) {
@@ -186,7 +186,7 @@ class Posterior {
   std::mt19937_64 rng_;
   std::vector<State> states_;
   std::vector<State> next_;
-  std::vector<double> likelihoods_;  ///< cumulative sums
+  std::vector<double> likelihoods_;  ///< cumulative sums of the likelihoods
 };
 
 /// Errors summed over targets and time.
@@ -227,7 +227,7 @@ void chase(std::vector<Eigen::Vector2d>& eyes_m, const std::vector<Posterior>& b
 
 enum class Chase { kByKnownIds, kByOracle };
 
-// Runs one trial, in the order of its events.
+// Simulates one trial and returns the errors of both filters.
 Both trial(unsigned seed, Chase by, int steps, std::size_t particles,
            const models::DetectionModel& detection) {
   std::mt19937_64 rng(seed);

@@ -157,7 +157,7 @@ TEST(SharedMeasurements, AreConsistentAndRecoverAfterAPartition) {
   RecordProperty("gap_apart_nats", std::to_string(apart_nats));
   RecordProperty("gap_healed_nats", std::to_string(healed_nats));
   EXPECT_GE(least, -1e-9);
-  // Lost observations increase the entropy. The effect of the partition disappears after it.
+  // Lost observations increase the entropy. The effect of the partition disappears after its end.
   EXPECT_LT(healed_nats, before_nats + 0.06);
   EXPECT_GT(apart_nats, before_nats + 0.1);
 }

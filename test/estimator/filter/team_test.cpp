@@ -67,9 +67,9 @@ class Team {
 };
 
 TEST(Team, ConvergesOnAConnectedGraph) {
-  // Theorem 9. The robots form a pentagon with sides within radio range and diagonals beyond it.
-  // Robots 0 and 2 measure ranges to all targets, robot 1 bearings to all targets, and robot 3 the
-  // position of target 0. Robot 4 measures nothing.
+  // Source: dissertation, theorem 9. The robots form a pentagon with sides within radio range and
+  // diagonals beyond it. Robots 0 and 2 measure ranges to all targets, robot 1 bearings to all
+  // targets, and robot 3 the position of target 0. Robot 4 measures nothing.
   constexpr int kTargets = 3;
   const std::vector<models::SensorModel> sensors = {
       test::far_sighted(SensorKind::kRange), test::far_sighted(SensorKind::kBearing),

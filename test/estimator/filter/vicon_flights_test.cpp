@@ -20,7 +20,7 @@
 namespace vantage::estimator {
 namespace {
 
-constexpr int kStride = 10;  // rows of 100 Hz; observations at 10 Hz
+constexpr int kStride = 10;  // the rows have 100 Hz, observations 10 Hz
 constexpr double kLook_s = 0.1;
 /// m; minimum distance of an observation. The flights were not simultaneous, so their paths may
 /// intersect.
@@ -116,7 +116,7 @@ TEST_P(ViconFlights, ErrorsMatchTheFiltersCovariance) {
   FilterSpec spec = test::open_spec({models::TargetKind::kDoubleIntegrator, 2, q}, sensor, 2);
   spec.step_s = kLook_s;
   spec.estimator.prior_velocity_sigma_mps = 1.0;
-  std::vector<std::vector<double>> stretches;  // by seed
+  std::vector<std::vector<double>> stretches;  // sections by seed
   double inside = 0.0;
   double squared_m2 = 0.0;
   double variance_m2 = 0.0;

@@ -45,8 +45,8 @@ models::RobotBelief belief_at(int step, const Pose2& pose = {}) {
   return belief;
 }
 
-// Returns one robot's map after one step per element of `parts`, each of which counts that
-// element's scans.
+// Makes one step per element of `parts`, which contains the scans of that step. Returns the robot's
+// map after the last step.
 models::RobotMap map_of(TeamMap& team_map, const std::vector<std::vector<models::RangeScan>>& parts,
                         const std::vector<const models::RobotMap*>& teammates = {}) {
   models::RobotMap map;

@@ -126,7 +126,7 @@ TEST(Confinement, AppliesToATeammatesBeliefOfTheLastStep) {
     spec.estimator.samples = samples;
     spec.communication_range_m = 100.0;
     Gaussian leaving{Eigen::Vector4d(19.75, 0.0, 0.8, 0.0), Eigen::Matrix4d::Zero()};
-    leaving.covariance.diagonal() << 0.0025, 0.0025, 0.04, 0.04;  // 1/12 stays inside
+    leaving.covariance.diagonal() << 0.0025, 0.0025, 0.04, 0.04;  // 1/12 of the belief stays inside
     DistributedFilter filter(spec);
     filter.rebase(test::prior(test::instant(0), {leaving}));
     models::RobotBelief of_before = test::prior(test::instant(0), {leaving});

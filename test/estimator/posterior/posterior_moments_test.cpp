@@ -46,7 +46,7 @@ TEST(PosteriorMoments, SurroundTheRobotForANegativeRange) {
   EXPECT_NEAR(found->covariance_m2.trace(), squares / mass, 0.003 * squares / mass);
 }
 
-// The noise exceeds a full turn, but each direction has equal weight.
+// The noise exceeds a full turn, so all directions must have equal weight.
 TEST(PosteriorMoments, EqualThePriorForAnUninformativeBearing) {
   const Eigen::Vector2d mean_m(2.0, 0.5);
   const Eigen::Matrix2d P = Eigen::Vector2d(0.16, 0.04).asDiagonal();

@@ -359,7 +359,7 @@ TEST(RangeOnlyFilter, RestartsAfterAWindowOfUnexplainedRanges) {
   filter.update(robot_m, 10.0);
   update_with({10.0, 1e4, 10.0, 10.0}, 0);
   update_with({1e4, 10.0, 10.0, 10.0}, 0);
-  update_with({1e4, 10.0, 1e4, 10.0}, 1);  // slightly less than half: no range is certain
+  update_with({1e4, 10.0, 1e4, 10.0}, 1);  // below half: no range is certain to be an inlier
   EXPECT_TRUE(filter.hypotheses().empty());
   EXPECT_EQ(filter.best().weight, 0.0);
   EXPECT_EQ(filter.best().mean_m, Eigen::Vector2d::Zero());
@@ -439,7 +439,7 @@ TEST(RangeOnlyFilter, FindsTheBeaconsOfThePlazaRecording) {
     GTEST_SKIP() << "no data in " << folder;
   }
   RangeOnlySpec spec;
-  spec.calibration.range_scale = 1.069;  // the radios measure 6.9 % too long
+  spec.calibration.range_scale = 1.069;  // the radios' ranges are 6.9 % too long
   spec.range_sigma_m = 0.6;              // m; a batch fit has 0.54 m rms
   std::map<int, RangeOnlyFilter> filters;
   std::size_t p = 0;

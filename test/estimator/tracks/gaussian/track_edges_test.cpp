@@ -46,7 +46,7 @@ bool is_linearised(const Gaussian& prior, const models::SensorModel& sensor,
 TEST(Measure, LinearisesOnlyNearlyLinearRanges) {
   constexpr double kAway_m = 4.0;
   constexpr double kOut_m = 1.5 * 0.4;
-  const double bend_m = std::hypot(kAway_m - kOut_m, kOut_m) - (kAway_m - kOut_m);  // m; least
+  const double bend_m = std::hypot(kAway_m - kOut_m, kOut_m) - (kAway_m - kOut_m);  // m
   const models::SensorModel sensor = far_sighted(models::SensorKind::kRange);
   for (const double yaw_rad : {0.0, 0.5 * kPi, -0.5 * kPi, kPi}) {
     for (const auto& [share, is_linear] : {std::pair(0.199, true), std::pair(0.201, false)}) {
@@ -68,7 +68,7 @@ TEST(Measure, LinearisesOnlyNearlyLinearRanges) {
 TEST(Measure, IgnoresLimitsBeyondThreeSigma) {
   constexpr double kAway_m = 5.0;
   constexpr double kNoise_m = 0.2;
-  const double sigma_m = 0.2 / std::sqrt(2.0);  // m; of two equal beliefs, fused
+  const double sigma_m = 0.2 / std::sqrt(2.0);  // m; σ of two equal beliefs after fusion
   const double clear_m = 3.0 * sigma_m + 3.0 * 0.1 * kNoise_m;
   for (const auto& [slack_m, is_clear] : {std::pair(0.002, true), std::pair(-0.002, false)}) {
     for (const double yaw_rad : {0.0, 1.0, -2.0}) {

@@ -388,7 +388,7 @@ TEST(Measure, KeepsABeliefBeyondTheGate) {
   models::Measurement range{Eigen::Matrix<double, 1, 1>(1.0), Eigen::Matrix<double, 1, 1>(0.01)};
   auto here = start;
   EXPECT_EQ(measure(here, ranger, at(5.0, 0.0), range, 0.0), Use::kUsed);
-  EXPECT_NEAR(models::to_gaussian(here)->mean(0), 5.0, 1e-3);  // equally far on all sides
+  EXPECT_NEAR(models::to_gaussian(here)->mean(0), 5.0, 1e-3);  // symmetric around the robot
   EXPECT_GT(models::to_gaussian(here)->covariance(0, 0), 0.02);
   z.V.setZero();
   EXPECT_EQ(measure(here, sensor, at(0, 0), z, 0.0), Use::kSingular);
@@ -451,7 +451,7 @@ TEST(Discover, HasTheMomentsOfThePosteriorAfterOneMeasurement) {
                                               sensor, at(1.0, 0.5, 0.3), z, true, 400);
     const Gaussian g = models::to_gaussian(*found).value();
     const test::Difference d = test::difference(g.mean, g.covariance, *oracle);
-    EXPECT_LT(d.mean_sigma, 0.04) << z_m;  // coarse nodes at the soft limit
+    EXPECT_LT(d.mean_sigma, 0.04) << z_m;  // coarse quadrature at the soft limit
     EXPECT_LT(d.covariance_share, 0.03) << z_m;
   }
 }

@@ -71,7 +71,7 @@ TEST(MultiTargetFilter, EqualsTheKnownIdFilterForOneCertainTarget) {
   EXPECT_EQ(tracks[0].last_seen, instant(1));
 }
 
-// A missed target that is certainly in view has r ← r (1 − p_D) / (1 − r p_D).
+// If a target in view is missed, its existence probability r becomes r (1 − p_D) / (1 − r p_D).
 TEST(MultiTargetFilter, LowersTheExistenceOfMissedTargets) {
   MultiTargetFilter filter(spec_of(3, {0.8, 0.5}));
   auto tracks = filter.no_tracks();

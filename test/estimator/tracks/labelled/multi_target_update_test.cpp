@@ -78,7 +78,7 @@ TEST(MultiTargetUpdate, AgreesWithBayesRuleForOneTrackAndOneDetection) {
   tracks[1].label = 77;
   filter.update(tracks, {instant(4), 0, from, {z}}, sensor);
 
-  // Computes the target's position from the detection only.
+  // The posterior of the detection alone, without a track.
   scenario::EstimatorSpec vague = spec.estimator;
   const models::Gaussian found =
       models::to_gaussian(*discover(vague, sensor, from, z.measurement)).value();
@@ -123,8 +123,7 @@ TEST(MultiTargetUpdate, AgreesWithBayesRuleForOneTrackAndOneDetection) {
     weights += component.weight;
   }
   EXPECT_NEAR(weights, 1.0, 1e-12);
-  // Otherwise the detection belongs to no track: it comes from an untracked target or is a false
-  // alarm.
+  // A detection that belongs to no track comes from an untracked target or is a false alarm.
   const double nobodys = 1.0 - reported / total;
   const double birth = nobodys * untracked_per_m2 / (untracked_per_m2 + clutter_per_m2);
   ASSERT_GT(birth, 0.01);
@@ -157,8 +156,9 @@ TEST(MultiTargetUpdate, GatesDetectionsBeyondFourSigma) {
   }
 }
 
-// r ← r (1 − p) / (1 − r p), where p is the smaller of the filter's and the sensor's detection
-// probability, at most 0.99. If the filter's probability is 0, the position does not change.
+// The existence probability r becomes r (1 − p) / (1 − r p). Here p is the smaller of the filter's
+// and the sensor's detection probability, at most 0.99. If the filter's probability is 0, the
+// position does not change.
 TEST(MultiTargetUpdate, EmptyScanUsesSmallerDetectionProbability) {
   const auto after = [](double believed, double true_probability) {
     MultiTargetSpec spec = spec_of(2, {true_probability, 0.5});
@@ -324,7 +324,7 @@ TEST(MultiTargetUpdate, AssignsADetectionToOneTrackByDefault) {
         // The track is certainly in view: r (1 - p) / (1 - r p).
         EXPECT_NEAR(tracks[other].existence, 0.9 * 0.2 / (1.0 - 0.9 * 0.8), 1e-6);
       }
-      if (tracker == Tracker::kNearest) {  // as with a known id, for any existence probability
+      if (tracker == Tracker::kNearest) {  // equals the update with a known id
         auto known = models::to_information(part(1.0, 1.5, 0.1, 0.2).belief).value();
         ASSERT_EQ(measure(known, lab_sensor(), from, z.measurement, 0.0), Use::kUsed);
         EXPECT_TRUE(

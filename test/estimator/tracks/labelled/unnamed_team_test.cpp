@@ -360,8 +360,9 @@ TEST(UnnamedTeam, AllocatesNothing) {
   EXPECT_EQ(allocations, 0U);
 }
 
-// A track received in the middle of a step is predicted to its end. The prediction uses the elapsed
-// time, and the time between the target's last observation and the sending of the track.
+// A track received in the middle of a step is predicted to the end of the step. The prediction uses
+// the elapsed time, and the time between the target's last observation and the sending of the
+// track.
 TEST(UnnamedTeam, PropagatesReceivedTracksToItsTime) {
   const auto variance_m2 = [](const models::TargetModel& model, Time sent_at, Time last_seen) {
     FilterSpec spec = spec_of(0);

@@ -47,8 +47,8 @@ void turn_back(Eigen::Vector4d& x) {
   }
 }
 
-/// Returns mean and covariance of `draws` states of `belief` after `happens` to each. `happens`
-/// returns the weight of a draw.
+/// Draws `draws` states from `belief` and calls `happens` for each, which may change the state and
+/// returns its weight. Returns the mean and covariance of the results.
 template <class Happens>
 Gaussian drawn(const Gaussian& belief, int draws, const Happens& happens) {
   std::mt19937_64 rng(7);
