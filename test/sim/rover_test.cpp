@@ -46,7 +46,7 @@ TEST(StoppingPath, EndsAtStandstillAfterTheBrakingDistance) {
   EXPECT_NEAR(path.points_m().back().x(), 1.4 * 1.4 / (2.0 * 2.0), 1e-9);
 }
 
-TEST(StoppingPath, DistanceEqualsTheDrivenPaths) {
+TEST(StoppingPath, DistanceAgreesWithDenseSampling) {
   std::mt19937_64 rng(7);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   const RoverParameters parameters;

@@ -49,7 +49,7 @@ TEST(WireRover, RestsAtItsStartAtMarkerHeight) {
   EXPECT_EQ(rover.name(), robot.name);
 }
 
-TEST(WireRover, FollowsItsWheels) {
+TEST(WireRover, MovesAsItsWheelsTurn) {
   const std::string port = port_of_this_test(1);
   // Both ends use the same socket class. The driver waits, so the rover sends first.
   WireRover rover(robot_at("udpout://127.0.0.1:" + port), 1, kStart);

@@ -241,7 +241,7 @@ TEST(WireRover, ReportsItsRequirements) {
 }
 
 // Without an address, the error names the section of the robot's kind.
-TEST(MakeWireVehicle, HasAnEmulatorForEachKind) {
+TEST(MakeWireVehicle, CreatesAnEmulatorForEachKind) {
   scenario::Scenario scenario = test::lab_scenario();
   const auto why = [&] {
     try {
@@ -275,7 +275,7 @@ TEST(MakeWireVehicle, HasAnEmulatorForEachKind) {
 }
 
 // The port in use shows for which firmware the vehicle waits.
-TEST(WireFirmware, WaitsForItsFirmwareAtItsStart) {
+TEST(WireFirmware, WaitsForItsFirmwareWhenItStarts) {
   scenario::RobotSpec robot = test::lab_scenario().robots[1];
   robot.autopilot.emplace();
   robot.firmware.emplace();

@@ -125,7 +125,7 @@ TEST_F(MapPublisherTest, CountsMapsOfAnotherGrid) {
   EXPECT_EQ(count("map.malformed_maps"), 1);
 }
 
-TEST_F(MapPublisherTest, LimitsTheRunsOfATeammate) {
+TEST_F(MapPublisherTest, LimitsTheNumberOfRunsOfATeammate) {
   models::RobotMap map;
   std::vector<models::InputRef> published;
   for (int run = 0; run < 40; ++run) {
@@ -218,7 +218,7 @@ TEST_F(MapPublisherTest, MergesMapsWithinRadioRange) {
 }
 
 // Repeats the maps of a flight under another prefix, using only the inputs that each map names.
-TEST_F(MapPublisherTest, IsReproducedFromItsNamedInputs) {
+TEST_F(MapPublisherTest, ReproducesMapsFromTheInputsThatTheyName) {
   MapReplayer replayer(replay_bus_, scenario_, "Q1");
   std::vector<models::RobotMap> again;
   ear_.subscribe<models::RobotMap>(bus::Channel<models::RobotMap>{"REPLAY_MAP_Q1"},

@@ -475,7 +475,7 @@ TEST_F(Replay, ContinuesFromTheLogWhenAnInputIsMissing) {
   EXPECT_TRUE(same_content(player.made.front(), beliefs_in(log_).front(), 1e-9));
 }
 
-TEST_F(Replay, IsExactForAnyLostLogEvents) {
+TEST_F(Replay, IsExactWhicheverLogEventsAreLost) {
   fly(40);
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     std::mt19937_64 random(seed);

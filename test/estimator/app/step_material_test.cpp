@@ -179,7 +179,7 @@ TEST(EstimatorNode, StartsWithTheFirstUnpublishedStep) {
 }
 
 // A map follows each belief only if the scenario has the mapping objective. Both are replayed.
-TEST(EstimatorNode, MapsIfTheScenarioMaps) {
+TEST(EstimatorNode, PublishesMapsIfTheScenarioHasMapping) {
   for (const bool maps : {false, true}) {
     scenario::Scenario scenario = lone_robot();
     if (maps) {

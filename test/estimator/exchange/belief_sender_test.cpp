@@ -71,7 +71,7 @@ TEST(BeliefSender, SendsTheLargestGainsFirst) {
   EXPECT_TRUE(std::find(ids.begin(), ids.end(), 3) != ids.end());
 }
 
-TEST(BeliefSender, SendsNothingWithoutRoom) {
+TEST(BeliefSender, SendsNothingBelowTheMinimumPayload) {
   BeliefSender sender(spec_of(1));
   EXPECT_FALSE(sender.select(belief_with(0, {1.0}), {}, BeliefSender::kPayloadMin - 1));
 }
@@ -86,7 +86,7 @@ TEST(BeliefSender, DoesNotRepeatWhatATeammateSent) {
   EXPECT_TRUE(std::find(ids.begin(), ids.end(), 1) != ids.end());
 }
 
-TEST(BeliefSender, SendsEveryTargetWithinTheWholePeriod) {
+TEST(BeliefSender, SendsEveryTargetAtLeastOncePerWholePeriod) {
   BeliefSender sender(spec_of(5));
   std::vector<Time> last(5, kStart);
   const auto steps = static_cast<int>(4 * BeliefSender::kWholePeriod / kStep);
@@ -156,7 +156,7 @@ TEST(BeliefSender, SendsTheWholeGridInParts) {
   EXPECT_EQ(received, own);
 }
 
-TEST(BeliefSender, StaysWithinTheRoom) {
+TEST(BeliefSender, StaysWithinThePayloadLimit) {
   BeliefSender sender(spec_of(30));
   std::vector<std::int64_t> own(2400);
   for (int step = 0; step < 100; ++step) {
@@ -183,7 +183,7 @@ TEST(BeliefSender, StaysWithinTheRoom) {
 
 // Two robots are separated by a partition, and each knows only its own target. A fifth of the later
 // messages is lost. At most kWholePeriod + 2 steps after its end, both know both targets.
-TEST(BeliefSender, BringsTeammatesTogetherAfterAPartition) {
+TEST(BeliefSender, SharesAllTargetsAfterAPartition) {
   FilterSpec specs[] = {spec_of(2), spec_of(2)};
   specs[1].robot = "Q2";
   std::vector<DistributedFilter> filters;

@@ -319,7 +319,7 @@ TEST(DistributedFilter, CountsEveryUnusedInput) {
 
 // A starting filter receives a teammate's observation and a belief that already contains this
 // observation. The information must count once.
-TEST(DistributedFilter, CountsAMeasurementOfItsStartOnce) {
+TEST(DistributedFilter, CountsAMeasurementOnceIfABeliefContainsItToo) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(14);
   FilterSpec spec = open_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1);

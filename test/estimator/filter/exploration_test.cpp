@@ -112,7 +112,7 @@ TEST_F(UnexploredRegions, GrowWithTheTimeSinceTheLastScan) {
   EXPECT_EQ(grid_.unexplored_share(grid_.geometry().index_of({-4.0, -4.0}), instant(99)), 1.0);
 }
 
-TEST_F(UnexploredRegions, KeepTheLargestSharesUpToTheMaximum) {
+TEST_F(UnexploredRegions, KeepOnlyTheLargestUpToTheMaximumNumber) {
   world_.obstacles.push_back({{{-5.0, -5.0}, {0.0, 0.0}}, 10.0});
   world_.obstacles.push_back({{{0.0, 0.0}, {4.0, 5.0}}, 10.0});
   grid_ = VisibilityGrid(world_, 0.25, 40.0);

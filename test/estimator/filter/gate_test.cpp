@@ -98,7 +98,7 @@ TEST(DistributedFilter, GateKeepsBothHypothesesUntilTheNextMeasurement) {
 
 // The belief of a teammate that has not received the gated detection does not remove the second
 // hypothesis.
-TEST(DistributedFilter, GateIsResolvedByItsOwnNextMeasurementOnly) {
+TEST(DistributedFilter, GateKeepsBothHypothesesDespiteATeammatesBelief) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(13);
   FilterSpec spec = gated_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1, 4.0);

@@ -237,7 +237,7 @@ class Newcomer : public ::testing::Test {
   models::RobotBelief teammate_;
 };
 
-TEST_F(Newcomer, AdoptsATeammatesBeliefAtItsOwnTime) {
+TEST_F(Newcomer, AdoptsATeammatesBeliefPredictedToThePresent) {
   DistributedFilter newcomer = filter(6.5);
   const auto belief = take_step(newcomer, instant(10), at(0, 0), {}, {teammate_});
   ASSERT_EQ(belief.targets.size(), 1u);

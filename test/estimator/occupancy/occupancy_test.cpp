@@ -57,7 +57,7 @@ TEST(OccupancyFusion, IgnoresHitsInTheRobotsCell) {
   EXPECT_EQ(next[1], 2.0);
 }
 
-TEST(OccupancyFusion, HasNoHitAtMaximumRange) {
+TEST(OccupancyFusion, MarksNoHitAtMaximumRange) {
   const std::vector<double> l = log_odds_after(1.49);
   for (const double log_odds : l) {
     EXPECT_LE(log_odds, 0.0);
@@ -110,7 +110,7 @@ TEST(OccupancyFusion, FindsTheTrueMap) {
   EXPECT_GT(known, 600);
 }
 
-TEST(OccupancyFusion, IsIndependentOfScanOrderBelowTheClamp) {
+TEST(OccupancyFusion, IsIndependentOfScanOrderBelowSaturation) {
   const models::World world{{{0.0, 0.0}, {4.0, 4.0}}, 3.0, {{{{1.1, 1.1}, {2.1, 2.4}}, 3.0}}, {}};
   test::Random random(4803);
   std::vector<Pose2> poses;
@@ -193,7 +193,7 @@ TEST(OccupancyFusion, IgnoresReadingsBelowTheMinimumRange) {
   }
 }
 
-TEST(OccupancyFusion, HasNoHitNearMaximumRange) {
+TEST(OccupancyFusion, CountsNoHitNearMaximumRange) {
   for (const auto& [range_m, is_hit] : {std::pair(1.469, true), std::pair(1.471, false)}) {
     OccupancyBelief belief(kLine, 9.0);
     const ScanCounts counts =

@@ -137,7 +137,7 @@ TEST(TeamMap, IgnoresJammedAndUnknownScans) {
   EXPECT_NEAR(nothing.entropy_nats, 40 * 30 * std::log(2.0), 1e-6);
 }
 
-TEST(TeamMap, MergesNearCurrentMapsOfTheSameGrid) {
+TEST(TeamMap, AcceptsOnlyRecentMapsOfNearbyRobotsOnTheSameGrid) {
   const scenario::Scenario scenario = mapping_scenario();
   TeamMap q1(scenario, "Q1");
   TeamMap q2(scenario, "Q2");
@@ -155,7 +155,7 @@ TEST(TeamMap, MergesNearCurrentMapsOfTheSameGrid) {
   EXPECT_THROW(TeamMap(scenario, "Q9"), UsageError);
 }
 
-TEST(TeamMap, HasTheStepOfItsBelief) {
+TEST(TeamMap, CopiesTimeStepAndViewpointFromTheBelief) {
   const scenario::Scenario scenario = mapping_scenario();
   TeamMap team_map(scenario, "Q2");
   const models::RobotBelief belief = belief_at(5, {1.0, 2.0, 0.3});

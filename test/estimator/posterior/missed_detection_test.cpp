@@ -29,7 +29,7 @@ models::SensorModel disc(double range_max_m) {
 
 Gaussian standard() { return {Eigen::Vector2d(2.0, 0.0), Eigen::Matrix2d::Identity()}; }
 
-TEST(ProductRule, HasTheRangeOfItsFarthestPoint) {
+TEST(ProductRule, ReachCoversTheFarthestPoint) {
   models::PositionMatrix L = models::PositionMatrix::Zero(2, 2);
   L << 0.5, 0.0, -0.2, 0.3;
   const ProductRule& rule = ProductRule::of(2);

@@ -25,7 +25,7 @@ models::Measurement one(double z, double sigma) {
 
 // The posterior density falls with the distance from the robot in every direction, so the posterior
 // is near the robot although the prior is wide.
-TEST(PosteriorMoments, SurroundTheRobotForANegativeRange) {
+TEST(PosteriorMoments, AreNearTheRobotForANegativeRange) {
   const double prior_sigma_m = 0.5;
   const double sigma_m = 0.1;
   const double z_m = -0.8;

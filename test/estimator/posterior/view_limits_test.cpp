@@ -119,7 +119,7 @@ TEST(LimitSoftness, IsATenthOfTheMeasurementsSigma) {
 
 // Sensor kinds with custom limits have exact limits. If such a kind measures a bearing, only its
 // angle limit is soft.
-TEST(LimitSoftness, IsZeroForSensorsWithOwnLimits) {
+TEST(LimitSoftness, IsZeroForSensorsWithCustomLimits) {
   const models::MeasurementMatrix V1 = 0.04 * Eigen::Matrix<double, 1, 1>::Identity();
   models::SensorLaw law = vantage::test::signal_strength_law();
   models::SensorModel own;

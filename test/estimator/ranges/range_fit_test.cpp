@@ -183,7 +183,7 @@ TEST(FitRanges, EndsWithAFitOrARefusalForAnyRanges) {
   }
 }
 
-TEST(FitRanges, SurvivesOutliersOnly) {
+TEST(FitRanges, IsAccurateIfOneBeaconHasOnlyOutliers) {
   std::mt19937_64 rng(5);
   std::uniform_real_distribution<double> anything(0.0, 80.0);
   test::RangeScene scene = test::draw_range_scene(6, {.outlier_share_max = 0.0});

@@ -158,7 +158,7 @@ TEST(EmulatorMessages, ReportsPoseInAutopilotAxes) {
 }
 
 // Without poses PX4 reports its power-up position as the origin; ArduPilot sends no position.
-TEST(EmulatorMessages, ReportsZeroOrNothingWithoutPoses) {
+TEST(EmulatorMessages, Px4ReportsZeroAndArdupilotNothingWithoutPoses) {
   EmulatorBench bench(AutopilotDialect::kPx4);
   const auto motion = bench.request<mavlink::LocalPositionNed>();
   EXPECT_EQ(motion.x, 0.0F);

@@ -335,7 +335,7 @@ TEST(FlightController, ReportsEstimatorFlags) {
 
 // If the station is lost while the vehicle is on the ground, the motors stop. A station that is
 // received again can be lost again.
-TEST(FlightController, FailsOnlyOnLossOfItsOwnStation) {
+TEST(FlightController, EntersFailsafeOnlyOnLossOfItsOwnStation) {
   AutopilotSettings set = settings();
   set.heartbeat_loss_s = 1.0;
   set.station_id = 250;

@@ -218,7 +218,7 @@ TEST_F(CrazyflieEmulatorTest, FallsAfterASetpointWithNan) {
 }
 
 // The message "set-points end" without a landing command stops the motors.
-TEST_F(CrazyflieEmulatorTest, SetpointsEndWithoutALandingStopsTheMotors) {
+TEST_F(CrazyflieEmulatorTest, StopsTheMotorsOnSetpointsEndWithoutALanding) {
   hover();
   setpoint.reset();
   send(crtp::encode(crtp::SetpointsEnd{}));
@@ -253,7 +253,7 @@ TEST_F(CrazyflieEmulatorTest, IgnoresALandingWithoutSetpointsEnd) {
 }
 
 // Only the Mellinger controller uses the velocities of set-points.
-TEST_F(CrazyflieEmulatorTest, OnlyOneControllerUsesVelocities) {
+TEST_F(CrazyflieEmulatorTest, OnlyMellingerControllerUsesVelocities) {
   for (const bool uses_mellinger : {false, true}) {
     restart({});
     setpoint.reset();
@@ -316,7 +316,7 @@ TEST_F(CrazyflieEmulatorTest, LocksWhenArmedWithAnOldSetpoint) {
   EXPECT_TRUE(has(info::kLocked));
 }
 
-TEST_F(CrazyflieEmulatorTest, EmergencyStopLocks) {
+TEST_F(CrazyflieEmulatorTest, EmergencyStopLocksTheMotors) {
   hover();
   send(crtp::supervisor_request(crtp::SupervisorCommand::kEmergencyStop));
   EXPECT_LE(until_motors_stop(1.0), 0.02);
@@ -344,7 +344,7 @@ TEST_F(CrazyflieEmulatorTest, CanBeArmedAgainAfterADisarmInFlight) {
   EXPECT_TRUE(has(info::kArmed));
 }
 
-TEST_F(CrazyflieEmulatorTest, UsesItsPoseOfAPackedMessage) {
+TEST_F(CrazyflieEmulatorTest, UsesItsOwnPoseFromAPackedMessage) {
   has_pose = false;
   const crtp::ExternalPose pose{{0.0, 0.0, 0.0}, Quaternion::Identity()};
   const std::vector<crtp::PackedPose> poses{{0x01, pose}, {0xE7, pose}};

@@ -122,7 +122,7 @@ TEST_F(CrazyflieLinkTest, SendsMagnetometerAndBarometerInTurnAt50Hz) {
 
 // Motors M1 to M4 are front right, rear right, rear left and front left. Throttles have the order
 // front right, rear left, front left, rear right.
-TEST_F(CrazyflieLinkTest, ReturnsTheNewestDutyOfEachMotor) {
+TEST_F(CrazyflieLinkTest, ReturnsTheNewestDutyCycleOfEachMotor) {
   connect();
   EXPECT_FALSE(link->receive(Duration{0}));
   firmware.send(ports.firmware, {0xE0, 9, 9, 9, 9, 9, 9, 9, 9});
@@ -254,7 +254,7 @@ std::vector<Recorded> recorded_session() {
 
 // The recorded firmware takes off to 0.5 m and lands. The client receives all its answers, and the
 // simulator all motor commands.
-TEST_F(CrazyflieLinkTest, SeparatesARecordedSession) {
+TEST_F(CrazyflieLinkTest, SeparatesAnswersAndMotorCommandsOfARecordedSession) {
   const std::vector<Recorded> session = recorded_session();
   ASSERT_GT(session.size(), 100U);
   int motors = 0;

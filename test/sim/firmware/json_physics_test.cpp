@@ -63,7 +63,7 @@ TEST(JsonPhysics, KeepsTheOrderOfOutputs) {
   EXPECT_FALSE(wire::sitl::parse_servo_outputs(wide)) << "the magic of the long one";
 }
 
-TEST(JsonPhysics, RefusesEveryOtherLengthAndMagic) {
+TEST(JsonPhysics, RefusesAnyWrongLengthOrMagicNumber) {
   for (std::size_t length = 0; length < 80; ++length) {
     std::vector<std::uint8_t> bytes = kRecorded;
     bytes.resize(length, 0);

@@ -150,7 +150,7 @@ TEST(Multirotor, HoversForItsEndurance) {
   EXPECT_LT(body.battery_v(), p.battery_full_v);
 }
 
-TEST(SensorBoard, MeasuresGravityInFrdAndNorth) {
+TEST(SensorBoard, MeasuresGravityAndNorthInBodyFrdAxes) {
   const Multirotor body(still_air(), 1,
                         {0.0, 0.0, kPi / 2});  // faces the y axis of the world, which is west
   SensorBoard board(SensorNoise{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 1);

@@ -50,7 +50,7 @@ TEST(LandmarkSensor, MeasuresRangeAndBearingOfWhatIsInRange) {
   EXPECT_EQ(seen[0].time, kNow);
 }
 
-TEST(LandmarkSensor, ReportsByTheSensorsLaw) {
+TEST(LandmarkSensor, AppliesMountingScaleBiasAndDelay) {
   scenario::LocalizerSpec spec = exact();
   spec.robots[0].sightings = {true, 1.1, 0.05, 0.1, 0.02, 0.5, 0.04};
   LandmarkSensor sensor(spec, 0, {}, 1);

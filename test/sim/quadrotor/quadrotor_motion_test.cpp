@@ -292,7 +292,7 @@ TEST(QuadrotorMotion, WindIsCorrelatedAndTruncatedAtThreeSigma) {
   EXPECT_NEAR(across, 0.0, 0.05);
 }
 
-TEST(QuadrotorMotion, FallsWithItsVelocityAndStaysThere) {
+TEST(QuadrotorMotion, FallsBallisticallyAndStaysWhereItLands) {
   Flight flight({1.0, 2.0, 0.5});
   flight.follow({kStart, {1.0, 2.0, 0.5}, 1.5, {{{0.9, 1.0}, 60.0, 0.0}}});
   flight.run(2.0);
@@ -322,7 +322,7 @@ TEST(QuadrotorMotion, FallsWithItsVelocityAndStaysThere) {
       1e-4);
 }
 
-TEST(QuadrotorMotion, LandsAtItsStopAndRests) {
+TEST(QuadrotorMotion, LandsWhereItStopsAndStaysThere) {
   Flight flight({1.0, 2.0, 0.0});
   flight.follow({kStart, {1.0, 2.0, 0.0}, 1.5, {{{0.8, 0.5}, 60.0, 0.0}}});
   flight.run(2.0);

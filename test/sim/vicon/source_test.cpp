@@ -185,7 +185,7 @@ bool is_understood(std::vector<std::string> words) {
   return false;
 }
 
-TEST(RunEmulator, KeepsItsOptionLimits) {
+TEST(RunEmulator, RefusesOptionsBeyondTheirLimits) {
   struct Row {
     std::string option;
     std::vector<std::string> good, bad;
@@ -274,7 +274,7 @@ TEST(RunEmulator, EndsAfterItsRecording) {
 
 // Bodies are occluded in turn, each for the given time in every 10 s. Two bodies with 5 s each
 // alternate; a single body is hidden first.
-TEST(RunEmulator, OccludesBodiesInTurns) {
+TEST(RunEmulator, OccludesBodiesInTurn) {
   using Names = std::vector<std::string>;
   const auto expect = [](const std::string& bodies, const std::string& hidden_s, const Names& seen,
                          const std::string& style) {

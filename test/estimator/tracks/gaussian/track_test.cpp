@@ -27,7 +27,7 @@ using vantage::test::is_near;
 
 const models::DampedOscillator kLabOscillator{{0.5, -0.5}, {1.75, 0.83}, {0.4, 0.25}, {0.3, 0.5}};
 
-TEST(Propagate, TwoPartsEqualOnePart) {
+TEST(Propagate, TwoIntervalsEqualOneLongInterval) {
   const auto all = models::all_target_kinds();
   std::vector<TargetKind> kinds(all.begin(), all.end());
   kinds.push_back(vantage::test::drag());
@@ -68,7 +68,7 @@ TEST(Propagate, TendsToTheStationaryDistributionForADampedOscillator) {
                       Eigen::Vector4d(1.75 * 1.75, 0.83 * 0.83, 0.4 * 0.4, 0.25 * 0.25), 1e-6));
 }
 
-TEST(Propagate, AddsTheNoiseOfTheStepForGrowingUncertainty) {
+TEST(Propagate, AddsNoiseByNumberOfUnseenSteps) {
   const models::TargetModel model{TargetKind::kGrowingUncertainty, 3, 0.01};
   const auto belief =
       models::to_information({models::StateVector::Zero(3), models::StateMatrix::Identity(3, 3)})

@@ -169,7 +169,7 @@ TEST(Association, IsExactUpToTenTracksOrDetections) {
   expect_marginals(association, Enumeration(ring).marginal, 1e-12);
 }
 
-TEST(Association, MessagePassingIsExactForEitherLongerSide) {
+TEST(Association, MessagePassingIsExactWhicheverSideIsLonger) {
   test::Random random(6);
   for (const auto& [tracks, detections] : {std::pair(11U, 12U), std::pair(12U, 11U)}) {
     Odds odds(tracks, std::vector<double>(detections));

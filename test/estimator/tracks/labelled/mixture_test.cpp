@@ -105,7 +105,7 @@ TEST(Reduce, MergesComponentsWithinTheGivenSigma) {
 }
 
 // Merging increases a component's covariance but not its merge distance.
-TEST(Reduce, ComparesWithTheOriginalHeavierComponent) {
+TEST(Reduce, MergingDoesNotExtendTheMergeDistance) {
   Mixture mixture = {at_x(0.5, 0.0, 0.5), at_x(0.3, 0.9, 0.5), at_x(0.2, 1.1, 0.5)};
   reduce(mixture, 8, 2.0, 0.0);
   ASSERT_EQ(mixture.size(), 2U);

@@ -380,7 +380,7 @@ TEST(MultiTargetUpdate, CountsMalformedDetections) {
 }
 
 // Components within 1σ of a heavier one are merged; those with a weight below 0.001 are removed.
-TEST(MultiTargetUpdate, KeepsSeparateComponentsWithWeight) {
+TEST(MultiTargetUpdate, KeepsSeparateComponentsOfSufficientWeight) {
   const auto parts_after = [](Mixture parts, Tracker tracker) {
     MultiTargetFilter filter(spec_of(1, {0.9, 0.1}, tracker));
     auto tracks = filter.no_tracks();

@@ -363,7 +363,7 @@ TEST(UnnamedTeam, AllocatesNothing) {
 // A track received in the middle of a step is predicted to the end of the step. The prediction uses
 // the elapsed time, and the time between the target's last observation and the sending of the
 // track.
-TEST(UnnamedTeam, PropagatesReceivedTracksToItsTime) {
+TEST(UnnamedTeam, PropagatesReceivedTracksToTheEndOfTheStep) {
   const auto variance_m2 = [](const models::TargetModel& model, Time sent_at, Time last_seen) {
     FilterSpec spec = spec_of(0);
     spec.estimator.target_model = model;

@@ -65,7 +65,7 @@ TEST(Parts, KeepTheMomentsOfTheSamples) {
   }
 }
 
-TEST(Parts, AreNarrowOrAtTheMaximumNumber) {
+TEST(Parts, AreNarrowUnlessTheirNumberIsAtTheMaximum) {
   const double asked_m = std::hypot(kSigma_m, std::sqrt(Samples::kGrain_m2));
   for (const double sigma_m : {1.0, 2.5, 3.0, 4.0, 9.0}) {
     for (const double yaw_rad : {0.7, -0.7, 2.5}) {

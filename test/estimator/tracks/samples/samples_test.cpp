@@ -200,7 +200,7 @@ TEST(Samples, AreUpdatedWhenEnoughExplainTheMeasurement) {
   EXPECT_EQ(wide.moments().covariance, before.covariance);
 }
 
-TEST(Samples, IgnoreAMeasurementFarFromAll) {
+TEST(Samples, IgnoreAMeasurementFarFromAllSamples) {
   // At an error of 2 m with σ = 0.15 m, all samples fit equally badly, so the effective sample
   // count alone would not detect the error.
   const models::SensorModel sensor = field_sensor();
@@ -325,7 +325,7 @@ TEST(SamplesOfAFilter, AreIndependentOfLateArrival) {
   EXPECT_EQ(late.track(0).information.vector, timely.track(0).information.vector);
 }
 
-TEST(SamplesOfAFilter, AreReplacedOnlyByANewerTeammatesObservation) {
+TEST(SamplesOfAFilter, AreReplacedOnlyByATeammatesNewerObservation) {
   const auto after_hearing = [](const std::optional<Gaussian>& theirs, Time last_seen) {
     DistributedFilter filter = knows(kNearACorner);
     for (int k = 1; k <= 12; ++k) {

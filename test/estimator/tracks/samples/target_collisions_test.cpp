@@ -74,7 +74,7 @@ State turned(const State& x, double by_rad, bool mirrored) {
   return out;
 }
 
-TEST(Samples, WalkIntoReversesBothVelocitiesAtTheMeetingPoint) {
+TEST(Samples, CollisionReversesBothVelocitiesAtTheMeetingPoint) {
   // The targets are 2 m apart and approach at 2 m/s, so they meet after 0.8 s, in every direction
   // and mirrored.
   for (int quarter = 0; quarter < 4; ++quarter) {
@@ -90,7 +90,7 @@ TEST(Samples, WalkIntoReversesBothVelocitiesAtTheMeetingPoint) {
   }
 }
 
-TEST(Samples, WalkIntoKeepsVelocityOfTheOvertakenTarget) {
+TEST(Samples, CollisionKeepsVelocityOfTheOvertakenTarget) {
   // The second target is 1 m behind and 0.8 m/s faster, so they meet after 0.75 s.
   const Met met = after(exactly({0.0, 0.0, 0.2, 0.0}), exactly({-1.0, 0.0, 1.0, 0.0}), 1.0);
   EXPECT_FALSE(met.one_has);
@@ -98,13 +98,13 @@ TEST(Samples, WalkIntoKeepsVelocityOfTheOvertakenTarget) {
   EXPECT_TRUE(is_near(met.other.mean, State(-0.25 - 0.25, 0.0, -1.0, 0.0), 1e-3));
 }
 
-TEST(Samples, WalkIntoKeepsAStationaryTargetStationary) {
+TEST(Samples, CollisionKeepsAStationaryTargetStationary) {
   const Met met = after(exactly({0.0, 1.0, 0.0, 0.0}), exactly({0.0, -1.0, 0.0, 1.0}), 2.0);
   EXPECT_TRUE(is_near(met.one.mean, State(0.0, 1.0, 0.0, 0.0), 1e-3));
   EXPECT_TRUE(is_near(met.other.mean, State(0.0, 0.6 - 0.4, 0.0, -1.0), 1e-3));
 }
 
-TEST(Samples, WalkIntoReversesTheApproachingComponent) {
+TEST(Samples, CollisionReversesTheApproachingComponent) {
   // The first target approaches from below, almost along y, and then from the left, almost along x.
   const Met y = after(exactly({0.05, -1.0, 0.3, 1.0}), exactly({0.2, 0.0, 0.0, 0.0}), 1.0);
   EXPECT_TRUE(is_near(y.one.mean.tail<2>(), Eigen::Vector2d(0.3, -1.0), 1e-3));
@@ -125,7 +125,7 @@ TEST(Meet, HappensWithinTheTimeAndDistanceOnly) {
   }
 }
 
-TEST(Samples, WalkIntoChangesNothingWithoutAMeeting) {
+TEST(Samples, CollisionChangesNothingIfTheTargetsMoveApart) {
   Samples one = samples_of(around({0.0, 0.0, -1.0, 0.0}, 0.1, 0.05));
   const Samples other = samples_of(around({2.0, 0.0, 1.0, 0.0}, 0.1, 0.05));
   const Gaussian before = one.moments();
@@ -162,7 +162,7 @@ TEST(Meet, IsIndependentOfTheStepLength) {
   EXPECT_NEAR(slower_mps(5) / slower_mps(1), 1.0, 0.15);
 }
 
-TEST(Samples, WalkIntoWeightsMeetingsBySampleWeight) {
+TEST(Samples, CollisionWeightsMeetingsBySampleWeight) {
   // The other target is equally likely to be on the left or on the right. An empty scan of the left
   // almost excludes it there, so a target that moves on the left rarely meets it.
   const models::SensorModel sensor = [] {
@@ -217,7 +217,7 @@ State drawn(const Gaussian& belief, std::mt19937_64& rng) {
   return State(belief.mean) + L * test::normal_vector(4, rng);
 }
 
-TEST(Samples, WalkIntoAgreesWithBruteForce) {
+TEST(Samples, CollisionAgreesWithBruteForce) {
   // The targets probably meet within 2 s, but may miss each other.
   const Gaussian one = around({0.0, 0.0, 0.8, 0.1}, 0.25, 0.15);
   const Gaussian other = around({1.6, 0.3, -0.5, 0.0}, 0.25, 0.15);
