@@ -23,8 +23,8 @@ namespace vantage::drivers {
 /// Only contacts that involve a vehicle in flight count; other contacts are assumed to be caused by
 /// people who handle the bodies. A robot counts as in flight from its driver's first status other
 /// than `idle` until its next status `idle`, or until kFall after it was killed. Contacts without a
-/// real body are reported by the simulator instead. A robot is simulated if its device is not real,
-/// a target if TRUTH contains it. Pure; not thread-safe.
+/// real body are reported by the simulator instead. A robot is simulated if its device is not real;
+/// a target is simulated if TRUTH contains it. Pure; not thread-safe.
 class ContactJudge {
  public:
   static constexpr Duration kFall = std::chrono::seconds(3);

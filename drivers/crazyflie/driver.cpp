@@ -14,7 +14,7 @@ namespace crtp = wire::crtp;
 namespace info = wire::crtp::info;
 using models::FlightState;
 
-constexpr double kLeadS = 0.05;  // s; from a set-point to its effect
+constexpr double kLeadS = 0.05;  // s; delay from a set-point to its effect
 // s; longer than kLeadS, because the vehicle must tilt first
 constexpr double kAccelerationLeadS = 0.08;
 constexpr double kHandOverM = 0.25;  // m; height below which the vehicle completes a landing
@@ -129,7 +129,7 @@ void CrazyflieDriver::on_mocap(const models::MocapFrame& frame, Time now) {
 void CrazyflieDriver::on_command(const models::OperatorCommand& command, Time now) {
   static_cast<void>(guard_.on_command(command, now));  // the guard counts refusals
   if (command.action == models::OperatorAction::kEmergencyStop) {
-    next_setpoint_ = now;  // decide at the next tick instead of the next set-point
+    next_setpoint_ = now;  // the next tick decides, without waiting for a set-point
   }
 }
 

@@ -137,7 +137,7 @@ void QuadrotorDriver::on_command(const models::OperatorCommand& command, Time no
     lands_blind_ = false;
   }
   if (command.action == models::OperatorAction::kEmergencyStop) {
-    next_setpoint_ = now;  // decide at the next tick instead of the next set-point
+    next_setpoint_ = now;  // the next tick decides, without waiting for a set-point
   }
 }
 

@@ -17,7 +17,7 @@ namespace {
 constexpr double kStandingMps = 0.02;
 constexpr double kStandingRadps = 0.05;
 constexpr double kReleaseS = 0.5;  // s; maximum time for the release of the rover's stop
-constexpr double kSetOffS = 0.5;   // s; from the request of a motion to its start
+constexpr double kSetOffS = 0.5;   // s; delay from the request of a motion to its start
 
 const scenario::RoverSpec& rover_of(const scenario::Scenario& scenario, const std::string& robot) {
   const scenario::RobotSpec* spec = scenario.find_robot(robot);

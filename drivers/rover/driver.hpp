@@ -34,7 +34,7 @@ class RoverDriver {
   RoverDriver(const scenario::Scenario& scenario, const std::string& robot,
               const SafetyLimits& limits, std::uint32_t session);
 
-  /// @param pose_sigma_m  as GuardCore::on_mocap()
+  /// @param pose_sigma_m  see GuardCore::on_mocap()
   void on_mocap(const models::MocapFrame& frame, Time now, double pose_sigma_m = 0.0);
   /// Processes a plan of any robot: checks this rover's plan, stores a teammate's plan.
   PlanVerdict on_plan(const models::RobotPlan& plan, Time now);

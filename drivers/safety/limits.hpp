@@ -36,7 +36,7 @@ struct SafetyLimits {
   bool moves_by_estimate = false;   ///< false: such poses are not used
   double pose_sigma_hold_m = 0.15;  ///< m; 1σ of the position
   double pose_sigma_land_m = 0.4;   ///< m; 1σ of the position
-  double pose_sigma_margin = 3.0;   ///< distances shrink by this times 1σ
+  double pose_sigma_margin = 3.0;   ///< distances are reduced by this multiple of 1σ
 
   // Limits of plans.
   double round_s = 0.0;  ///< s; time after which the next plan replaces a plan; 0: unknown
@@ -87,7 +87,7 @@ struct SafetyLimits {
   models::VehicleLimits vehicle;
   double lateral_max_mps2 = 10.0;
   double take_off_height_m = 1.0;
-  double setpoint_lead_s = 0.1;      ///< s; a set-point is the state this time ahead
+  double setpoint_lead_s = 0.1;      ///< s; set-points give the state this far in the future
   double acceleration_lead_s = 0.1;  ///< s; lead of the acceleration in a set-point
   double climb_mps = 0.5;
   double descent_mps = 0.6;
@@ -106,7 +106,7 @@ struct SafetyLimits {
   double start_off_arm_m = 0.5;
   double start_turn_arm_rad = 0.3;
   double lift_height_m = 0.2;  ///< m above the ground position; hover height of the first lift
-  double lift_done_m = 0.3;    ///< m; the next vehicle may lift when this vehicle has risen more
+  double lift_done_m = 0.3;    ///< m; rise of this vehicle after which the next one may lift
   double lift_risen_m = 0.1;
   /// s; maximum time from take-off to lift_risen_m, with the start of the motors
   double lift_wait_s = 6.0;
@@ -117,7 +117,7 @@ struct SafetyLimits {
   double lift_turn_rad = 0.2;
   /// m; horizontal distance from the segment between the start and the step goal
   double lift_deviation_m = 0.3;
-  double lift_other_rise_m = 0.06;     ///< m; rise of another body, or of this one uncommanded
+  double lift_other_rise_m = 0.06;     ///< m; rise of another body, or uncommanded rise of this one
   double lift_climb_error_mps = 0.35;  ///< m/s; climb rate error between mocap and autopilot
   double lift_turn_error_radps = 0.8;  ///< rad/s; yaw rate error between mocap and gyroscopes
   double arm_wait_s = 10.0;            ///< s; a command that is forbidden for longer is dropped

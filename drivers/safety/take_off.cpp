@@ -11,7 +11,7 @@ namespace vantage::drivers {
 namespace {
 
 constexpr double kClimbedM = 0.15;    // m; the climb ends at this distance from its goal
-constexpr double kClimbSlackS = 5.0;  // s; a climb ends after twice its duration plus this
+constexpr double kClimbSlackS = 5.0;  // s; a climb ends this long after twice its expected time
 
 }  // namespace
 

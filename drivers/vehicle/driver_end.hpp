@@ -15,9 +15,9 @@ struct EndFacts {
   bool lands_itself = false;                ///< the autopilot has confirmed its landing mode
 };
 
-/// Decision when the driver of a vehicle may end after a request. It may end once the vehicle is
-/// stationary with motors off. After a second request it may also end once the autopilot has
-/// confirmed its own landing mode. Both waits are bounded. Pure.
+/// State machine that decides when a driver may end after a request. The driver may end once its
+/// vehicle is stationary with motors off. After a second request it may also end once the autopilot
+/// has confirmed its own landing mode. Both waits are bounded. Pure.
 class DriverEnd {
  public:
   /// Time for which a new driver waits for a message of its vehicle before it ends.

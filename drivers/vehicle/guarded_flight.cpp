@@ -58,7 +58,7 @@ double GuardedFlight::update_orders(Time now) {
 void GuardedFlight::request_end(bool is_hurried) {
   guard_.on_end_request();
   is_hurried_ = is_hurried_ || is_hurried;
-  next_setpoint_ = Time{};  // decide at the next tick instead of the next set-point
+  next_setpoint_ = Time{};  // the next tick decides, without waiting for a set-point
 }
 
 std::optional<BodyState> GuardedFlight::seen_body(Time now) const {

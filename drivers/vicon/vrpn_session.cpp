@@ -123,7 +123,7 @@ void VrpnSession::on_message(Moment arrival, const wire::vicon::VrpnHeader& head
     assembly_.expect(*name);
   }
   if (!is_introduced_ && *name != kControlSender) {
-    // The sender of a ping must have the name of its receiver.
+    // A ping must give the name of the receiving body as the name of its sender.
     wire::vicon::append_vrpn_name(outgoing, wire::vicon::kVrpnSenderDescription, kOwnId, *name);
     wire::vicon::append_vrpn_name(outgoing, wire::vicon::kVrpnTypeDescription, kOwnId,
                                   wire::vicon::kVrpnPingType);

@@ -46,7 +46,7 @@ class VrpnSession : public Session {
   std::optional<wire::vicon::VrpnVersion> version_;
   std::vector<Name> senders_;
   std::vector<Name> types_;
-  std::int32_t pose_type_ = 0;  ///< the server's type number of poses, once announced
+  std::int32_t pose_type_ = 0;  ///< type number that the server announced for poses
   bool has_pose_type_ = false;
   bool is_introduced_ = false;       ///< the client's names were sent
   std::int64_t frame_stamp_us_ = 0;  ///< stamp of the frame in progress
