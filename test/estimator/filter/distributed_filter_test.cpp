@@ -26,7 +26,7 @@ models::Viewpoint wander(int step) {
 }
 
 /// A textbook filter: one dense joint state in covariance form, with one stacked update per scan.
-/// It shares only h and ∂h with the filter under test.
+/// It shares only the measurement function h and its derivative with the filter under test.
 struct JointKalmanFilter {
   Eigen::VectorXd mean;
   Eigen::MatrixXd P;

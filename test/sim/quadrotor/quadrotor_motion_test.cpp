@@ -135,10 +135,9 @@ TEST(QuadrotorMotion, IsInvariantToRotationAndReflection) {
   }
 }
 
-// The reference jumps by δ. The averaged velocity carries the vehicle the complete distance, and
-// errors before the jump are corrected afterwards. The equation ẍ T = v_s + k e − ẋ gives the first
-// two moments of the error for any window: ∫ e = 0 and ∫ t e = −T δ/k. (A controller step is late
-// by half a step.)
+// The reference jumps by δ, and the averaged velocity v_s moves the vehicle by this distance. With
+// lag T, gain k and error e, the vehicle obeys ẍ T = v_s + k e − ẋ. For any averaging window,
+// ∫ e = 0 and ∫ t e = −T δ/k follow. (Steps of the controller increase the lag by half a step.)
 TEST(QuadrotorMotion, RecoversFromPlanJumpAsPredicted) {
   const QuadrotorParameters p = still_air();
   for (const double side : {1.0, -1.0}) {
@@ -172,8 +171,9 @@ TEST(QuadrotorMotion, RecoversFromPlanJumpAsPredicted) {
   }
 }
 
-// Without feedback, a jump of speed and yaw rate at a corner becomes a ramp that begins w before
-// the corner and ends w after it. The lag is compensated, except for half a step.
+// Without feedback, a jump of speed and yaw rate at a corner becomes a ramp from w before the
+// corner to w after it, where w is half the averaging window. The lag is compensated, except for
+// half a step.
 TEST(QuadrotorMotion, StartsARampBeforeACorner) {
   QuadrotorParameters p = still_air();
   p.position_gain_per_s = 0.0;
