@@ -18,7 +18,7 @@ constexpr const char* kStandingRule = "stationary, fault ended, and the operator
 constexpr auto kRows = std::to_array<Condition>({
     // KILL: the rover's own emergency stop
     cleared(limited(common::kEmergencyStop,
-                    "any station requested it, or the rover's own stop is latched"),
+                    "a station requested the stop, or the rover's stop is latched"),
             kStandingRule),
     cleared(limited(common::kMotor, "the rover reports a failed motor"), kStandingRule),
     cleared(limited(common::kFenceFar, "the rover's centre is > fence_kill_m outside the fence"),

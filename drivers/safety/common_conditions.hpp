@@ -89,7 +89,7 @@ constexpr Condition cleared(Condition row, Clearing clearing, const char* clears
 namespace common {
 
 inline constexpr Condition kEmergencyStop =
-    kills("emergency stop", "any station requested it", {.blocks_arming = true},
+    kills("emergency stop", "a station requested the stop", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits&) { return in.emergency_stop; });
 inline constexpr Condition kMotor = kills(
     "motor", "the autopilot reports a failed motor", {.blocks_arming = true, .spares_pilot = true},
