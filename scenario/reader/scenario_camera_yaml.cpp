@@ -294,8 +294,8 @@ void check_only_detector(const Value& document, const Value& sensor, const std::
     const std::optional<Value> name = value_under(input, "robot");
     if (name && name->node->text == robot) {
       sensor.refuse("device must be external for " + robot +
-                    ", because ros2.detections has its detections; two processes would publish "
-                    "the same channel");
+                    ", because ros2.detections provides its detections; otherwise two processes "
+                    "would publish the same channel");
     }
   }
 }

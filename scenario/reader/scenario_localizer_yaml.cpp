@@ -60,7 +60,8 @@ void check_id(Mapping& from, const LocalizerSpec& spec, int id) {
   const auto has_id = [&](const auto& each) { return each.id == id; };
   if (std::any_of(spec.landmarks.begin(), spec.landmarks.end(), has_id) ||
       std::any_of(spec.robots.begin(), spec.robots.end(), has_id)) {
-    from.refuse("id", fmt::format("must be unique among landmarks and robots; {} is used", id));
+    from.refuse("id",
+                fmt::format("must be unique among landmarks and robots; {} is already used", id));
   }
 }
 
@@ -123,7 +124,7 @@ void read_pose_safety(Mapping& from, PoseSafetySpec& safety) {
   from.number("sigma_stop_m", safety.sigma_stop_m, above_to(0.0, 10.0));
   from.number("margin_sigmas", safety.margin_sigmas, from_to(0.0, 10.0));
   if (!(safety.sigma_stop_m > safety.sigma_hold_m)) {
-    from.refuse("sigma_stop_m", fmt::format("must be above sigma_hold_m, {}, is {}",
+    from.refuse("sigma_stop_m", fmt::format("must be above sigma_hold_m ({}), but is {}",
                                             safety.sigma_hold_m, safety.sigma_stop_m));
   }
 }
@@ -153,7 +154,8 @@ void read_outage(Mapping& from, MocapOutageSpec& outage) {
   from.number("from_s", outage.from_s, from_to(0.0, kOutageTimeMaxS));
   from.number("to_s", outage.to_s, above_to(0.0, kOutageTimeMaxS));
   if (!(outage.to_s > outage.from_s)) {
-    from.refuse("to_s", fmt::format("must be above from_s, {}, is {}", outage.from_s, outage.to_s));
+    from.refuse("to_s",
+                fmt::format("must be above from_s ({}), but is {}", outage.from_s, outage.to_s));
   }
   from.section("area", [&](Mapping& area) { read_rectangle(area, outage.area.emplace()); });
 }

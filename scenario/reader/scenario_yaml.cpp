@@ -132,9 +132,9 @@ void check_grid(Mapping& from, const Scenario& scenario) {
       (kBeliefBytesMax - kTargetBytes * static_cast<double>(scenario.targets.size())) / kCellBytes);
   if (const double near_m = scenario.network.neighbourhood_m; near_m > 0.0) {
     refuse_above(belief_cells_max, size_m.cwiseMin(2.5 * near_m),
-                 "the 2.5 · network.neighbourhood_m that a belief contains");
+                 "the area of each belief (side 2.5 · network.neighbourhood_m)");
   } else {
-    refuse_above(belief_cells_max, size_m, "world.bounds, which every belief contains,");
+    refuse_above(belief_cells_max, size_m, "world.bounds, which every belief covers,");
   }
 }
 

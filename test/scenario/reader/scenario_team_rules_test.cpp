@@ -121,11 +121,11 @@ TEST(ScenarioRules, GridsFitIntoAMessage) {
   EXPECT_EQ(with("707", "1", "0"), "taken");
   EXPECT_EQ(
       with("708", "1", "0"),
-      "f:6: estimator.grid_resolution_m: must divide world.bounds, which every belief contains, "
+      "f:6: estimator.grid_resolution_m: must divide world.bounds, which every belief covers, "
       "into at most 499975 cells; 1 gives 501264");
   EXPECT_EQ(with("707", "1", "0", "7"),
             "f:6: estimator.grid_resolution_m: must divide world.bounds, "
-            "which every belief contains, into at most 499825 cells; 1 "
+            "which every belief covers, into at most 499825 cells; 1 "
             "gives 499849");
   EXPECT_EQ(with("707", "1", "0", "6"), "taken") << "499850 cells";
   EXPECT_EQ(with("1000", "0.5", "80"), "taken")
