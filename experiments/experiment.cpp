@@ -33,7 +33,8 @@ const std::vector<Experiment>& all_experiments() {
        surveillance},
       {"resilient-hardware", "Two robots, two targets, one sensor always jammed (Fig. 4.9)",
        resilient_hardware},
-      {"search-or-sampling", "Searches against a sampling tree, at equal instructions",
+      {"search-or-sampling",
+       "Searches compared with a sampling tree, at equal numbers of CPU instructions",
        search_or_sampling},
   };
   return experiments;

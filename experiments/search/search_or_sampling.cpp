@@ -212,7 +212,8 @@ Summary summarise(const Tables& tables) {
   summary.figure_script = search_or_sampling_figure();
   summary.figures = {"search-or-sampling"};
   summary.choices = {
-      "Not in the dissertation, which leaves open which problems suit search and which sampling.",
+      "This experiment is not in the dissertation, which leaves open which problems suit search "
+      "and which suit sampling.",
       "The loss of a plan is (cost − bound) / (open-loop cost − bound), with the best certified "
       "bound of all methods.",
       fmt::format("Every plan gets {:.0f} million instructions, converted to nodes by the "

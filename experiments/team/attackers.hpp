@@ -15,7 +15,7 @@ struct NamedAttacker {
 
 /// The attackers of the experiments. The first one is that of the dissertation.
 inline constexpr std::array<NamedAttacker, 2> kAttackers = {
-    {{planner::Attacker::kGreedy, "greedy", "greatest loss to the team, greedily"},
+    {{planner::Attacker::kGreedy, "greedy", "robots whose loss costs most, chosen greedily"},
      {planner::Attacker::kBestAlone, "best_alone", "robots whose single plans gain most"}}};
 
 }  // namespace vantage::experiments
