@@ -28,7 +28,7 @@ kill_and_see 'vantage-planner .*--robot Q3'
 kill_and_see 'vantage log record '
 # Stops the process instead of killing it: the process exists but does nothing.
 kill_and_see 'vantage-planner .*--robot Q1' STOP
-grep -q 'planner Q1 sent no sign of life' "$dir/up.err" || fail "the stopped planner was not reported"
+grep -q 'planner Q1 sent no heartbeat' "$dir/up.err" || fail "the stopped planner was not reported"
 
 status=0
 kill -INT "$up"

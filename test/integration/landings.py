@@ -194,7 +194,7 @@ class Trial:
         assert set(before) <= set(after), f"ended in a cut: {[before[p] for p in set(before) - set(after)]}"
         time.sleep(1.0)
         self.until(self.is_down, "landing after a cut")
-        assert "sent no sign of life" not in self.words(), self.words()
+        assert "sent no heartbeat" not in self.words(), self.words()
         self.take_off()  # operable again
         self.up.send_signal(signal.SIGTERM)
 

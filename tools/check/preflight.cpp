@@ -62,7 +62,7 @@ void describe(const Scenario& scenario, std::vector<std::string>& out) {
   if (const auto localizer = scenario::localizer_of(scenario)) {
     const bool is_simulated = localizer->simulation.has_value();
     out.push_back(fmt::format(
-        "{} robots compute their pose with {} landmarks{}{}; rovers {} by it without mocap",
+        "{} robots compute their pose with {} landmarks{}{}; without mocap, rovers {} by this pose",
         localizer->robots.size(), localizer->landmarks.size(),
         is_simulated ? "; odometry and sightings are simulated" : "",
         is_simulated && !localizer->simulation->mocap_withheld.empty()
@@ -253,7 +253,7 @@ void note_driver_loss(const Scenario& scenario, std::vector<std::string>& notes)
       std::minmax_element(scenario.robots.begin(), scenario.robots.end(),
                           [](const auto& a, const auto& b) { return a.height_m < b.height_m; });
   if (!planner.separation_from_above && lowest->height_m < highest->height_m) {
-    changes.push_back("planner.separation_from_above (it lands straight down)");
+    changes.push_back("planner.separation_from_above (the vehicle lands straight down)");
   }
   if (planner.obstacle_margin_m < margin_m - 1e-9) {
     changes.push_back(fmt::format("planner.obstacle_margin_m {:.2f} (is {:g})", margin_m,

@@ -46,8 +46,9 @@ std::optional<std::string> VehicleCheck::fault(Time now) const {
   const auto entries = parameters.entries();
   const bool is_mute = std::none_of(entries.begin(), entries.end(),
                                     [](const auto& entry) { return entry.actual.has_value(); });
-  return is_mute ? std::optional<std::string>("it reported none of the requested parameters")
-                 : std::nullopt;
+  return is_mute
+             ? std::optional<std::string>("the autopilot reported none of the requested parameters")
+             : std::nullopt;
 }
 
 std::vector<drivers::ParameterCheck::Entry> VehicleCheck::differences() const {

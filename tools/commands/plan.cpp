@@ -63,7 +63,8 @@ void add_plan_command(CLI::App& root, Runner& chosen) {
   command->add_option("problem", arguments->problem, "problem file (JSON)")->required();
   std::vector<std::string> names = {"default"};
   std::string footer =
-      "Algorithms:\n  default      the best one for this kind of problem in the planner study\n";
+      "Algorithms:\n  default      the algorithm that was best for this kind of problem in the "
+      "planner study\n";
   for (const planner::Algorithm& algorithm : planner::all_algorithms()) {
     names.emplace_back(algorithm.name);
     footer += fmt::format("  {:11}  {}\n", algorithm.name, algorithm.what);

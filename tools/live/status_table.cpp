@@ -172,10 +172,11 @@ std::vector<std::string> summary_table(const scenario::Scenario& scenario,
     out.push_back(by_age);
   }
   if (const logs::PoseMeans& poses = summary.poses; poses.samples > 0) {
-    out.push_back(fmt::format(
-        "own poses without mocap: RMSE {}, largest error {}, heading RMSE {}, NEES {:.2f} of 2",
-        cell(poses.rmse_m, 3, "m"), cell(poses.error_max_m, 2, "m"),
-        cell(poses.heading_rmse_rad, 3, "rad"), *poses.position_nees));
+    out.push_back(
+        fmt::format("robots' poses without mocap: RMSE {}, largest error {}, heading RMSE {}, NEES "
+                    "{:.2f} (ideal 2)",
+                    cell(poses.rmse_m, 3, "m"), cell(poses.error_max_m, 2, "m"),
+                    cell(poses.heading_rmse_rad, 3, "rad"), *poses.position_nees));
   }
   if (summary.map_entropy_nats) {
     out.push_back(fmt::format("map entropy at the end {:.0f} nat", *summary.map_entropy_nats));

@@ -107,8 +107,10 @@ void add_log_fit_ranges_command(CLI::App& log, Runner& chosen) {
           "times the usual interval, at least 1")
       ->check(positive_number());
   command
-      ->add_option("--fitted-share", arguments->fitted_share,
-                   "share of the time, from the start, used for a second fit that the rest tests")
+      ->add_option(
+          "--fitted-share", arguments->fitted_share,
+          "share of the time, from the start, used for a second fit; the later ranges test "
+          "this fit")
       ->check(CLI::Range(0.1, 0.9))
       ->capture_default_str();
   command->add_option("--out", arguments->picture,

@@ -223,9 +223,9 @@ void add_log_fit_sensor_command(CLI::App& log, Runner& chosen) {
                     "fitting to these paths; the stamp delay keeps its value in the scenario");
   command->add_flag("--json", arguments->as_json, "print one JSON object instead of the section");
   command->footer(
-      "Two laws of the range are fitted: the distance, and the depth along the sensor's axis. "
+      "Two models of the range are fitted: the distance, and the depth along the sensor's axis. "
       "'loss'\n"
-      "is the mean error of the better law, 'other' that of the other law. 'forward' is the\n"
+      "is the mean error of the better model, 'other' that of the other model. 'forward' is the\n"
       "sensor's position on the body's x axis, 'found' the share of landmarks in view that were\n"
       "detected, 'outliers' the share of errors above 6 sigma. Odometry of commands also gives "
       "the\n"

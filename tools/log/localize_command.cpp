@@ -299,7 +299,7 @@ void add_protocol_options(CLI::App& command, LocalizeArguments& arguments) {
   command
       .add_option("--start", arguments.start,
                   "known: each robot knows the true start, sigma 0.01 m and 0.01 rad; unknown: "
-                  "the first 60 s are not judged")
+                  "the first 60 s are not evaluated")
       ->check(one_of({"known", "unknown"}))
       ->capture_default_str();
   command
@@ -312,7 +312,7 @@ void add_protocol_options(CLI::App& command, LocalizeArguments& arguments) {
       ->capture_default_str();
   command
       .add_option("--late-s", arguments.late_s,
-                  "use also the data of this many seconds after each estimate's time, in one "
+                  "also use the data of this number of seconds after each estimate's time, in one "
                   "filter for all robots; 0: none")
       ->check(number_between(0.0, 3600.0))
       ->capture_default_str();
@@ -327,8 +327,9 @@ void add_protocol_options(CLI::App& command, LocalizeArguments& arguments) {
   command.add_flag("--without-ids", arguments.is_without_ids,
                    "remove the ids of all sightings, and report robots that get lost: more than "
                    "0.3 m worse than with ids for more than 10 s");
-  command.add_option("--heading", arguments.heading,
-                     "robots whose true heading is accurate enough to judge; default: all robots");
+  command.add_option(
+      "--heading", arguments.heading,
+      "robots whose true heading is accurate enough to evaluate; default: all robots");
 }
 
 }  // namespace
@@ -353,7 +354,7 @@ void add_log_localize_command(CLI::App& log, Runner& chosen) {
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
       "Each robot's localiser uses its own data and the messages of its teammates, 5 times per\n"
-      "second. Estimates are judged every 0.1 s; an estimate uses only data stamped until its\n"
+      "second. Estimates are evaluated every 0.1 s; an estimate uses only data stamped until its\n"
       "time. NEES is the squared error divided by the estimated variance.\n"
       "Examples:\n"
       "  vantage log localize six.lcmlog --scenario mrclam --heading R2 R3 R4 R5\n"

@@ -49,8 +49,8 @@ std::vector<std::string> to_lines(const localizer::JudgeFigures& figures,
   }
   const localizer::FilterCounts& filter = figures.filter;
   lines.push_back(fmt::format(
-      "sightings of one filter: {} used, {} of them with less weight, {} rejected, {} unknown, {} "
-      "of robots without a pose; {} slips",
+      "sightings of one filter: {} used, {} of them with less weight, {} rejected, {} with unknown "
+      "ids, {} of robots without a pose; {} slips",
       filter.used, filter.weakened, filter.rejected, filter.unknown, filter.unplaced,
       filter.slips));
   if (filter.matched + filter.ambiguous + filter.unmatched > 0) {
@@ -59,8 +59,8 @@ std::vector<std::string> to_lines(const localizer::JudgeFigures& figures,
   }
   if (!figures.landmarks_m.empty()) {
     lines.push_back(fmt::format(
-        "{} landmarks found: RMSE {:.4f} m with the alignment of the robots, {:.4f} m with their "
-        "own",
+        "{} landmarks found: RMSE {:.4f} m if aligned like the robots' paths, {:.4f} m if "
+        "aligned separately",
         figures.landmarks_m.size(), figures.landmarks_rmse_m, figures.landmarks_own_rmse_m));
   }
   return lines;

@@ -298,7 +298,7 @@ class Reader {
       for (std::size_t i = 0; i < headings.size(); ++i) {
         if (const auto factor = factor_of(plain(headings[i]), column)) {
           if (place) {
-            refuse(fmt::format("two columns are the {}, '{}' and '{}'; expected one",
+            refuse(fmt::format("two columns contain the {}: '{}' and '{}'; expected one",
                                column.names.front(), readable(headings[place->cell]),
                                readable(headings[i])));
           }

@@ -116,7 +116,8 @@ void add_log_replay_command(CLI::App& log, Runner& chosen) {
   command->footer(
       "Every logged plan, belief and pose lists its input messages and the number of search "
       "nodes.\n"
-      "The same code recomputes each of them from these in virtual time and compares every bit.\n"
+      "The same code recomputes each output from its inputs in virtual time and compares every "
+      "bit.\n"
       "Exit code 0: all equal; 1: outputs differ, or none could be replayed.\n"
       "Examples:\n"
       "  vantage log replay flight.lcmlog\n"

@@ -63,7 +63,7 @@ double read_map(Mapping& map, models::World& world) {
   if (min && max) {
     world.bounds = {min->point(within(kFar_m)), max->point(within(kFar_m))};
     if ((world.bounds.min_m.array() >= world.bounds.max_m.array()).any()) {
-      max->refuse(fmt::format("must be above map.min, [{}, {}], in x and in y; is [{}, {}]",
+      max->refuse(fmt::format("must be above map.min ([{}, {}]) in x and in y, but is [{}, {}]",
                               world.bounds.min_m.x(), world.bounds.min_m.y(),
                               world.bounds.max_m.x(), world.bounds.max_m.y()));
     }

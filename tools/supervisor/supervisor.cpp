@@ -135,7 +135,7 @@ void Supervisor::kill_hung(Nanoseconds now_ns, std::vector<SupervisorEvent>& eve
   for (const std::string& name : watchdog_.overdue(time_of(now_ns))) {
     if (Child* const child = find(name)) {
       child->send(SIGKILL);
-      events.push_back({name, Kind::kHung, name + " sent no sign of life: killing it"});
+      events.push_back({name, Kind::kHung, name + " sent no heartbeat: killing it"});
     }
   }
 }

@@ -39,7 +39,7 @@ TEST(CheckPreflight, ReportsWhetherDetectionsHaveIds) {
   EXPECT_TRUE(understands(
       scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab-nomocap.yaml"),
       "3 robots compute their pose with 10 landmarks; odometry and sightings are simulated, motion "
-      "capture is withheld; rovers do not drive by it without mocap"));
+      "capture is withheld; without mocap, rovers do not drive by this pose"));
   EXPECT_TRUE(understands(scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab-unlabelled.yaml"),
                           "5 targets, detected without ids; communication"));
 }

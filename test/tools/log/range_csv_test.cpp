@@ -83,7 +83,7 @@ TEST(ParseTable, NamesFileLineAndRule) {
   EXPECT_EQ(refusal("time,beacon,range\n1,4,far\n"), "a.csv:2: range 'far'; expected a number");
   EXPECT_EQ(refusal("time,beacon,range\n1,4,2.5m\n"), "a.csv:2: range '2.5m'; expected a number");
   EXPECT_EQ(refusal("time,beacon,range,distance\n"),
-            "a.csv:1: two columns are the range, 'range' and 'distance'; expected one");
+            "a.csv:1: two columns contain the range: 'range' and 'distance'; expected one");
   EXPECT_EQ(refusal("time,beacon,range_furlong\n"),
             "a.csv:1: no column 'range' with a known unit in 'time,beacon,range_furlong'; "
             "expected time, beacon, range");

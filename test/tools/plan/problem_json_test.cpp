@@ -199,7 +199,7 @@ const BadEdit kBadEdits[] = {
     {R"("range": 8.0)", R"(@"rnage": 8.0)", "sensor.rnage: unknown key; did you mean range?"},
     {R"("range": 8.0)", "\"range\": 8.0,\n@\"range\": 9", "sensor.range: duplicate key, first given on line 16"},
     {R"("robot": {"x": 0.0, "y": -0.5, "yaw": 0.4})", R"(@"robot": [])", "robot: must be a mapping of keys to values"},
-    {R"("max": [20, 20])", R"(@"max": [-20, 20])", "map.max: must be above map.min, [-20, -20], in x and in y; is [-20, 20]"},
+    {R"("max": [20, 20])", R"(@"max": [-20, 20])", "map.max: must be above map.min ([-20, -20]) in x and in y, but is [-20, 20]"},
     {R"("min": [-20, -20])", R"(@"min": [1])", "map.min: must be a list of two numbers [x, y], is a list of 1"},
     {R"("min": [-20, -20])", "\"min\": [-20,\n@null]", "map.min[1]: must be a number, is nothing"},
     {R"("min": [-20, -20], )", "@", "map: missing required key min"},

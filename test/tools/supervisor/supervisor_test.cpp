@@ -285,7 +285,7 @@ TEST(Supervisor, KillsAProcessWithoutHeartbeats) {
   Watched watched;
   watched.supervisor.start(ours("planner Q1", "sign(b'?')\ntime.sleep(1000)"), watched.now_ns);
   EXPECT_TRUE(watched.until([&] { return watched.count(Kind::kHung) == 1; }));
-  EXPECT_EQ(watched.events[0].text, "planner Q1 sent no sign of life: killing it");
+  EXPECT_EQ(watched.events[0].text, "planner Q1 sent no heartbeat: killing it");
   EXPECT_TRUE(watched.until([&] { return watched.count(Kind::kEnded) == 1; }, 0));
   EXPECT_EQ(watched.status().last_end, "signal 9");
 }
