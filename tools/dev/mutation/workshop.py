@@ -314,7 +314,7 @@ class Workshop:
             if name not in self.sites:
                 arguments = self.arguments_for(name)
                 if arguments is None:
-                    self.say(f"{name}: no built program contains it")
+                    self.say(f"{name}: no built program contains this file")
                 self.sites[name] = self.kept_sites(name, arguments) if arguments is not None else []
             yield from self.sites[name]
 
@@ -481,7 +481,7 @@ class Workshop:
             limit_s = self.limit_slack_s + self.limit_factor * self.seconds[test.name]
             if all(self.try_script(test, folder, limit_s) != 0 for _ in range(2)):
                 return ledger.KILLED, test.name
-        return ledger.SURVIVED, " ".join(tried) or "no test program that sees it"
+        return ledger.SURVIVED, " ".join(tried) or "no test program contains the file"
 
     def try_script(self, test, folder=None, cpu_limit_s=None):
         """Runs a script with the programs of another folder. Returns the exit code."""
