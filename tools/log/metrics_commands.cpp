@@ -238,8 +238,7 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
       ->excludes("--json")
       ->excludes("--latency");
   metrics_command->footer(
-      "A latency is the time from the instant of the input's content to the time when the output "
-      "is\n"
+      "A latency is the time from the instant for which the input is valid until the output is\n"
       "finished or logged; 'look' is the newest measurement that was used. The margin of a plan\n"
       "is the time left until its deadline.\n"
       "NEES is computed for each robot from its own belief; a consistent filter has mean 2 in the\n"
