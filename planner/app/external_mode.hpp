@@ -20,7 +20,7 @@ class ExternalMode : public PlanMode {
   void take(const models::RobotPlan& answer);
 
   bool is_pending_ = false;
-  Time answer_due_{};  ///< deadline of the answer; then the robot plans without it
+  Time answer_due_{};  ///< deadline for the answer; the robot then plans without one
   std::int64_t requested_round_ = -1;
 };
 

@@ -13,8 +13,8 @@
 namespace vantage::planner {
 namespace {
 
-// Maximum processor wait within one second, s: twice the wait at which a driver holds its vehicle.
-// A search that waits longer is cut short repeatedly, and drivers need the processor time.
+// Maximum wait for a processor within one second, s; twice the wait at which a driver holds its
+// vehicle. Longer waits repeatedly cut the search short, and the drivers need the processor time.
 constexpr double kProcessorWaitMaxS = 0.2;
 
 // Time for which a planner only receives after a restart. It first needs its vehicle's status,

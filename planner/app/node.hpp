@@ -57,8 +57,8 @@ class PlannerNode : public bus::Node {
   void subscribe_to_teammate(const std::string& name);
   void unsubscribe_from_teammate(const std::string& name);
   void take_frame(const std::shared_ptr<const models::MocapFrame>& frame);
-  /// Makes the newest mocap frame an input, with POSE_* of the robots that it does not show, and
-  /// also an earlier frame if bodies are in the way.
+  /// Makes the newest mocap frame an input, and POSE_* of the robots that this frame does not show.
+  /// If bodies are in the way, an earlier frame becomes an input too.
   void use_frames();
   void take_plan(const models::RobotPlan& plan);
   /// True if the process waits so long for a processor that a vehicle must not rely on its next

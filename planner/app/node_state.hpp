@@ -40,7 +40,7 @@ struct NodeState {
   [[nodiscard]] std::int64_t node_budget() const;
   /// Returns the deadline of a search that begins at `now`.
   [[nodiscard]] Deadline deadline(Time now) const;
-  /// Returns the time that the result of a completed search states as its end.
+  /// Returns the completion time to write into the result of a search.
   [[nodiscard]] Time finish() const { return clock.is_real_time() ? clock.now() : work_end(); }
 };
 

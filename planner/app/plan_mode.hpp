@@ -32,7 +32,7 @@ class PlanMode {
   [[nodiscard]] virtual Time next_tick() const { return state_.inputs.slot.begin; }
   /// Continues the exchange that is under way and returns the stage of the slot.
   virtual SlotStage advance(Time now);
-  /// Makes the proposal of a slot for proposals.
+  /// Does the work of a slot for proposals.
   virtual void propose(Time /*now*/) {}
 
  protected:

@@ -6,9 +6,10 @@
 
 namespace vantage::planner {
 
-/// If `frame` does not show the robot of `estimate`, adds its estimated pose, moved to the time of
-/// the frame with the robot's last known motion. Returns true if the pose was added. Estimates
-/// without a pose, without motion or more than kPoseAgeMax from the frame are not used.
+/// If `frame` does not show the robot of `estimate`, adds its estimated pose, extrapolated to the
+/// time of the frame by the robot's last known motion. Returns true if the pose was added.
+/// Estimates without a pose or without motion are not used, and neither are those more than
+/// kPoseAgeMax older or newer than the frame.
 bool show_robot(const scenario::Scenario& scenario, const models::PoseEstimate& estimate,
                 models::MocapFrame& frame);
 

@@ -120,7 +120,7 @@ bool PlannerReplayNode::gather(const RoundSchedule::Slot& slot,
     } else if (const auto* map = maps_.find(name)) {
       inputs.map = *map;
     } else if (const auto* frame = frames_.find(name)) {
-      (inputs.mocap ? inputs.mocap_before : inputs.mocap) = *frame;  // mocap is listed first
+      (inputs.mocap ? inputs.mocap_before : inputs.mocap) = *frame;  // names_of() lists mocap first
     } else if (const auto* pose = poses_.find(name)) {
       inputs.poses.insert_or_assign(pose->robot, *pose);
     } else if (const auto* attack = attacks_.find(name)) {

@@ -35,9 +35,9 @@ Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int 
 
 /// Returns the attack on the robots with the trajectories of greatest joint value, selected
 /// greedily: starting from the empty set, each step adds the robot that maximises J(A) of the
-/// attacked set A, until it has `attacks_max` robots or all. Of equally good robots it adds the one
-/// with the lower number. With one attack it equals attack_on_best_alone(). Cost: O(n α) oracle
-/// calls.
+/// attacked set A, until A has `attacks_max` robots or contains all robots. Of equally good robots
+/// it adds the one with the lower number. With one attack it equals attack_on_best_alone(). Cost:
+/// O(n α) oracle calls.
 Attack attack_on_best_together(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
 /// Attacker model; every attacker knows the team's plans.

@@ -95,7 +95,7 @@ class CandidateMaker {
     return blocks;
   }
 
-  // True if every block of `a`, plus εI, dominates that of `b`.
+  // True if every block of `a`, plus εI, dominates the corresponding block of `b`.
   [[nodiscard]] bool is_redundant(const LastBlocks& a, double epsilon, const LastBlocks& b) const {
     for (int m = 0; m < beliefs_.target_count(); ++m) {
       const std::size_t at = index(m) * kMaxPacked;

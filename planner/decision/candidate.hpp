@@ -68,12 +68,12 @@ struct CandidateOptions {
 
 /// Returns the complete trajectories that reduced value iteration leaves, in the order of its tree.
 /// Trajectories that cannot stop where a stop is required are omitted. The last depth is reduced
-/// like the others: among leaves that δ-cross and are ε-redundant, only the cheapest is kept. The
-/// best plan of the search is therefore always kept. Each leaf is evaluated to its end, which
-/// decides redundancy and gives its gain (mutual_nats, unless teammates' information is fixed).
-/// `search` must be large enough for `problem`: a pass that is cut short gives only the leaves
-/// reached. The deadline applies to the search; the evaluation after it is O(leaves_max · targets ·
-/// steps).
+/// like the others: of leaves within δ of each other that are ε-redundant, only the cheapest is
+/// kept. The best plan of the search is therefore always kept. Each leaf is evaluated to its end.
+/// The final beliefs decide redundancy, and the evaluation sets the gain (mutual_nats, unless
+/// teammates' information is fixed). `search` must be large enough for `problem`: a pass that is
+/// cut short gives only the leaves reached. The deadline applies to the search; the evaluation
+/// after it is O(leaves_max · targets · steps).
 /// @throws UsageError as ReducedValueIteration::plan does, or when ε or δ is not finite
 /// Source: dissertation, section 3.D (Mᵢ from reduced value iteration).
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,

@@ -20,7 +20,7 @@ struct DistributedOptions {
 /// robot has a proposal. The result is a local optimum of the neighbourhood of
 /// centralised_local_search and has the same guarantee. Oracle calls count the work of all robots
 /// until they were stopped. The deadline counts oracle calls as nodes.
-/// Source: dissertation Alg. 7, 8 (with the arg max of line 15), 3 C.5.
+/// Source: dissertation Alg. 7 and 8 (with the arg max of line 15), section 3.C.5.
 TeamDecision distributed_local_search(const TeamOracle& oracle, const DistributedOptions& options,
                                       const Deadline& deadline);
 

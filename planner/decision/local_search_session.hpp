@@ -35,11 +35,12 @@ struct SessionSetup {
 
 /// One robot's part in a round of distributed local search by messages that may be lost, delayed,
 /// duplicated or reordered. Every message is a complete solution with its value. A robot keeps the
-/// best solution that it has received or found: the one with the greater value, then the earlier
-/// proposer, then the lower fingerprint (the shared tie rule). It searches for a local operation on
-/// that solution with its own candidates and proposes the result. This selection is idempotent and
-/// independent of the order of messages: robots that received the same messages have the same
-/// solution, and a later message compensates for a lost one.
+/// best solution that it has received or found: the one with the greater value; of equal values,
+/// the one from the proposer of lower index, then with the lower fingerprint (the shared tie rule).
+/// It searches for a local operation on that solution with its own candidates and proposes the
+/// result. This selection is idempotent and independent of the order of messages: robots that
+/// received the same messages have the same solution, and a later message compensates for a lost
+/// one.
 ///
 /// The value of a proposal is the value of its base solution plus the increase computed from the
 /// proposer's beliefs, at least kLeastRise_nats. Values therefore increase along every chain of

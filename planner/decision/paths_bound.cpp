@@ -11,7 +11,7 @@ namespace vantage::planner {
 namespace {
 
 constexpr std::size_t kStatesMax = 1'700'000;
-constexpr double kFloatRounding = 1e-5;  // relative rounding error of float sums and the reference
+constexpr double kFloatRounding = 1e-5;  // relative rounding error of sums and reference in float
 
 // Returns the lattice size of an iteration: coarse in the first iterations, in which Frank-Wolfe
 // steps improve the bound most.
@@ -64,7 +64,7 @@ PathsBound::Answer PathsBound::of(std::span<const SearchProblem> problems,
   }
   std::vector<double> parts(own.size());
   for (int turn = 0;; ++turn) {
-    double least = -unseen;  // bound of the cost relative to no measurements
+    double least = -unseen;  // lower bound of the cost minus the cost without measurements
     for (int m = 0; m < beliefs_.target_count(); ++m) {
       least += cost_.linearise(m, 0, beliefs_.open_loop(m, 0), reference_.data());
     }

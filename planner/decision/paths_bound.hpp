@@ -12,12 +12,12 @@
 namespace vantage::planner {
 
 /// Upper bound of the team's information over all paths, independent of candidate sets. Around a
-/// reference, the team's joint information is additive over robots (LinearisedCost). Each robot's
-/// best path over its own lattice (LatticeBound) therefore bounds its part. In each iteration the
-/// reference moves towards the joint information of those paths. A path is any sequence of a
-/// robot's controls, one per step; a robot may also stay without measuring. Walls, separation from
-/// teammates and motion costs are ignored, since they only reduce the value. Gives no bound for
-/// spatial targets, or for controls with turns that LatticeBound does not support.
+/// reference, the team's joint information is additive over robots (LinearisedCost). The best path
+/// over a robot's own lattice (LatticeBound) therefore bounds the robot's share. In each iteration
+/// the reference moves towards the joint information of these best paths. A path is any sequence of
+/// a robot's controls, one per step; a robot may also stay without measuring. Walls, separation
+/// from teammates and motion costs are ignored, since they only reduce the value. Gives no bound
+/// for spatial targets, or for controls with turns that LatticeBound does not support.
 ///
 /// Reserves about 60 MB of memory. One iteration per robot uses a lattice of 10⁵ to 10⁶ cells and
 /// takes 1 to 15 ms. Source: ours; Frank & Wolfe 1956.
@@ -37,10 +37,11 @@ class PathsBound {
   Answer of(std::span<const SearchProblem> problems, std::span<const int> robots,
             InformationMeasure measure, const Deadline& deadline);
 
-  /// Returns an upper bound of the information of any paths after the worst attack on `attacks_max`
-  /// robots. It is the bound for the other robots when the robots with the largest parts are
-  /// attacked. Half of `nodes` is spent on selecting the attacked robots. The answer's `parts` are
-  /// the shares of the other robots, by ascending index. `is_cancelled` is as in Deadline::unless.
+  /// Returns an upper bound of the information of any paths when the worst `attacks_max` robots are
+  /// attacked. The first half of `nodes` bounds the information of all robots. Then the robots with
+  /// the largest `parts` are assumed to be attacked, and the second half bounds the information of
+  /// the others. The answer's `parts` are the shares of these others, by ascending index.
+  /// `is_cancelled` is as in Deadline::unless.
   Answer under_attack(std::span<const SearchProblem> problems, int attacks_max,
                       InformationMeasure measure, std::int64_t nodes,
                       bool (*is_cancelled)() = nullptr);

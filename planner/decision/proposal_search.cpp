@@ -43,7 +43,7 @@ bool ProposalSearch::turn_to_next_deletion() {
       }
       continue;
     }
-    // This robot first, then the others in ascending order.
+    // Tries to delete this robot's trajectory first, then those of the others in ascending order.
     drop_robot_ = turn == 1 ? robot_ : turn - 2 < robot_ ? turn - 2 : turn - 1;
     if (chosen_by(drop_robot_) != kNoCandidate) {
       return true;

@@ -31,7 +31,7 @@ class ProposalSearch {
   /// Makes at most one more oracle call.
   State advance();
 
-  /// Returns the proposal after kProposes.
+  /// Returns the proposal, after advance() returned kProposes.
   [[nodiscard]] const Proposal& proposal() const { return proposal_; }
   [[nodiscard]] std::int64_t calls() const { return team_.calls(); }
 

@@ -9,8 +9,8 @@
 namespace vantage::planner {
 
 /// Returns the bait: the `attacks_max` robots whose plans have the greatest individual values,
-/// sorted by robot number. Returns all robots if the team has no more than `attacks_max`. Of equal
-/// values, that of the robot with the lower number is preferred.
+/// sorted by robot number. Returns all robots if the team has no more than `attacks_max`. Of robots
+/// with equal values, those with lower numbers are preferred.
 std::vector<int> bait_robots(std::span<const double> individual_values, int attacks_max);
 
 /// Split of the team into bait and the others in a round of robust trajectory planning. The split
@@ -38,7 +38,7 @@ class ResilientRound {
 };
 
 /// Plans `robot` as if no other robot had sensors, keeps that plan, and returns its information
-/// gain, nats: normalised and non-decreasing.
+/// gain, nats: 0 without measurements, and never less with more measurements.
 using PlanAlone = std::function<double(int robot)>;
 /// Plans `robots` (at least one) as if they were the whole team.
 using PlanTogether = std::function<void(const std::vector<int>& robots)>;
@@ -63,8 +63,8 @@ enum class SubSolver { kCoordinateDescent, kExhaustive };
 /// sub-solver, for the worst attack A*:
 ///   J(V \ A*) ≥ max(1 − κ, 1 / (1 + α)) · max min J for submodular J (kMutual),
 ///   J(V \ A*) ≥ (1 − c)² · max min J otherwise.
-/// With coordinate descent the factors are half of the first and ½ (1 − c)³. `value` is J without
-/// attacks.
+/// With coordinate descent the first factor is halved and the second is ½ (1 − c)³. `value` is J
+/// without attacks.
 /// Source: dissertation Thm 1, Prop. 1.
 TeamDecision plan_resiliently(const TeamOracle& oracle, int attacks_max, SubSolver sub_solver);
 

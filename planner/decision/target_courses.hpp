@@ -12,7 +12,7 @@ namespace vantage::planner {
 /// Information of one measurement along a trajectory about one target.
 struct PredictedMeasurement {
   std::uint16_t target = 0;
-  std::uint16_t step = 0;  ///< step, 1 … T, on arrival at which the measurement is made
+  std::uint16_t step = 0;  ///< step, 1 … T; the measurement is made at its end
   PackedInformation information;
 };
 

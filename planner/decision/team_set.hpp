@@ -55,11 +55,11 @@ class TeamSet {
   [[nodiscard]] TargetCourses::Course* courses(int target) {
     return &courses_[index(target) * depths_];
   }
-  /// Returns the information gain about `target` if it is measured by the robots of S without
-  /// `left_out` and with `added`. `first` is the step of the earliest changed measurement.
+  /// Returns the information gain about `target` from the robots of S, without robot `left_out` and
+  /// with `added`. `first` is the step of the earliest changed measurement.
   double value_of_target(int target, int left_out, const Observer& added, int first, bool keep);
-  /// Returns the sum over targets and robots in a fixed order, with `id` added or robot `left_out`
-  /// omitted.
+  /// Returns J of S with `id` added, or without robot `left_out`. Sums over targets and robots in a
+  /// fixed order.
   double sum_with(CandidateId id, int left_out);
   void change(CandidateId id, int left_out);
 

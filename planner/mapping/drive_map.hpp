@@ -34,9 +34,9 @@ class DriveMap {
   [[nodiscard]] bool is_free(const Eigen::Vector2d& p_m) const;
 
   /// Returns the path length from the cell of `p_m` to the nearest frontier, m, in steps to the 8
-  /// neighbours over cells where the disc may be. A frontier is a cell where the disc may be that
-  /// is not known to be free but has a known free cell among its 4 neighbours. Infinite if no path
-  /// exists; 0 at a frontier.
+  /// neighbours over cells where the disc may be. A cell is a frontier if the disc may be there,
+  /// the cell is not known to be free, and one of its 4 neighbours is known to be free. Infinite if
+  /// no path exists; 0 at a frontier.
   [[nodiscard]] double frontier_distance_m(const Eigen::Vector2d& p_m) const;
 
  private:

@@ -23,8 +23,8 @@ struct MapPlan {
 /// Planner that searches one robot's problem for the plan with the greatest information gain about
 /// the map.
 ///
-/// The problem defines the allowed motion: the known world, teammates, and a stop at the end. Every
-/// robot scans once per step_s of the common time. The scans at the robot's start and along the
+/// The problem defines the allowed motion: the known world, teammates, and a stop at the end. All
+/// robots scan at the same times, once per step_s. The scans at the robot's start and along the
 /// teammates' fixed motion are fixed; their information is not counted again.
 class MapPlanner {
  public:
@@ -33,7 +33,7 @@ class MapPlanner {
 
   /// Plans with the look counts `looks`, one per cell of the scenario's map; empty: all cells are
   /// unknown. Jammed teammates give no information but are still obstacles.
-  /// @throws UsageError when `looks` has another number of cells.
+  /// @throws UsageError when `looks` has a different number of cells.
   MapPlan plan(const SearchProblem& problem, const models::CellCounts& looks,
                const std::vector<FixedTeammate>& teammates, const Deadline& deadline);
 

@@ -45,8 +45,9 @@ struct MappingSearchOptions {
   using MotionRule = std::function<bool(const Pose2& at, int control, int steps)>;
   /// True if the control may be driven from the pose. Empty: DriveMap and separation_m decide.
   MotionRule may_drive;
-  /// True if a route may end at the pose, reached by the control. Empty: always. With a rule, a
-  /// robot without a full-length route takes the longest route that may end, and stays at its end.
+  /// True if a route may end at the pose after the control that led there. Empty: always. If set, a
+  /// robot without a full-length route takes the longest route with an allowed end, and stays at
+  /// its end.
   MotionRule may_end;
 };
 
@@ -78,8 +79,8 @@ class MappingSearch {
   double value(std::span<const MapRoute* const> routes);
 
   /// Plans the robots in the given order, each given the routes before it; result by index of
-  /// `starts`. At least half of the best team value if value() is submodular and the searches are
-  /// exact.
+  /// `starts`. The team value is at least half of the optimum if value() is submodular and the
+  /// searches are exact.
   std::vector<MapRoute> coordinate_descent(std::span<const Pose2> starts,
                                            std::span<const int> order);
 

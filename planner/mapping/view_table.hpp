@@ -20,7 +20,8 @@ enum class BeamMeasure {
 /// cells in proportion to P(beam reaches the cell) · o (1 − o).
 enum class BeamDependence {
   /// Drops a beam if other counted beams already give at least `dependent_share` of its
-  /// information; otherwise counts it in full. Charrow et al.; depends on the order of the beams.
+  /// information; otherwise counts it in full. The result depends on the order of the beams. From
+  /// Charrow et al.
   kDropBeams,
   /// Counts for each cell only the beam with the most information: Σ_cells max_beams. Independent
   /// of order, monotone and submodular in the set of beams, so the guarantees of team planning

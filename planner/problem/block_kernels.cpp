@@ -6,7 +6,7 @@
 namespace vantage::planner {
 namespace {
 
-// Computes a + εI − b as a full symmetric matrix of `n` rows (lower triangle); returns n.
+// Computes the lower triangle of the symmetric matrix a + εI − b and returns its number of rows.
 int difference(BlockLayout layout, const double* a, double epsilon, const double* b,
                double (&d)[4][4]) {
   if (layout == BlockLayout::kMoving) {

@@ -28,8 +28,8 @@ constexpr int packed_size(BlockLayout layout) {
   return layout == BlockLayout::kPlanar ? 3 : layout == BlockLayout::kSpatial ? 6 : 10;
 }
 
-/// Symmetric 2×2 or 3×3 information, packed as the position part of a block. With `is_of_state`,
-/// the information about a moving target's state, packed as its block.
+/// Information about a target's position (symmetric 2×2 or 3×3), packed like the position part of a
+/// block. If `is_of_state`: information about a moving target's state, packed like its block.
 struct PackedInformation {
   double m[kMaxPacked] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   bool is_of_state = false;
@@ -221,9 +221,10 @@ inline Eigen::Matrix4d unpack4(const double* p) {
   return full;
 }
 
-/// Returns det(I + M Σ) of a moving block, M packed like the block.
+/// Returns det(I + M Σ) for the block Σ of a moving target; M is packed in the same way as Σ.
 double state_gain(const double* m, const double* b);
-/// Computes (Σ⁻¹ + M)⁻¹ of a moving block, M packed like the block. `in` and `out` may be the same.
+/// Computes (Σ⁻¹ + M)⁻¹ for the block Σ of a moving target; M is packed in the same way as Σ. `in`
+/// and `out` may be the same.
 void update_state(const double* m, const double* in, double* out);
 
 /// Returns det(I + M P) for any layout.

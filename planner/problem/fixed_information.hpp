@@ -19,9 +19,10 @@ struct FixedTeammate {
 };
 
 /// Returns the teammates' sensor information about each target's predicted mean along their fixed
-/// trajectories, [target][depth − 1], summed over teammates: the input of coordinate descent. About
-/// the state if a teammate measures velocities and the target has one, else about the position.
-/// Cost: O(N·M·T). Source: dissertation, section 3.B (sequential greedy).
+/// trajectories, [target][depth − 1], summed over teammates: the input of coordinate descent. The
+/// information is about the state if a teammate measures velocities and the target has a velocity,
+/// otherwise about the position. Cost: O(N·M·T). Source: dissertation, section 3.B (sequential
+/// greedy).
 std::vector<std::vector<models::StateMatrix>> fixed_information(
     const SearchProblem& problem, const std::vector<FixedTeammate>& teammates);
 

@@ -21,9 +21,9 @@ constexpr double kClockRounding_m = 1e-5;
 constexpr double kChordSlack = 1.0 + 1e-6;
 
 // Returns an upper bound of the deviation of `trajectory`, at any time between `from_s` and `to_s`,
-// from uniform motion between its positions at these times. A velocity that changes by at most a
-// per second contributes a Δ²/8; a jump J after a share s of the interval contributes J s (1 − s)
-// Δ. The deviation is linear in the velocity, so the contributions add.
+// from uniform motion between its positions at these times. Let Δ be the duration. An acceleration
+// of at most a contributes a Δ²/8. A velocity jump J after the share s of the duration contributes
+// J s (1 − s) Δ. The deviation is linear in the velocity, so the contributions add.
 double piece_slack_m(const models::Trajectory& trajectory, double from_s, double to_s) {
   const double duration_s = to_s - from_s;
   double acceleration_mps2 = 0.0;
@@ -168,7 +168,7 @@ bool MotionTable::is_free(const Pose2& from, double cos_yaw, double sin_yaw, int
 bool MotionTable::is_clear(const Pose2& from, double cos_yaw, double sin_yaw,
                            const Primitive& primitive, int begin, int end) const {
   constexpr double kOutside_m = -1.0;  // field value outside the bounds
-  constexpr double kRounding = 1e-6;   // allowance for the field's rounding down
+  constexpr double kRounding = 1e-6;   // allowance: field values are rounded down
   constexpr double kSlack_m = 1e-4;
   const models::DistanceField& field = *problem_->field;
   const int middle = (begin + end) / 2;
@@ -199,7 +199,8 @@ bool MotionTable::is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
   for (std::size_t i = 0; i < problem_->teammates.size(); ++i) {
     const TeammatePiece* pieces =
         &teammate_pieces_[i * index(pieces_each_) + index(depth * kPieces)];
-    // Too far apart to meet within one step: the robots move at most these distances.
+    // Skips a teammate that is too far away to meet within one step. far_m includes the distances
+    // that both robots can cover.
     const double far_m = required_m_[i] + primitive.length_m +
                          step_distances_m_[i * index(pieces_each_ / kPieces) + index(depth)];
     if ((pieces[0].from_m - start).squaredNorm() > far_m * far_m) {

@@ -83,9 +83,9 @@ double required_separation_from_m(const SearchProblem& problem, const Pose2& sta
   return std::min(problem.separation_m, std::max(0.0, away_m.norm() - kChords_m));
 }
 
-// Adds the information of the robot's own sensors about the position of `target`, believed to be
-// `belief`, to `M`; information about its state updates the belief at once. Returns true if there
-// is any information.
+// Evaluates the robot's own sensors for `target` with the belief `belief`. Adds information about
+// the position to `M`; information about the full state updates `belief` immediately. Returns true
+// if there is any information.
 bool add_own_information(const SearchProblem& problem, const SearchTarget& target,
                          const Pose2& pose, models::Gaussian& belief, models::PositionMatrix& M) {
   const models::PositionVector mean_m = belief.mean.head(target.model.position_dim);
@@ -114,8 +114,8 @@ double cost_of(const SearchProblem& problem, const models::Gaussian& belief) {
                                            : belief.covariance.trace();
 }
 
-// Predicts the belief of target m from depth t to t + 1 and updates it with the information there.
-// True if the robot's own sensors give any.
+// Predicts the belief of target m from depth t to the next depth, and updates it with the
+// information at that depth. Returns true if the robot's own sensors give information.
 bool step_belief(const SearchProblem& problem, std::size_t m, std::size_t t, const Pose2& pose,
                  models::Gaussian& belief) {
   const SearchTarget& target = problem.targets[m];

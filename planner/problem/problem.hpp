@@ -34,8 +34,8 @@ struct SearchTarget {
 
 /// One robot's planning problem: choose `horizon_steps` controls, each held for `step_s`, that
 /// minimise the summed cost of the beliefs. At each step every block is predicted and then updated
-/// with the sensors' information at the new pose about the target's predicted mean. A target whose
-/// state has no velocity is at rest for sensors that measure velocity.
+/// with the sensors' information at the new pose about the target's predicted mean. For sensors
+/// that measure velocity, a target without velocity in its state is stationary.
 /// Source: dissertation eq. 2.10 (Problem 2), with the sum over t = 1 … T.
 struct SearchProblem {
   Time start_time{};

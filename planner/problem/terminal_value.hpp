@@ -15,16 +15,15 @@ namespace vantage::planner {
 /// that the plan has measured. A search adds it to the cost of a complete plan.
 ///
 /// A tour visits stops, each the position of one target. Every second until the arrival at stop i
-/// costs `rate_i`. Let φ_i be the share of stop i that the plan's measurements leave, and j the
-/// first stop in the order of the tour with φ_j > 0. Then
+/// costs `rate_i`. Let φ_i be the share of the work at stop i that remains after the plan's
+/// measurements, and j the first stop in the order of the tour with φ_j > 0. Then
 /// V(x, φ) = Σ_{i ≥ j} φ_i rate_i (t_j(x) + after_i − after_j), where t_j is the travel time to
 /// stop j, and V = 0 if all φ_i are 0. t_j is interpolated bilinearly from a square grid, so a
 /// query is O(1). Only the first kFieldsMax stops have a grid; for later stops t_j = 0.
 ///
 /// φ_i = 1 if the target was not measured. Otherwise φ_i = (c − done_i) / (open_i − done_i),
 /// limited to [0, 1], where c is the log det (or trace) of the target's covariance; φ_i = 0 if
-/// done_i = open_i. So one distant measurement leaves most of a stop, if the stop asks for more
-/// information.
+/// done_i = open_i. So most of the work at a stop can remain after one distant measurement.
 ///
 /// V ≥ 0. V does not increase if covariances are smaller or more targets are measured, because
 /// travel times obey the triangle inequality at every grid point and interpolation preserves it.
@@ -38,8 +37,8 @@ class TerminalValue {
     int target = 0;           ///< index into SearchProblem::targets; each target at most once
     double rate_per_s = 0.0;  ///< ≥ 0; cost of arriving one second later
     double after_s = 0.0;     ///< s, ascending; travel time from the first stop along the tour
-    double open = 0.0;  ///< nat or m²; cost of the covariance at which the whole stop is left
-    double done = 0.0;  ///< ≤ open; cost of the covariance at which nothing is left
+    double open = 0.0;        ///< nat or m²; cost of the covariance at which φ = 1
+    double done = 0.0;        ///< ≤ open; cost of the covariance at which φ = 0
   };
 
   /// Travel times to the first stops on a square grid.
@@ -63,8 +62,8 @@ class TerminalValue {
     double rate_per_s = 0.0;
     int field = -1;  ///< index of the grid of travel times; −1: V does not depend on x
   };
-  /// Returns the rest of the tour if nothing is left of the stops of the targets `measured`.
-  /// O(targets), and O(stops) if a stop is among them.
+  /// Returns the rest of the tour if φ = 0 at the stops of the targets `measured`. O(targets), and
+  /// O(stops) if a stop is among them.
   [[nodiscard]] Rest rest(std::span<const std::uint16_t> measured) const {
     return rest(measured, [](std::size_t) { return -std::numeric_limits<double>::infinity(); });
   }
@@ -108,7 +107,7 @@ class TerminalValue {
 
  private:
   [[nodiscard]] double time_s(int field, const Eigen::Vector2d& p_m) const;
-  /// `left`: share left of each stop.
+  /// `left`: φ of each stop.
   [[nodiscard]] Rest rest_of(const double* left) const;
   void set_slopes();
 

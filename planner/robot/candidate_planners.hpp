@@ -48,9 +48,9 @@ class CoordinateDescentPlanner : public CandidatePlanner {
   models::RobotPlan plan(SlotTask& task, const Deadline& deadline) override;
 };
 
-/// Planner of a team that uses local search. Flies the robot's motion in the solution of its inputs
-/// if the motion passes the closing check. A robot without such a motion stops and hovers. Source:
-/// docs/decisions/0006.
+/// Planner of a robot in a team that uses local search. Chooses the motion that the team solution
+/// in its inputs assigns to the robot, if the motion passes the closing check. A robot without an
+/// assigned motion stops and hovers. Source: docs/decisions/0006.
 class TeamSolutionPlanner : public CandidatePlanner {
  public:
   TeamSolutionPlanner(Workspace& workspace, std::size_t robot)

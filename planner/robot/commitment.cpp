@@ -34,7 +34,8 @@ std::optional<Pose2> hover_off_plan(const scenario::PlannerSpec& planner,
   return is_off ? std::optional(hover) : std::nullopt;
 }
 
-// True if the vehicle reports that it follows a plan that may still be moving when the slot begins.
+// True if the vehicle reports that it follows a plan whose motion may not have ended when the slot
+// begins.
 bool flies_unknown_plan(const scenario::PlannerSpec& planner, const scenario::RobotSpec& robot,
                         const PlanInputs& inputs) {
   const models::VehicleStatus* own = own_status(robot, inputs);

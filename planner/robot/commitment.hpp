@@ -23,8 +23,8 @@ struct Commitment {
 
 /// Returns the commitment of robot `robot` (by index) in the slot of `inputs`: the remaining part
 /// of its last plan. If the vehicle holds away from its plan or is far from it, the commitment is a
-/// hover at the vehicle's position. A robot without a plan hovers at its observed pose, after any
-/// plan from before a restart must have ended.
+/// hover at the vehicle's position. A robot without a plan is assumed to hover at its observed
+/// pose. If it may still fly a plan from before a restart, the result is kUnknownPlan.
 Commitment commitment_of(const scenario::Scenario& scenario, std::size_t robot,
                          const PlanInputs& inputs);
 

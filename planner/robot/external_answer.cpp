@@ -45,7 +45,7 @@ std::optional<models::Trajectory> motion_of_answer(const models::RobotPlan& answ
                                                    const models::VehicleLimits& limits) {
   models::Trajectory motion = answer.trajectory;
   const auto steps = static_cast<std::size_t>(planner.horizon_steps);
-  // one segment is left for a stop
+  // Reserves one segment for the stop.
   const std::size_t segments_max = std::clamp(models::kFlownSegmentsMax - 1, steps, 4 * steps);
   if (!begins_as(motion, committed) || motion.segments.size() > segments_max) {
     return std::nullopt;

@@ -33,8 +33,8 @@ class PlanLadder {
 
   /// Returns the plan of a search result; nullopt if no motion was found or the motion is not safe.
   [[nodiscard]] std::optional<models::RobotPlan> searched(const SearchResult& result);
-  /// Returns the plan of a motion that was chosen or that an external planner answered; nullopt if
-  /// the motion is not safe.
+  /// Returns the plan of a chosen motion, or of one that an external planner sent; nullopt if the
+  /// motion is not safe.
   [[nodiscard]] std::optional<models::RobotPlan> chosen(const models::Trajectory& motion);
   /// Returns the plan of the robot's own proposal; nullopt (not counted) if the proposal is not
   /// from a search or is not safe in this slot.

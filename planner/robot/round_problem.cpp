@@ -80,10 +80,11 @@ const models::MocapBody* seen_body(const PlanInputs& inputs, const std::string& 
   return body != nullptr && !body->occluded ? body : nullptr;
 }
 
-/// Number of σ of the own position that obstacles are kept away in addition. A position error in
-/// one direction exceeds it with a probability of 0.3 %.
+/// Additional clearance to obstacles, in σ of the robot's estimated position. A position error in
+/// one direction is larger with a probability of 0.3 %.
 constexpr double kPoseSigmas = 3.0;
-/// m; remainder of the present clearance, so that a start at the margin has feasible motions.
+/// m; an increased clearance stays this much below the present distance to obstacles, so that the
+/// start has feasible motions.
 constexpr double kClearanceSlackM = 0.01;
 
 /// Returns the largest 1σ of the robot's horizontal position; 0 if motion capture sees the robot.
@@ -136,7 +137,8 @@ class Builder {
   [[nodiscard]] bool has_regions() const {
     return scenario_.planner.tour.horizon_s > 0.0 && scenario_.planner.tour.region_m > 0.0;
   }
-  /// Adds a landmark for each unexplored region, in which `undiscovered` targets are expected.
+  /// Adds a landmark for each unexplored region. In all regions together, `undiscovered` targets
+  /// are expected.
   void add_regions(const models::VisibilityGrid& grid, double undiscovered);
   void add_teammates(const std::vector<int>& robots_without_sensing);
   void add_waiting_positions();
@@ -324,8 +326,8 @@ void Builder::add_teammates(const std::vector<int>& robots_without_sensing) {
 }
 
 // Adds the positions of teammates that do not follow plans, are off their plan, or have a status
-// older than kStale_s. For a teammate without any status it adds only its position on the ground;
-// add_teammates() has added its flight position.
+// older than kStale_s. For a teammate without any status, adds only the position on the ground;
+// add_teammates() has added the flight position.
 void Builder::add_waiting_positions() {
   for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
     const scenario::RobotSpec& robot = scenario_.robots[i];

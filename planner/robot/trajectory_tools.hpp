@@ -31,8 +31,8 @@ int motion_steps_max(const scenario::PlannerSpec& planner,
                      const std::vector<scenario::RobotSpec>& robots);
 
 /// True if `motion` can be a plan of one of `robots` (one horizon and a stop). It must end within
-/// kPlanHorizonsMax and the longest stop, and have at most as many segments as these horizons have
-/// steps.
+/// kPlanHorizonsMax horizons plus the longest stop, and have at most as many segments as these
+/// horizons have steps.
 bool is_of_plan_length(const models::Trajectory& motion, const scenario::PlannerSpec& planner,
                        const std::vector<scenario::RobotSpec>& robots);
 

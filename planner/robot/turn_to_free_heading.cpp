@@ -11,8 +11,7 @@ namespace {
 
 constexpr double kTurn_rad = kPi / 4.0;
 
-// Returns a turn by an eighth of a circle, to the side of `off_rad`; to the left unless off_rad ≤
-// −45°.
+// Returns a turn by an eighth of a circle: to the right if off_rad ≤ −45°, otherwise to the left.
 models::Trajectory turn(const SearchProblem& problem, double off_rad, double yaw_rate_max_radps) {
   constexpr double kYawRate_radps = 1.5;
   const double rate_radps = std::min(kYawRate_radps, yaw_rate_max_radps);
@@ -40,7 +39,8 @@ bool can_move_after_turn(const SearchProblem& problem, double turned_rad) {
     for (const auto& stop : models::brake(control.speed_mps, problem.brake_mps2)) {
       step.segments.push_back(stop);
     }
-    // Requires only the clearance and separation of the search; more may be impossible here.
+    // Requires only the clearance and separation of the search: a larger margin may be impossible
+    // here.
     return control.speed_mps > 0.0 &&
            models::is_clear(*problem.world, step, step.start_time, problem.clearance_m) &&
            keeps_apart(problem, step, 0.0);

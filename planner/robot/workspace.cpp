@@ -13,8 +13,8 @@ SearchCapacity capacity_for(const scenario::Scenario& scenario) {
   capacity.targets_max = static_cast<int>(scenario.targets.size() + components_max(scenario)) +
                          std::max(0, scenario.planner.exploration.landmarks_max);
   capacity.horizon_max = scenario.planner.horizon_steps;
-  // Three entries per robot: its plan, its position on the ground, and its hover or future flight
-  // position. In addition, the bodies.
+  // Three entries per robot (its plan, its position on the ground, and its hover or future flight
+  // position), plus the bodies.
   capacity.teammates_max = static_cast<int>(3 * scenario.robots.size() + kBodiesMax);
   capacity.motion_steps_max = motion_steps_max(scenario.planner, scenario.robots);
   return capacity;
