@@ -40,9 +40,10 @@ struct ReducedOptions {
 /// the plan.
 ///
 /// Guarantees: a plan exists as soon as one depth-T node has been generated; its cost never
-/// increases; a completed pass at (ε, δ) satisfies the bound (6.1); a completed pass at ε = δ = 0
-/// is optimal. The search can be interrupted at each node. With Deadline::nodes(work_nodes) it
-/// stops at the same node again. plan() allocates nothing while the problem fits the capacity.
+/// increases; a completed pass at (ε, δ) satisfies the bound (6.1) of the dissertation; a completed
+/// pass at ε = δ = 0 is optimal. The search can be interrupted at each node. With
+/// Deadline::nodes(work_nodes) it stops at the same node again. plan() allocates nothing while the
+/// problem fits the capacity.
 /// Source: dissertation Alg. 1 and 2, Thm 3; Vasquez et al. / Atanasov et al. for RVI.
 class ReducedValueIteration : private TreeSearch {
  public:
@@ -85,7 +86,7 @@ class ReducedValueIteration : private TreeSearch {
   /// Sets the plan if no depth-T node can stop safely: stop at the deepest safe node and hover.
   void fall_back_to_hover();
   void open_node(Level& level, NodeId id);
-  /// Removes the cheapest of the pending and the new nodes; kNoNode if none is left.
+  /// Removes and returns the cheapest of the pending and the new nodes; kNoNode if none is left.
   NodeId pop_least(Level& level);
 
   RootBound root_bound_;

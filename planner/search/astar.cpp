@@ -235,7 +235,7 @@ BestFirstSearch::Progress BestFirstSearch::evaluate_sequence(NodeId id) {
   return Progress::kGoOn;
 }
 
-// Long function: it makes one expansion, whose parts share half of the state.
+// Long function: it makes one expansion, whose parts use the same variables.
 BestFirstSearch::Progress BestFirstSearch::step() {
   // counted before each deadline check, so that every check sees a different count
   ++result_.work_nodes;

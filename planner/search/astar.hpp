@@ -19,7 +19,8 @@ enum class BestFirst {
   kAStar,  ///< expands the node of least g + h first, until no open node can improve the plan
   /// expands the node of least g' + w h' first, until the plan is within factor w of the optimum
   kWeightedAStar,
-  kAegis,  ///< as kWeightedAStar, but without (ε, δ)-dominated nodes and until OPEN is empty
+  kAegis,  ///< as kWeightedAStar, but discards (ε, δ)-dominated nodes and continues until OPEN is
+           ///< empty
 };
 
 enum class NodeBound {
@@ -86,7 +87,7 @@ class BestFirstSearch : private TreeSearch {
   Progress step();
   /// Computes h of `id` by Thm 6. False if the arena is full.
   bool evaluate(NodeId id);
-  /// Raises h of `id` by the sequencing bound.
+  /// Raises h of `id` to the sequencing bound, if this bound is larger.
   Progress evaluate_sequence(NodeId id);
   Progress is_dominated(NodeId id, bool& dominated);
   Progress expand(NodeId id);

@@ -72,7 +72,7 @@ class AveragedBlock {
     velocity_ += w.velocity;
   }
 
-  /// Applies a measurement that gives `information` in every direction.
+  /// Applies a measurement with the information `strength` in every direction.
   void update(double strength) {
     const double scale = 1.0 / (1.0 + strength * position_);
     velocity_ -= strength * cross_ * cross_ * scale;

@@ -86,8 +86,8 @@ class Descent {
 // Plans through the waypoints from `next` on; advances `next` as they are reached.
 SearchResult plan_through(const SearchProblem& problem,
                           const std::vector<Eigen::Vector2d>& waypoints, std::size_t& next) {
-  // A waypoint counts as reached within this distance, about the tightest turn of a typical
-  // primitive.
+  // A waypoint counts as reached within this distance, about the smallest turning radius of typical
+  // primitives.
   constexpr double kReached_m = 0.5;
   const auto aim = [&](const Pose2& at) {
     for (std::size_t tried = 0;

@@ -102,7 +102,7 @@ void GeodesicTable::reset(const models::World* world,
       }
       kept[at] = box;
     }
-    // Positions outside the walls and the points are irrelevant.
+    // Corners outside the bounding rectangle of walls and points are irrelevant.
     walls_ = shrunk(world->bounds, -kShrink_m);
     models::Rectangle all = world->bounds;
     for (const Eigen::Vector2d& p : points_) {

@@ -163,7 +163,7 @@ LookBound InformationHeuristic::look_bound(int m, double nearest_m, double farth
     if (strongest == 0.0) {
       continue;
     }
-    // `pointed`: the sensor measures one direction, or two perpendicular directions.
+    // `pointed`: the information differs between directions (range, bearing or both).
     const models::SensorLaw& law = sensor.kind.law();
     const bool pointed =
         !in_space && law.planar_law != nullptr && law.planar_law(sensor).isotropic_per_m2 == 0.0;

@@ -15,7 +15,8 @@ constexpr double kEdge_m = ReachLattice::kEdge_m;
 constexpr double kFloatRounding = 1e-5;  // relative rounding error of float sums
 constexpr std::size_t kCellNodes = 4;    // nodes of work per view from a cell
 
-// The linearly counted part of the information, and exp(gain of the excess per state).
+// Split of a measurement's information: `kept` counts linearly, and the excess gains at most
+// ln(`more`) nats per state.
 struct Capped {
   double kept = 0.0;
   double more = 1.0;
@@ -109,8 +110,8 @@ void LatticeBound::find_rare_gains() {
       most_m[2] = std::max(most_m[2], way_m);
     }
   }
-  // Returns the sum of radii below which no controls lead from (i, k) to (j, k + steps); negative
-  // if some controls always do.
+  // Returns the sum of the radii of targets i and j below which no controls lead from near i at
+  // step k to near j at step k + steps; negative if some controls always do.
   const auto slack_m = [&](int i, int j) {
     double slack = kInfinity;
     for (int steps = i == j ? 1 : 0; steps < kPauseStepsMax; ++steps) {

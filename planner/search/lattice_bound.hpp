@@ -18,7 +18,7 @@ namespace vantage::planner {
 
 /// Lower bound of the cost-to-go of plans that move at every step, for planar targets, log det
 /// costs and turns that are integer multiples of one angle. It bounds the gain of the best single
-/// path. Thm 6 is weaker: it assumes a separate robot for every target that measures in all
+/// path. Thm 6 is weaker: for every target it assumes a separate robot, which measures in all
 /// directions.
 ///
 /// Around a reference R the cost is additive over steps (LinearisedCost). Dynamic programming over

@@ -33,8 +33,9 @@ void LatticeBound::find_successor_maxima(int t, int n, int j, ReachLattice::Row 
 bool LatticeBound::gather(int t) {
   const ReachLattice::Level& level = layout_->levels[index(t)];
   const std::size_t controls = reach_.ends().size();
-  // The gain with one pause step left is that with no pause step left and no rare gain in this
-  // step. With no pause step left, the better of no rare gain and a rare gain counts.
+  // One pause step left gives the same gain as no pause step left without a rare gain in this step,
+  // so both are computed together. With no pause step left, the larger of this gain and the gain
+  // with a rare gain counts.
   const bool has_rare = pause_steps_ > 1;
   for (int pause_left = has_rare ? 1 : 0; pause_left < pause_steps_; ++pause_left) {
     for (int n = -level.turns; n <= level.turns; ++n) {

@@ -6,9 +6,9 @@
 
 namespace vantage::planner {
 
-/// Bound of one measurement over all reachable positions: M ⪯ `all_round` I + a sum of
-/// `pointed_count` rank-one terms with total strength `pointed`, in the position, plus `of_state` I
-/// in the state of a moving target. Units: m⁻².
+/// Bound of the information M of one measurement over all reachable positions, m⁻². M is at most a
+/// sum of two parts. The part about the position is `all_round` I plus `pointed_count` rank-one
+/// terms with total strength `pointed`. The part about a moving target's state is `of_state` I.
 struct LookBound {
   double all_round = 0.0;
   double pointed = 0.0;

@@ -12,10 +12,10 @@
 namespace vantage::planner {
 namespace {
 
-constexpr int kSweepsMax = 14;                    // the last has ε = δ = 0
+constexpr int kSweepsMax = 14;                    // the last sweep has ε = δ = 0
 constexpr std::int64_t kFirstSweepNodes = 2'000;  // work of the first sweep
-constexpr int kRivals = 4;        // drawn nodes of which a branch takes the cheapest
-constexpr int kDrawsMax = 16;     // draws of a start before the root is taken
+constexpr int kRivals = 4;        // number of drawn nodes; a branch begins at the cheapest
+constexpr int kDrawsMax = 16;     // draws of a branch's start; after these the root is taken
 constexpr double kNoGain = 1e-9;  // gains below this are rounding errors
 
 std::uint64_t hash_of(std::uint64_t key) {  // finaliser of splitmix64
@@ -207,7 +207,7 @@ SamplingTree::Progress SamplingTree::expand(NodeId id) {
     growths_[id].controls_left = children_.count;
   }
   const double value_here = expander_.terminal_value(tree_, id);
-  // Theorem 6 for the node itself: all of its children can be closed at once.
+  // The bound of Theorem 6 for the node itself can close all of its children at once.
   double bound = -kInfinity;
   if (result_.found && !is_last) {
     if (work()) {

@@ -83,9 +83,10 @@ class SamplingTree : private TreeSearch {
   int choose_child(NodeId id, const Eigen::Vector2d& goal_m);
   /// Computes children_ of `id`; closes those that the bound excludes. Offers leaves.
   Progress expand(NodeId id);
-  /// Enters child i of `id`, which is added if it is new; `child` is kNoNode if it was rejected.
+  /// Enters child i of `id`, and adds it to the tree if it is new. Sets `child` to kNoNode if the
+  /// child was rejected.
   Progress enter_child(NodeId id, int i, NodeId& child);
-  /// Completes nodes without open controls from `id` to the root.
+  /// Marks `id` and then its ancestors as complete, as long as all of their controls are closed.
   void complete(NodeId id);
   /// Sets `is_rejected` if a node of the same depth makes `id` redundant.
   Progress reject(NodeId id, bool& is_rejected);

@@ -17,12 +17,12 @@ namespace vantage::planner {
 ///
 /// The relaxed problem, over static planar targets: choose at which steps which targets are
 /// measured, subject to three rules.
-///   (1) After a first control, a target is measured no earlier than the path to its disc of
-///       visibility takes.
+///   (1) After a first control, a target is measured only when the robot can have reached the
+///       target's disc of visibility.
 ///   (2) Between measurements of two targets, the path between their discs must be travelled.
 ///   (3) Targets measured at one step have discs that meet.
-/// After n measurements by step k a target costs at least c(k, n): the best possible measurements,
-/// in the best directions, at the last n steps.
+/// If a target was measured n times until step k, its cost at step k is at least c(k, n). This is
+/// the cost after the best possible measurements, in the best directions, at the last n steps.
 ///
 /// A best-first search over (numbers of measurements, earliest next measurements) solves this
 /// problem. Its least open f is a valid bound at any time. The search can therefore be stopped
@@ -92,9 +92,9 @@ class SequencingBound : public PartialBound {
     return costs_[cell(i, n, steps_left_)];
   }
   void fill_gains(int i);
-  /// Returns the least cost from a state on if at most one region is measured per step: unit tasks
-  /// with release times, for which taking the greatest gain first is optimal. Precondition:
-  /// schedules_ is true.
+  /// Returns the least cost from a state on if at most one region is measured per step. The problem
+  /// is then a schedule of unit tasks with release times, and taking the greatest gain first is
+  /// optimal. Precondition: schedules_ is true.
   [[nodiscard]] double schedule(const State& state) const;
   void open_controls(const Pose2& at, double cutoff);
   void open(const State& state);
@@ -108,7 +108,7 @@ class SequencingBound : public PartialBound {
   bool expand(const State& state, double cutoff);
 
   int steps_left_ = 0;
-  bool any_member_ = false;  ///< true: regions are merged; one member of a stop is sufficient
+  bool any_member_ = false;  ///< true: a stop begins as soon as any of its targets allows
   std::vector<LookBound> looks_;
   std::uint32_t meets_[kTargetsMax] = {};
   std::uint8_t steps_between_[kTargetsMax][kTargetsMax] = {};
@@ -120,7 +120,7 @@ class SequencingBound : public PartialBound {
   bool schedules_ = false;              ///< no target has process noise or teammates' information
   std::vector<std::uint32_t> regions_;  ///< groups of targets with connected discs
   std::vector<double> hulls_;           ///< [i][n]: convex in n, ≤ the cost after n measurements
-  std::vector<double> gains_;  ///< [i][n]: gain of the next measurement by the hull, non-increasing
+  std::vector<double> gains_;           ///< [i][n]: decrease of hulls_ by the next measurement
   std::vector<double> row_blocks_;
   std::vector<AveragedBlock> row_averages_;
   std::vector<Eigen::Vector2d> ends_;  ///< end positions of the controls, in the body frame

@@ -22,7 +22,7 @@ struct TourStop {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   double arrival_s = 0.0;   ///< s after the problem's start
   double rate_per_s = 0.0;  ///< gain lost per second of later arrival, ≥ 0
-  double path_s = 0.0;      ///< s; travel and visits until the stop, along its positions
+  double path_s = 0.0;      ///< s; travel and visits from the first stop to this one
   double open = 0.0;        ///< see TerminalValue::Stop
   double done = 0.0;
 };
@@ -40,17 +40,17 @@ struct TourRegions {
 
 /// Planner of the order in which a robot visits the targets of a search problem beyond its horizon.
 ///
-/// Every target is a stop at its mean at the horizon's end: a target, a component of a mixture, or
-/// the landmark of an unexplored region. A visit at time a gains the cost (log det or trace, summed
-/// over steps of step_s until horizon_s) that the measurements of one visit save. Without a visit
-/// the covariance follows the target's motion model. A visit measures once per step for visit_s,
-/// from half the sensor's range, straight ahead. Its gain is multiplied by the probability that the
-/// target is within half the range of its mean. A visit of an unexplored region gains what the
-/// visit of one undiscovered target saves, times the weighted expected number of them in the
-/// region. The planned measurements of teammates are
-/// assumed to be made. Travel times are shortest paths around
-/// obstacles at the greatest speed, shortened by 0.6 of the sensor's range per stop. A stop is left
-/// in the terminal value until the plan has saved 0.7 of a visit's gain at once.
+/// Every target of the problem is a stop at its mean at the horizon's end. It is a real target, a
+/// component of a mixture, or the landmark of an unexplored region. The gain of a visit at time a
+/// is the cost that its measurements save (log det or trace, summed over steps of step_s until
+/// horizon_s). Without a visit the covariance follows the target's motion model. A visit measures
+/// once per step for visit_s, from half the sensor's range, straight ahead. The gain is multiplied
+/// by the probability that the target is within half the range of its mean. A visit of an
+/// unexplored region gains what the visit of one undiscovered target saves, times the weighted
+/// expected number of undiscovered targets in the region. The planned measurements of teammates are
+/// assumed to be made. Travel times are shortest paths around obstacles at the greatest speed,
+/// shortened by 0.6 of the sensor's range per stop. In the terminal value a stop is done when the
+/// plan has reduced the cost of its covariance by 0.7 of the reduction by one visit.
 ///
 /// In a team, the stops are allocated to all robots: the teammates start where and when their plans
 /// end. The robot's own tour is the result. Only the kStopsMax targets with the greatest covariance
@@ -69,9 +69,9 @@ class TourPlanner {
 
   explicit TourPlanner(int targets_max);
 
-  /// Plans the tour of a valid problem. `teammates` are the robots whose visits count. If there are
-  /// none, the fixed information of the problem does not count either. The result is valid until
-  /// the next call.
+  /// Plans the tour of a valid problem. `teammates` are the robots that share the stops. If there
+  /// are none, the fixed information of the problem is ignored too. The result is valid until the
+  /// next call.
   std::span<const TourStop> plan(const SearchProblem& problem,
                                  std::span<const FixedTeammate> teammates,
                                  const scenario::TourSpec& spec, const TourRegions& regions = {},
