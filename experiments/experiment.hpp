@@ -26,7 +26,8 @@ Sweep tracking_noise(const Extent& extent);
 Sweep tracking_clutter(const Extent& extent);
 /// Fig. 3.4: the lab trial, simulated, compared with three planners without look-ahead.
 Sweep hardware(const Extent& extent);
-/// Fig. 3.6: oracle calls and proposals of distributed local search, naive, lazy, warm or both.
+/// Fig. 3.6: oracle calls and proposals of distributed local search, naive, lazy, warm-started, or
+/// lazy and warm-started.
 Sweep dls_savings(const Extent& extent);
 /// Fig. 3.7: J of distributed local search and of coordinate descent in both orders.
 Sweep dls_objective(const Extent& extent);
@@ -43,7 +44,8 @@ Sweep surveillance(const Extent& extent);
 /// Fig. 4.9, simulated: two robots and two targets, with one robot jammed at all times.
 Sweep resilient_hardware(const Extent& extent);
 
-/// Not in the dissertation: plans of searches and of the sampling tree at equal instructions.
+/// Not in the dissertation: plans of searches and of the sampling tree with equal numbers of CPU
+/// instructions.
 Sweep search_or_sampling(const Extent& extent);
 
 }  // namespace vantage::experiments

@@ -12,8 +12,8 @@ namespace vantage::experiments {
 
 std::string dls_savings_figure();
 std::string dls_objective_figure();
-/// Draws information over energy (Fig. 3.8), and the paths chosen by each method in one trial in
-/// `world` (Fig. 3.9) under `titles`, each in quotes.
+/// Draws information as a function of energy (Fig. 3.8), and the paths chosen by each method in one
+/// trial in `world` (Fig. 3.9). `titles` contains one quoted title per method.
 std::string heterogeneous_figures(const models::World& world, const std::string& titles);
 std::string resilient_tracking_figure();
 /// Draws the mean errors of each combination and the values printed in the dissertation, from
@@ -22,7 +22,8 @@ std::string resilient_tracking_choices_figure();
 /// Draws maps of the first trial of RAIN with two attacks (Fig. 4.4), and entropy over time (Fig.
 /// 4.5).
 std::string resilient_mapping_figures();
-/// Draws the heuristic (Fig. 2.3), search trees (2.2, 2.5) and the cost of their paths (2.4).
+/// Draws the heuristic (Fig. 2.3), search trees (Fig. 2.2, 2.5) and the cost of the trees' paths
+/// (Fig. 2.4).
 std::string active_mapping_figures();
 /// Draws the means and confidence intervals of a sweep of team trials (Fig. 3.3, 3.4). `columns`
 /// are the columns that name a setting.

@@ -6,9 +6,9 @@
 
 namespace vantage::experiments {
 
-/// Returns the active mapping problem of the dissertation's ch. 2 H: 10 × 10 m, three boxes in the
-/// middle, six static landmarks (prior 0.25 I₂), an all-round range sensor (σ 0.15 m, up to 1 m),
-/// the ten standard primitives, T = 12, trace cost. The robot starts at `start`.
+/// Returns the active mapping problem of the dissertation, section 2.H: 10 × 10 m, three boxes in
+/// the middle, six static landmarks (prior 0.25 I₂), an all-round range sensor (σ 0.15 m, up to 1
+/// m), the ten standard primitives, T = 12, trace cost. The robot starts at `start`.
 planner::OwnedProblem landmark_problem(const Pose2& start);
 
 /// Returns the problem of landmark_problem() with a random obstacle-free start, determined by

@@ -11,7 +11,7 @@ enum class AttackKind {
   kNone,
   kRandom,     ///< every set of α robots is equally likely
   kWorstCase,  ///< the attack that reduces the value most, chosen greedily
-  kBestAlone,  ///< the robots with the best individual plans, as RTP expects
+  kBestAlone,  ///< the robots with the best individual plans, which are the bait
   /// The worst-case attack on the previous plans, applied during the current ones: the attacker
   /// knows only past motion, not the next plans. No robot is attacked during the first plans.
   kPreviousPlans,

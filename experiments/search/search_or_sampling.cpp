@@ -144,7 +144,7 @@ std::map<Unit, ComparedPlans> problems_of(const Tables& tables) {
   return problems;
 }
 
-// Share of the certified bound's information that a plan does not gain, percent.
+// Returns the share, in percent, of the certified bound of information that a plan does not gain.
 double loss_percent(const ComparedPlans& problem, double cost) {
   return 100.0 * (cost - problem.bound) / (problem.open_loop - problem.bound);
 }

@@ -17,7 +17,7 @@ namespace vantage::experiments {
 
 /// Surveillance of landmarks at known positions by a team under attack on its sensors.
 struct WatchSetting {
-  models::World world;  ///< obstacles block robots less than `overfly_m` above them
+  models::World world;  ///< an obstacle blocks robots less than `overfly_m` above it
   double overfly_m = 1.0;
   double clearance_m = 0.5;  ///< m; radius of the free disc around a robot
   std::vector<models::PositionVector> landmarks_m;
@@ -57,7 +57,7 @@ struct WatchRun {
 /// Growing uncertainty adds q k I in the step after k steps without observation; it adds nothing
 /// for landmarks in view. A plan uses each landmark's k at the time of planning for all steps.
 /// @throws UsageError when a start is not free or the search refuses its problem
-/// Source: dissertation Alg. 9, 10, ch. 4 F.3, F.4.
+/// Source: dissertation Alg. 9 and 10, sections 4.F.3 and 4.F.4.
 WatchRun watch(const WatchSetting& setting, std::span<const models::Viewpoint> starts,
                bool is_resilient);
 
@@ -73,7 +73,7 @@ struct Revisits {
   double interval_with_ends = 0.0;
   /// Mean over landmarks of each landmark's mean interval, with the ends.
   double interval_by_landmark = 0.0;
-  double age = 0.0;      ///< mean over landmarks and steps of the steps since the last observation
+  double age = 0.0;      ///< steps since the last observation, mean over landmarks and steps
   double absence = 0.0;  ///< mean of the intervals above 1, in which a landmark was out of view
   int longest = 0;       ///< longest interval, with the ends
   int never_seen = 0;    ///< number of landmarks never observed

@@ -15,8 +15,8 @@ struct Wait {
 /// share of waits longer than t, is Π_{s ≤ t} (1 − d_s / n_s) over the lengths s. d_s is the number
 /// of waits that ended after s steps, and n_s the number of those that lasted s or longer. S is
 /// constant beyond the longest wait. If all waits ended, the result is their mean, with each wait
-/// limited to `until`. If no wait ended, or there is none, the result is `until`. Precondition: all
-/// steps ≥ 1. Cost: O(n log n).
+/// limited to `until`. If no wait ended, or `waits` is empty, the result is `until`. Precondition:
+/// all steps ≥ 1. Cost: O(n log n).
 /// Source: Kaplan, Meier, 1958; Irwin, 1949.
 double restricted_mean(std::vector<Wait> waits, int until);
 

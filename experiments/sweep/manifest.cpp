@@ -55,7 +55,7 @@ nlohmann::ordered_json manifest_json(const SweepIdentity& identity, const SweepP
 
 std::filesystem::path write_beside(const std::string& directory,
                                    const nlohmann::ordered_json& json) {
-  // Host name and pid, because nodes may share the directory.
+  // The name contains host name and process id, because several hosts may share the directory.
   const std::filesystem::path path =
       std::filesystem::path(directory) / fmt::format("{}.{}.{}", kName, host_name(), ::getpid());
   write_file(path, json.dump(2) + "\n");

@@ -15,7 +15,7 @@ struct SlurmJobs {
   std::string array;      ///< format of job_of(); empty: nothing was submitted
   std::string collector;  ///< format of job_of(); empty: nothing was submitted
   int shards = 0;         ///< number of shards of the sweep
-  /// Returns "jobs 12 and 13 are".
+  /// Returns the beginning of a sentence about the jobs: "jobs 12 and 13 are".
   [[nodiscard]] std::string subject_and_verb() const;
 };
 

@@ -19,7 +19,8 @@ struct SlurmScripts {
 /// expands nothing in it.
 SlurmScripts slurm_scripts(const std::vector<std::string>& command, int shards);
 
-/// Returns the numbers of the shards, out of `of`, with a unit that is not in `done`.
+/// Divides the sweep into `of` shards and returns the numbers of those with a unit that is not in
+/// `done`.
 std::vector<int> incomplete_shards(const SweepPlan& plan, int of,
                                    const std::map<Unit, UnitRows>& done);
 

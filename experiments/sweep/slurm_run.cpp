@@ -104,7 +104,7 @@ class SlurmRun {
                                    const std::string& near) const {
     options.push_back("--chdir=" + folder_.string());
     options.push_back("--job-name=vantage-" + identity_.experiment);
-    options.emplace_back("--requeue");  // run again after a node failure, despite the default
+    options.emplace_back("--requeue");  // Slurm repeats a job after a node failure
     options.insert(options.end(), slurm_.sbatch.begin(), slurm_.sbatch.end());
     const std::vector<std::string> cluster = cluster_option(near);
     options.insert(options.end(), cluster.begin(), cluster.end());

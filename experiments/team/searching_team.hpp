@@ -23,7 +23,8 @@ struct SearchingTeam {
   /// descent if attacks_max is 0.
   void plan(const std::vector<planner::SearchTarget>& targets, int attacks_max,
             const Search& search);
-  /// Returns, by robot, nonzero if its sensor is attacked; at most `attacks` sensors are.
+  /// Returns one entry per robot: nonzero if its sensor is attacked. At most `attacks` entries are
+  /// nonzero.
   [[nodiscard]] std::vector<char> attacked(planner::Attacker attacker, int attacks) const;
   /// Moves all robots by step `step_of_plan` (from 0) of their plans. A robot without such a step
   /// stays and turns by `idle_turn_radps`. Returns the number of robots without such a step.

@@ -9,10 +9,10 @@ namespace vantage::experiments {
 /// g(x) = max(variance_floor, x), β from body x. For a full-circle field of view φ/2 is π. Without
 /// `variance_grows_with_range` the variance of the range is constant. All other properties equal
 /// those of SensorKind::kRangeBearing, for which both variances grow with the range. Information
-/// depends on the heading, so it has no PlanarLaw, and planners evaluate each observation
+/// depends on the heading, so the sensor has no PlanarLaw, and planners evaluate each observation
 /// separately.
-/// Source: dissertation after eq. 3.8 and in 4 F.1 ("the noise covariance grows linearly in range
-/// and in bearing, up to σ_r², and σ_b²"), read literally.
+/// Source: dissertation after eq. 3.8 and in section 4.F.1 ("the noise covariance grows linearly in
+/// range and in bearing, up to σ_r², and σ_b²"), read literally.
 models::SensorKind range_bearing_by_bearing();
 
 }  // namespace vantage::experiments

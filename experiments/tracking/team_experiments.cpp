@@ -36,7 +36,7 @@ struct TeamSweep {
   std::string figure;
   std::vector<TeamCase> cases;
   std::vector<Trend> trends;
-  bool is_improving = true;  ///< true: the dissertation states an improvement over the cases
+  bool is_improving = true;  ///< true: the dissertation states an improvement from case to case
   std::vector<std::string> choices;
 };
 

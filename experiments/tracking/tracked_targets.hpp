@@ -73,7 +73,7 @@ class TrackedTargets {
 
   [[nodiscard]] const models::TargetModel& model() const { return filter_.model(); }
   [[nodiscard]] const std::vector<models::Gaussian>& beliefs() const { return filter_.beliefs(); }
-  /// Returns, by target, nonzero if a robot observed it in the last observe().
+  /// Returns one entry per target: nonzero if a robot observed the target in the last observe().
   [[nodiscard]] const std::vector<char>& is_seen() const { return filter_.is_seen(); }
   /// Returns the true states, in the order of the targets.
   [[nodiscard]] const std::vector<models::StateVector>& truth() const { return truth_.states(); }
