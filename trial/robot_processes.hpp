@@ -25,7 +25,7 @@ std::vector<std::string> own_processes(const scenario::Scenario& scenario,
                                        const scenario::RobotSpec& robot);
 
 /// Refuses a scenario in which a process of the user replaces one of vantage, because a trial
-/// within one process has no others.
+/// within one process cannot run other programs.
 /// @throws StartupError that names the key
 void require_own_processes(const scenario::Scenario& scenario);
 

@@ -47,7 +47,7 @@ void SimulatedNetwork::send(std::string_view channel, std::size_t bytes, bus::Re
     const double waiting = to_seconds(free_at - now) * rate_Bps;
     const double room = std::max(kQueueS * rate_Bps, kQueueBytesMin) - waiting;
     is_on_air_ = air_bytes <= room;
-    // The frames of a message that fit are sent in any case.
+    // If a message does not fit, its frames that fit are sent nevertheless.
     const double sent =
         is_on_air_ ? air_bytes : std::max(0.0, std::floor(room / kFrameBytes) * kFrameBytes);
     free_at += from_seconds(sent / rate_Bps);

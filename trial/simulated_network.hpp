@@ -41,7 +41,7 @@ class SimulatedNetwork : public bus::HubNetwork {
   const bus::Clock& clock_;
   bus::AirBudget channels_;                           ///< names of the robots
   std::map<std::string, Time, std::less<>> free_at_;  ///< by robot: time at which its link is free
-  std::string sender_;      ///< of the present message; empty: not a robot
+  std::string sender_;      ///< sender of the present message; empty: no robot
   bool is_on_air_ = false;  ///< the present message leaves its robot
   double survival_ = 1.0;   ///< probability that the present message arrives at one host
   std::uint64_t messages_ = 0;

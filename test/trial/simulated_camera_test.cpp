@@ -35,8 +35,8 @@ class SimulatedCamera : public testing::Test {
   }
 };
 
-// From rendered images to beliefs, by the nodes that fly. A consistent filter has NEES 2; with 40 s
-// of five targets the mean of a consistent filter is within 1 and 3 for nearly all seeds.
+// Tests the nodes of a flight from rendered images to beliefs. A consistent filter has NEES 2; with
+// 40 s of five targets the mean of a consistent filter is within 1 and 3 for nearly all seeds.
 TEST_F(SimulatedCamera, FindsAndTracksRoversByTheirTags) {
   const scenario::Scenario scenario = camera_lab(40.0);
   require_own_processes(scenario);

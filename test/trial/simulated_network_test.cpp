@@ -32,7 +32,7 @@ TEST(SimulatedNetwork, LosesTheGivenShareOfFrames) {
     network.send("PLAN_Q1", 4000, bus::Reach::kAll);
     three_frames += network.arrives_at("Q2") ? 1 : 0;
   }
-  // Four standard deviations of the binomial shares.
+  // The tolerance is four standard deviations of the binomial shares.
   EXPECT_NEAR(one_frame / double{kMessages}, 0.8, 4.0 * 0.0028);
   EXPECT_NEAR(three_frames / double{kMessages}, 0.512, 4.0 * 0.0035);
 }
@@ -95,7 +95,7 @@ TEST(TrialWithBudget, StaysBelowTheBudgetAndIsAPureFunctionOfTheSeed) {
     bytes += each.count;
   }
   EXPECT_GT(bytes, 0);
-  // Two more seconds for the full buckets at the start.
+  // The full buckets at the start allow two more seconds of traffic: 32 s instead of 30 s.
   EXPECT_LE(static_cast<double>(bytes), 4.0 * 32.0 * 125.0 * 32.0);
 }
 

@@ -341,11 +341,12 @@ TEST(RunTrial, StartsOnAWholeRound) {
   EXPECT_GE(start, 1'700'000'000'000'000);
   EXPECT_LT(start, 1'700'000'000'000'000 + 2'100'000);
   EXPECT_EQ(start % 2'100'000, 0);
-  // If a round begins exactly at that time, the trial starts there.
+  // A round begins exactly at 1 700 000 000 s, so the trial starts at this time.
   scenario.planner.step_s = 0.5;
   scenario.planner.execute_steps = 2;
   EXPECT_EQ(to_utime(trial_start(scenario)), 1'700'000'000'000'000);
-  // 1 699 999 999 999 999 is a multiple of 157, so the next round begins 156 µs after that time.
+  // 1 699 999 999 999 999 µs is a multiple of 157 µs, so the first round after 1 700 000 000 s
+  // begins 156 µs later.
   scenario.planner.step_s = 157e-6;
   scenario.planner.execute_steps = 1;
   EXPECT_EQ(to_utime(trial_start(scenario)), 1'700'000'000'000'156);

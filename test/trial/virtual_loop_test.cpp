@@ -169,8 +169,8 @@ vantage_lcm::attack_t attack_numbered(std::int64_t sequence) {
   return attack;
 }
 
-// One bus misses four numbers of channel A and three of B; another bus misses only the three of B.
-// A third bus has a queue of ten thousand messages and drops seven.
+// One bus misses four sequence numbers of channel A and three of B; another bus misses only the
+// three of B. A third bus has a queue of ten thousand messages and drops seven.
 TEST(VirtualTimeLoop, CountsLossAndDroppedMessages) {
   VirtualTimeLoop loop(kStart);
   const auto sending_end = loop.connect();

@@ -86,7 +86,7 @@ ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& s
   const auto source = hub.connect();
   const auto receiver = hub.connect();
   // The node also publishes mixtures. A mixture is compared only if the log contains it, because
-  // logs of older versions, or with lost messages, may not.
+  // logs of older versions lack mixtures and messages can be lost.
   const std::string compared_if_logged = kPrefix + bus::mixture_channel(target.robot).name;
   for (const std::string& output : outputs) {
     receiver->subscribe(kPrefix + output,

@@ -37,8 +37,8 @@ struct ReplayReport {
   }
 };
 
-/// Reproduces the outputs of one node: runs its code in virtual time on exactly the inputs, and
-/// with the node budget, that each logged output contains. Compares the results with the log, bit
+/// Reproduces the outputs of one node: runs its code in virtual time on exactly the inputs that
+/// each logged output names, with the logged node budget. Compares the results with the log, bit
 /// for bit.
 ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& scenario,
                         const ReplayTarget& target,

@@ -73,7 +73,8 @@ class ReplayLog : public ::testing::Test {
     return replay_log(log, scenario, parse_replay_target(node, scenario));
   }
 
-  /// Expects `least` decisions or more, all replayed and equal to the logged ones to the bit.
+  /// Expects at least `least` decisions; all must be replayed and equal the logged ones bit for
+  /// bit.
   static void expect_made_again(const std::string& path, const std::string& node, int least) {
     const ReplayReport report = replay(path, node);
     EXPECT_TRUE(report.outputs.is_exact()) << node;
