@@ -118,7 +118,8 @@ TEST(Watch, KeepsClearanceAndControlLimits) {
   }
 }
 
-// With every sensor jammed, Σ is (σ² + q n (n − 1)/2) I after n steps; the first adds no noise.
+// With every sensor jammed, Σ is (σ² + q n (n − 1)/2) I after n steps; the first step adds no
+// noise.
 TEST(Watch, UncertaintyGrowsWhenAllAreAttacked) {
   const WatchSetting setting = short_setting(2);
   const WatchRun run = watch(setting, surveillance_starts(setting, 2, 4), true);
