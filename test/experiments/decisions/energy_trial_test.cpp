@@ -21,7 +21,7 @@ TEST(EnergyTrial, DependsOnItsSeedOnly) {
   }
 }
 
-TEST(HeterogeneousTrial, ChargesControlsAndTerrainPerRobot) {
+TEST(HeterogeneousTrial, ComputesEnergyFromControlsAndTerrainOfEachRobot) {
   HeterogeneousTrialOptions options;
   options.price_nats = 0.3;
   int in_both = 0;
@@ -58,7 +58,7 @@ TEST(HeterogeneousTrial, ChargesControlsAndTerrainPerRobot) {
   EXPECT_GT(in_both, 0);
 }
 
-TEST(HeterogeneousTrial, DiffersBetweenPricesInEnergyOnly) {
+TEST(HeterogeneousTrial, PriceChangesOnlyTheEnergyCosts) {
   HeterogeneousTrialOptions options;
   const EnergyTrial free = draw_heterogeneous_trial(1001, options, thread_search());
   options.price_nats = 0.5;

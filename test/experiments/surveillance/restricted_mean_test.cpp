@@ -17,7 +17,7 @@ TEST(RestrictedMean, EqualsTruncatedMeanForCompleteWaits) {
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 1), 1.0);
 }
 
-TEST(RestrictedMean, EqualsItsLimitForCensoredWaits) {
+TEST(RestrictedMean, EqualsItsLimitIfAllWaitsAreCensored) {
   EXPECT_DOUBLE_EQ(restricted_mean({{3, false}, {9, false}}, 20), 20.0);
   EXPECT_DOUBLE_EQ(restricted_mean({{20, false}}, 20), 20.0);
   EXPECT_DOUBLE_EQ(restricted_mean({}, 20), 20.0);
@@ -72,7 +72,7 @@ TEST(TimeUnobserved, CensorsTheLastWaits) {
   EXPECT_DOUBLE_EQ(result.pooled, 1.0 + 0.8 + 2 * 0.6 + 6 * 0.3);
 }
 
-TEST(TimeUnobserved, IsOneStepIfAlwaysInViewAndTheTaskIfNever) {
+TEST(TimeUnobserved, IsOneStepIfAlwaysInViewAndTheTaskLengthIfNever) {
   const std::vector<std::vector<char>> always(50, {1, 1, 1});
   const std::vector<std::vector<char>> never(50, {0, 0, 0});
   EXPECT_DOUBLE_EQ(time_unobserved(always).by_landmark, 1.0);

@@ -26,7 +26,7 @@ std::string said_by(const std::string& script, const std::string& task) {
   return answer.ok() ? answer.value().text : "";
 }
 
-TEST(SlurmScripts, PassArgumentsAndTheTasksShard) {
+TEST(SlurmScripts, PassArgumentsAndTheShardOfTheTask) {
   const SlurmScripts scripts =
       slurm_scripts({"printf", "<%s>\n", "two words", "it's", "$HOME `ls` \"*\" \\", ""}, 12);
   const std::string words = "<two words>\n<it's>\n<$HOME `ls` \"*\" \\>\n<>\n";
@@ -37,7 +37,7 @@ TEST(SlurmScripts, PassArgumentsAndTheTasksShard) {
 
 // The listed shards together contain all missing units, and every listed shard contains at least
 // one of them.
-TEST(ShardsLacking, CoverAllMissingUnits) {
+TEST(IncompleteShards, ContainAllMissingUnits) {
   std::mt19937 rng(7);
   for (int round = 0; round < 200; ++round) {
     SweepPlan plan;

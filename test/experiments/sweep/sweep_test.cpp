@@ -171,7 +171,7 @@ TEST_F(Sweeps, RefuseAnUnknownSetting) {
   EXPECT_EQ(runs_, 0);
 }
 
-TEST_F(Sweeps, AreIdenticalInShards) {
+TEST_F(Sweeps, AreIdenticalIfDividedIntoShards) {
   run("whole");
   for (int number = 3; number >= 1; --number) {
     SweepOptions options;
@@ -397,7 +397,7 @@ TEST(Sample, MatchesATextbookExample) {
   EXPECT_EQ(Sample().mean(), 0.0);
 }
 
-TEST(UnitsOf, PartitionUnitsAndSpreadSettings) {
+TEST(UnitsOf, DividesUnitsAmongShardsAndSpreadsSettings) {
   SweepPlan plan;
   plan.settings = {{"a"}, {"b", true}, {"c"}};
   plan.trials = 10;

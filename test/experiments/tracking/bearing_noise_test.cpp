@@ -70,7 +70,7 @@ TEST(BearingNoise, IsLargestBehindTheRobot) {
               0.5 * full_rad2, 1e-12);
 }
 
-TEST(BearingNoise, KeepsTheJacobian) {
+TEST(BearingNoise, JacobianEqualsNumericalDerivative) {
   const models::SensorModel sensor = sensor_of();
   test::Random random(5);
   for (int i = 0; i < 1'000; ++i) {

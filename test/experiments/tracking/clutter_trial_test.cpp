@@ -16,7 +16,7 @@ const ClutterScore& of(const ClutterScores& scores, ClutterMethod method) {
   return scores[index(method)];
 }
 
-TEST(TrackInClutter, WithoutClutterIsCloseToKnownIds) {
+TEST(TrackInClutter, LabelledFilterIsCloseToKnownIdsWithoutClutter) {
   const ClutterScores all = scores({1.0, 0.0});
   const ClutterScore& known = of(all, ClutterMethod::kKnownIds);
   const ClutterScore& ours = of(all, ClutterMethod::kLabelled);
@@ -25,7 +25,7 @@ TEST(TrackInClutter, WithoutClutterIsCloseToKnownIds) {
   EXPECT_LT(ours.ospa_m, 1.4 * known.ospa_m);
 }
 
-TEST(TrackInClutter, RanksKnownIdsThenTheLabelledFilter) {
+TEST(TrackInClutter, LabelledFilterIsBestExceptForKnownIds) {
   const ClutterScores all = scores({0.9, 1.0});
   const double ours_m = of(all, ClutterMethod::kLabelled).ospa_m;
   EXPECT_LT(ours_m, of(all, ClutterMethod::kJpda).ospa_m);

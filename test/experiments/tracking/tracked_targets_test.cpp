@@ -80,7 +80,7 @@ TEST(TrackedTargets, ErrorsMatchTheFiltersCovariance) {
 
 // Successive empty scans are not independent. The sensor's true detection probability would count
 // them too strongly, so the setting is lower.
-TEST(TrackedTargets, AreOverconfidentAtTheSensorsDetectionProbability) {
+TEST(TrackedTargets, BeliefsAreOverconfidentWithTheSensorsDetectionProbability) {
   TargetSetting setting;
   setting.detection_probability = 0.9;
   EXPECT_GT(consistency_of_sentries(setting, 5).nees_unseen, 8.0);
