@@ -50,7 +50,7 @@ logs::TrialSummary flown_with(const std::string& search) {
   return run_trial(scenario, trial_recipes(scenario)).summary;
 }
 
-TEST(AddAlgorithm, MakesAUsersSearchFlyInATrial) {
+TEST(AddAlgorithm, MakesACustomSearchAvailableInATrial) {
   EXPECT_THROW(flown_with("counted"), StartupError);
   planner::add_algorithm(own_algorithm());
   logs::TrialSummary own = flown_with("counted");

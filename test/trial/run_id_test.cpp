@@ -7,7 +7,7 @@ namespace {
 
 // Logs identify their runs by these numbers, so the numbers must not change. They were computed
 // with Python integers from the published constants of FNV-1a and SplitMix64.
-TEST(DeterministicRunId, EqualsTheStatedHash) {
+TEST(DeterministicRunId, EqualsPrecomputedValues) {
   EXPECT_EQ(deterministic_run_id(1, "PLANNER_Q1"), 8938889392048076765);
   EXPECT_EQ(deterministic_run_id(0, ""), 4656582077437394441);
   EXPECT_EQ(deterministic_run_id(0xFFFF'FFFF'FFFF'FFFF, "SIM"), 1020457809645835924);

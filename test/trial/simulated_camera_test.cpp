@@ -55,7 +55,7 @@ TEST_F(SimulatedCamera, GivesTheSameTrialForTheSameSeed) {
 }
 
 // HEALTH_<name> may contain only letters, digits and underscores.
-TEST(SimulatedCameraRecipes, HaveNamesOfChannels) {
+TEST(SimulatedCameraRecipes, HaveNamesThatAreValidInChannels) {
   EXPECT_EQ(node_name(process_name("camera-emulator", "Q1")), "CAMERA_EMULATOR_Q1");
 }
 

@@ -46,7 +46,7 @@ TEST(SimulatedNetwork, GivesAllProcessesOfAHostTheSameMessages) {
   }
 }
 
-TEST(SimulatedNetwork, DropsWhatExceedsTheQueue) {
+TEST(SimulatedNetwork, DropsMessagesThatExceedTheQueue) {
   bus::VirtualClock clock(from_utime(1'000'000));
   SimulatedNetwork network(two_robots(0.0, 80.0), clock);  // 10 kB/s: the queue holds 12 000 bytes
   constexpr std::size_t kPayload = 3000;
@@ -64,7 +64,7 @@ TEST(SimulatedNetwork, DropsWhatExceedsTheQueue) {
   EXPECT_TRUE(network.arrives_at("Q2"));
 }
 
-TEST(SimulatedNetwork, KeepsMessagesOfTheHostOnTheHost) {
+TEST(SimulatedNetwork, DoesNotSendHostOnlyMessagesToOtherHosts) {
   const bus::VirtualClock clock(from_utime(1'000'000));
   SimulatedNetwork network(two_robots(0.0, 0.0), clock);
   network.send("BELIEF_Q1", 500, bus::Reach::kHost);

@@ -333,7 +333,7 @@ TEST(RunTrial, RefusesATimeBudgetInVirtualTime) {
   EXPECT_THROW(run_trial(scenario, {}), UsageError);
 }
 
-TEST(RunTrial, StartsOnAWholeRound) {
+TEST(RunTrial, StartsAtTheBeginningOfARound) {
   scenario::Scenario scenario = short_lab(1);
   scenario.planner.step_s = 0.7;
   scenario.planner.execute_steps = 3;

@@ -85,7 +85,7 @@ TEST(VirtualTimeLoop, DoesNotTickAtItsEnd) {
   EXPECT_EQ(diary, (Diary{"A at 0", "A hears A"}));
 }
 
-TEST(VirtualTimeLoop, RefusesANodeWithoutProgress) {
+TEST(VirtualTimeLoop, RefusesANodeWhoseNextTickDoesNotAdvance) {
   Diary diary;
   VirtualTimeLoop loop(kStart);
   loop.add_node(recipe("A", diary, Duration(0)), 1);
@@ -147,7 +147,7 @@ TEST(VirtualTimeLoop, DeliversMessagesPublishedDuringDelivery) {
   EXPECT_EQ(loop.messages_lost(), 0);
 }
 
-TEST(VirtualTimeLoop, TicksLateRatherThanInThePast) {
+TEST(VirtualTimeLoop, ExecutesAnOverdueTickAtThePresentTime) {
   Diary diary;
   VirtualTimeLoop loop(kStart);
   loop.run_until(kStart + Duration(100));

@@ -70,7 +70,7 @@ TEST(ConflictsWithUp, AreReportedInOneSentenceEach) {
 
 // A direct vehicle belongs to the simulator, whichever host runs its robot. A vehicle with a driver
 // belongs to its host.
-TEST(ConflictsWithUp, AreVehiclesOfAnotherPublisher) {
+TEST(ConflictsWithUp, DependOnWhetherSimulatorOrDriverPublishesAVehicle) {
   scenario::Scenario scenario = lab_of_two_hosts();
   scenario.robots[1].device = scenario::DeviceSource::kWire;
   EXPECT_TRUE(conflicts_with_up(scenario, "AIR", Channels{"VEHICLE_Q1", "VEHICLE_Q3"}).empty());
@@ -106,7 +106,7 @@ TEST(ActiveChannels, ContainThePublishedChannels) {
             (Channels{"HOST_LAB", "TRUTH"}));
 }
 
-TEST(ActiveChannels, SeparateUnverifiedChannelsWhereRequired) {
+TEST(ActiveChannels, ListChannelsWithoutValidSignatureSeparately) {
   bus::InProcessHub hub;
   const bus::VirtualClock clock(from_utime(1'700'000'000'000'000));
   const auto receiving_end = hub.connect();

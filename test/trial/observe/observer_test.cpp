@@ -192,7 +192,7 @@ TEST(TrialObserver, HasTheBeliefOfEachRobotAndTheTeamsEstimateOfEachTarget) {
   }
 }
 
-TEST(TrialObserver, HasTheNewestMapOfEachRobotOfATeamThatMaps) {
+TEST(TrialObserver, HasTheNewestMapOfEachRobotInAMappingTrial) {
   const scenario::Scenario scenario = scenario_of("mapping", 3.0);
   Trial trial(scenario, trial_recipes(scenario), "");
   trial.advance_to(trial.planned_end());

@@ -106,7 +106,7 @@ class ReplayLog : public ::testing::Test {
 };
 std::unique_ptr<TemporaryFolder> ReplayLog::folder_;
 
-TEST_F(ReplayLog, ReproducesATeamWithABudgetAndLossesExactly) {
+TEST_F(ReplayLog, ReproducesATeamWithMessageBudgetAndLossesExactly) {
   std::ifstream file(VANTAGE_SOURCE_DIR "/config/lab.yaml");
   std::string text{std::istreambuf_iterator<char>(file), {}};
   const std::string section = "\nnetwork:\n";
@@ -148,7 +148,7 @@ TEST_F(ReplayLog, ReproducesPosesWithoutMotionCapture) {
   }
 }
 
-TEST_F(ReplayLog, ReproducesTracksWithoutIdsAndTheirPlans) {
+TEST_F(ReplayLog, ReproducesTracksWithoutIdsAndPlansThatUseThem) {
   scenario::Overrides overrides;
   overrides.duration_s = 20.0;
   const std::string log_path = folder_->file("unlabelled.lcmlog");
@@ -199,7 +199,7 @@ TEST_F(ReplayLog, ReproducesTracksWithoutIdsAndTheirPlans) {
 
 // A log without mixtures is valid and has no differences. A plan that names a mixture as input can
 // only be reproduced with that mixture.
-TEST_F(ReplayLog, ReproducesMixturesAndTheirPlans) {
+TEST_F(ReplayLog, ReproducesMixturesAndPlansThatUseThem) {
   const auto [scenario, path, summary] = fly("field", 180.0, 300);
   EXPECT_EQ(summary.plans_missing, 0);
   int mixtures = 0;
@@ -240,7 +240,7 @@ TEST_F(ReplayLog, ReproducesMixturesAndTheirPlans) {
   EXPECT_EQ(plans.not_replayed(), planned_by);
 }
 
-TEST_F(ReplayLog, ReproducesMapsUnderAttackAndTheirPlans) {
+TEST_F(ReplayLog, ReproducesMapsUnderAttackAndPlansThatUseThem) {
   const auto [scenario, path, summary] = fly("mapping", 12.0, 300);
   EXPECT_EQ(summary.plans_missing, 0);
   EXPECT_EQ(summary.collisions, 0);

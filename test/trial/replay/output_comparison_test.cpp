@@ -36,7 +36,7 @@ vantage_lcm::plan_t plan_of(std::int64_t round) {
 
 // Changes one byte at a time: of the fingerprint, the time stamp, the publisher's identity (16
 // bytes, which are ignored), and the rest.
-TEST(OutputComparison, ComparesAllBytesExceptThePublishers) {
+TEST(OutputComparison, ComparesAllBytesExceptThePublisherIdentity) {
   vantage_lcm::mixture_t mixture{};
   mixture.utime = 7;
   mixture.robot = "Q1";
@@ -59,7 +59,7 @@ TEST(OutputComparison, ComparesAllBytesExceptThePublishers) {
   EXPECT_EQ(comparison.different(), 1) << "the lengths differ";
 }
 
-TEST(OutputComparison, SeparatesKindsOfEqualNumber) {
+TEST(OutputComparison, DistinguishesMessageTypesWithEqualIndex) {
   vantage_lcm::belief_t belief{};
   belief.step = 5;
   vantage_lcm::mixture_t mixture{};
@@ -107,7 +107,7 @@ TEST(OutputComparison, ComparesProposalsOfTheSameSolution) {
   EXPECT_FALSE(comparison.has_logged(encoded(first))) << "no solution is logged yet";
 }
 
-TEST(OutputComparison, ReportsTheDifferenceWithTheLowestNumber) {
+TEST(OutputComparison, ReportsTheDifferenceOfTheEarliestRound) {
   OutputComparison comparison;
   for (const int round : {3, 4, 5, 6}) {
     comparison.add_logged(encoded(plan_of(round)));

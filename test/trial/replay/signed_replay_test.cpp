@@ -115,7 +115,7 @@ TEST_F(SignedReplay, OmitsMessagesThatTheFlightRefused) {
   }
 }
 
-TEST_F(SignedReplay, AcceptsAllAndWarnsWithoutKeys) {
+TEST_F(SignedReplay, AcceptsAllMessagesAndWarnsIfKeysAreMissing) {
   const ReplayReport report = replay(with_signatures(), "planner:Q1",
                                      scenario::SecurityMode::kRequire, folder_->file("nowhere"));
   EXPECT_TRUE(report.lacks_keys);
@@ -180,7 +180,7 @@ TEST_F(SignedReplay, ReturnsTheCountersOfTheReplayingNode) {
   EXPECT_EQ(counts["replay_inputs_missing"], 0);
 }
 
-TEST_F(SignedReplay, ChecksForTheGivenNode) {
+TEST_F(SignedReplay, ParsesTheNodeToReplay) {
   const ReplayTarget planner = parse_replay_target("planner:Q2", *scenario_);
   EXPECT_EQ(planner.kind, ReplayTarget::Kind::kPlanner);
   EXPECT_EQ(planner.robot, "Q2");
