@@ -24,8 +24,8 @@ struct HeterogeneousOutcome {
   [[nodiscard]] double energy() const { return energy_ugvs + energy_uav; }
 };
 
-/// Returns the summary without the choices. The picture shows the trial in which distributed local
-/// search gains most over the better order of coordinate descent.
+/// Returns the summary without Summary::choices. The picture shows the trial in which distributed
+/// local search gains most over the better order of coordinate descent.
 Summary summarise_heterogeneous(const SweepPlan& plan, const Tables& tables);
 
 }  // namespace vantage::experiments

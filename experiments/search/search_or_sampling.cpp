@@ -21,7 +21,7 @@ using planner::SearchProblem;
 using planner::SearchResult;
 
 constexpr int kProblemsPerFamily = 143;  // 1001 problems in seven families
-constexpr double kInstructions = 100e6;  // per plan, about 0.03 s
+constexpr double kInstructions = 100e6;  // CPU instructions per plan, about 0.03 s
 constexpr double kSmokeInstructions = 5e6;
 constexpr std::size_t kMemory_bytes = std::size_t{512} << 20U;
 

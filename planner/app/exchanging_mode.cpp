@@ -9,8 +9,7 @@
 namespace vantage::planner {
 namespace {
 
-// Period of a local search's work, and its work per period; messages are handled between the
-// periods.
+// Period of a local search, and its work per period. Messages are handled between the periods.
 constexpr Duration kPeriod{5'000};
 constexpr std::int64_t kWork_ns = 3'000'000;
 constexpr std::int64_t kCalls = 5'000;

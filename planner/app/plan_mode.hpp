@@ -17,7 +17,8 @@ enum class SlotStage : std::uint8_t {
 };
 
 /// Messages that a planner node exchanges before its plan, and the times of this exchange; selected
-/// by the scenario (make_plan_mode()). The defaults are those of a robot without an exchange.
+/// by the scenario (make_plan_mode()). The default functions are those of a robot without an
+/// exchange.
 class PlanMode {
  public:
   virtual ~PlanMode() = default;

@@ -20,8 +20,8 @@ struct Candidate {
   std::vector<PredictedMeasurement>
       measurements;          ///< sorted by target, then step; only those with nonzero information
   double energy_cost = 0.0;  ///< r_i C_i ≥ 0, nats
-  /// Information gain about targets that only this robot knows, ≥ 0, nats. J contains the full
-  /// amount.
+  /// Information gain about targets that only this robot knows, ≥ 0, nats. This gain is added to J
+  /// without reduction.
   double unshared_nats = 0.0;
   /// I(y_{1:T}; z_{1:T}) of these measurements alone about the targets for which they were
   /// computed, nats, if known. A TeamOracle of the same targets then does not evaluate it. Code

@@ -21,7 +21,8 @@ struct DecisionOptions {
 struct DecisionAlgorithm {
   std::string_view name;
   std::string_view what;  ///< description for --help, one line
-  /// Names of the DecisionOptions that it uses, and "energy" if the candidates may have costs.
+  /// Names of the DecisionOptions that the algorithm uses, and "energy" if the candidates may have
+  /// costs.
   std::vector<std::string_view> options;
   bool is_optimal = false;  ///< true: the algorithm finds the optimum if there are no attacks
   bool has_bait = false;    ///< bait robots (ResilientRound) keep the plans that they made alone

@@ -45,7 +45,7 @@ class ImprovementRule {
   double least_rise_;
 };
 
-/// A local operation on the team's solution: (d, NOP), (NOP, a) or (d, a).
+/// A local operation on the team's solution: deletion (d, NOP), addition (NOP, a) or swap (d, a).
 struct Proposal {
   int drop_robot = -1;  ///< robot that loses its trajectory; −1: none
   CandidateId add = kNoCandidate;

@@ -28,7 +28,7 @@ class TeamRound {
 
   Choice run(const Choice& start, std::span<const char> excluded, bool warm_start) {
     team_.become(start);
-    decision_.messages += oracle_.robot_count();  // each robot sends |Mᵢ| and its best candidate
+    decision_.messages += oracle_.robot_count();  // one message per robot: |Mᵢ|, best candidate
     if (warm_start) {
       add_greedily(excluded);
     }

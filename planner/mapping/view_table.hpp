@@ -17,7 +17,7 @@ enum class BeamMeasure {
 };
 
 /// Handling of beams that observe the same cells. Both modes divide a beam's information among its
-/// cells in proportion to P(beam reaches the cell) · o (1 − o).
+/// cells in proportion to P(beam reaches the cell) · o (1 − o), with the occupancy o of the cell.
 enum class BeamDependence {
   /// Drops a beam if other counted beams already give at least `dependent_share` of its
   /// information; otherwise counts it in full. The result depends on the order of the beams. From

@@ -77,7 +77,7 @@ class MotionTable {
   [[nodiscard]] bool can_stop_at(const Pose2& at, double speed_mps, int depth) const;
 
   struct Primitive {
-    Pose2 end;                             ///< body at start from body at end
+    Pose2 end;                             ///< pose at the end, in the body frame at the start
     Eigen::Vector2d piece_end_m[kPieces];  ///< ends of the pieces, in the body frame at the start
     Pose2 along[kParts];  ///< poses after k of the kParts parts of the arc, in the body frame
     double length_m = 0.0;

@@ -8,8 +8,8 @@
 
 namespace vantage::planner {
 
-/// A problem with ownership of the world that it points to, if any. A move is safe, because world
-/// and field keep their addresses.
+/// A problem with ownership of the world that it points to, if any. The object can be moved safely,
+/// because world and field keep their addresses.
 struct OwnedProblem {
   std::unique_ptr<models::World> world;
   std::unique_ptr<models::DistanceField> field;

@@ -49,8 +49,8 @@ struct SearchProblem {
   CostKind cost = CostKind::kLogDet;
 
   /// Information of the teammates' fixed plans about target m on arrival at depth t:
-  /// fixed_information[m][t − 1], about the position (position_dim square) or the state (dim
-  /// square). Empty if there is none.
+  /// fixed_information[m][t − 1], a matrix of size position_dim (about the position) or dim (about
+  /// the state). Empty if there is none.
   std::vector<std::vector<models::StateMatrix>> fixed_information;
 
   /// Terminal value, which is added to J_T of every complete plan; empty: nothing is added. A

@@ -32,8 +32,8 @@ struct InformationLanes {
 /// models::information() summed over the sensors, tabulated so that one evaluation costs one
 /// division. Includes line of sight.
 ///
-/// Agrees with models/sensor to rounding (tested). For a target at a sensor's limit, rounding may
-/// cause only one of the two to report it as visible.
+/// Agrees with models/sensor to rounding (tested). Exactly at a sensor's limit, the visibility of a
+/// target can differ from models/sensor because of rounding.
 class SightTable {
  public:
   SightTable() { sensors_.reserve(8); }

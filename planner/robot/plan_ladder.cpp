@@ -11,7 +11,7 @@
 namespace vantage::planner {
 namespace {
 
-// Certificate fields of a SearchResult or a RobotPlan.
+// Returns references to the certificate fields of a SearchResult or a RobotPlan.
 template <class Found>
 auto certificate_of(Found& found) {
   return std::tie(found.cost, found.lower_bound, found.epsilon, found.delta_m, found.passes);

@@ -17,8 +17,8 @@ struct PlannerCounts {
   std::int64_t no_pose = 0;         ///< rounds without a known pose
   /// rounds in which the robot flew a plan that was made before a restart
   std::int64_t unknown_plan = 0;
-  /// Targets that cannot be predicted (e.g. from a clock that was ahead) or are not in the
-  /// scenario, and grids of another geometry.
+  /// Targets that cannot be predicted (e.g. with a stamp from a clock that was ahead) or are not in
+  /// the scenario, and grids with a geometry that differs from the scenario's.
   std::int64_t unusable_beliefs = 0;
   /// bodies in the way that were ignored because kBodiesMax nearer ones exist
   std::int64_t bodies_dropped = 0;

@@ -11,9 +11,10 @@ namespace vantage::planner {
 
 /// The time-triggered planning round: no leader, no acknowledgement.
 ///
-/// Round k starts at t_k = k · n_exec · τ on the common clock. The team's budget B lies at the end
-/// of the round, [t_{k+1} − m − B, t_{k+1} − m), so that plans use recent beliefs. Robot i of N
-/// owns the i-th of N equal parts of the budget. All robots switch to their new plans at t_{k+1}.
+/// Round k starts at t_k = k · n_exec · τ on the common clock (n_exec = execute_steps, τ = step_s).
+/// The team's budget B lies at the end of the round, [t_{k+1} − m − B, t_{k+1} − m) with the margin
+/// m, so that plans use recent beliefs. Robot i of N owns the i-th of N equal parts of the budget.
+/// All robots switch to their new plans at t_{k+1}.
 ///
 /// A team larger than planner.slots, S > 0, divides the budget into S parts, for any N. Each slot
 /// is shared by robots that are not near each other, and a robot's slot can change

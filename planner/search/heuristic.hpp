@@ -16,13 +16,14 @@ namespace vantage::planner {
 /// Lower bound of a search node's cost-to-go, admissible and consistent, from the node's belief and
 /// the robot's reachable positions.
 ///
-/// h(x, Σ, t) = Σ_{k=t+1..T} c(Σ̄_k), Σ̄_k = (ρᵖ(Σ̄_{k−1})⁻¹ + M̄ᵏ⁻ᵗ(x))⁻¹, where M̄ʲ bounds the
-/// information from all positions within j steps. For static targets, distances are path lengths
-/// around obstacles. For planar static targets, a sum of rank-one information over the measurements
-/// replaces M̄ = λ_max I. Let a ≤ b be the eigenvalues of the present information, and E the sum of
-/// the non-zero eigenvalues of the measurements. The determinant is at most (a + E) b after one
-/// measurement or while a + E ≤ b, else ((a + b + E)/2)². For all other planar targets the
-/// direction-averaged block (AveragedBlock) gives a second bound; the larger is used.
+/// h(x, Σ, t) = Σ_{k=t+1..T} c(Σ̄_k), Σ̄_k = (ρᵖ(Σ̄_{k−1})⁻¹ + M̄ᵏ⁻ᵗ(x))⁻¹, where c is the stage
+/// cost, ρᵖ predicts one step, and M̄ʲ bounds the information from all positions within j steps.
+/// For static targets, distances are path lengths around obstacles. For planar static targets, a
+/// sum of rank-one information over the measurements replaces M̄ = λ_max I. Let a ≤ b be the
+/// eigenvalues of the present information, and E the sum of the non-zero eigenvalues of the
+/// measurements. The determinant is at most (a + E) b after one measurement or while a + E ≤ b,
+/// else ((a + b + E)/2)². For all other planar targets the direction-averaged block (AveragedBlock)
+/// gives a second bound; the larger is used.
 ///
 /// For targets not yet measured on the path to the node, a table stores values by distance (rings
 /// of a quarter step, rounded inwards). The table is filled on demand. Targets out of reach need no

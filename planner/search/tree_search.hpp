@@ -28,9 +28,9 @@ class TreeSearch {
 
   [[nodiscard]] bool expired() const { return deadline_->expired(result_.work_nodes); }
 
-  /// Sets the plan if no complete sequence can stop safely: the best hover at the deepest depth
-  /// below `depths` where one exists. `offer(depth, choice)` offers the search's nodes of a depth.
-  /// Leaves the result unchanged if there is none.
+  /// Sets the plan if no complete sequence can stop safely: the best hover at the greatest depth
+  /// below `depths` at which a hover exists. `offer(depth, choice)` offers the search's nodes of a
+  /// depth. Leaves the result unchanged if there is none.
   template <class Offer>
   void hover_as_late_as_safe(int depths, const Offer& offer) {
     for (int depth = depths - 1; depth >= 0; --depth) {
