@@ -112,8 +112,10 @@ TEST_P(Neighbourhood, LimitsMessagesAndReplaysExactly) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(InARowAndShared, Neighbourhood, ::testing::Values("", ", slots: 32"),
-                         [](const auto& kind) { return kind.param.empty() ? "Row" : "Shared"; });
+INSTANTIATE_TEST_SUITE_P(Slots, Neighbourhood, ::testing::Values("", ", slots: 32"),
+                         [](const auto& kind) {
+                           return kind.param.empty() ? "OnePerRobot" : "Shared";
+                         });
 
 }  // namespace
 }  // namespace vantage::trial

@@ -70,7 +70,7 @@ TEST(MappingTrial, LearnsNothingWhileEveryRobotIsAttacked) {
   EXPECT_EQ(outcome.steps.back().entropy_nats, outcome.steps.front().entropy_nats);
 }
 
-TEST(AttackedRobots, FollowTheKindOfAttack) {
+TEST(AttackedRobots, DependOnTheKindOfAttack) {
   const MappingSetup setup = small_setup();
   const models::OccupancyBelief map(models::GridGeometry::covering(setup.world.bounds, 0.2), 4.0);
   planner::ViewTable views(map, {16, 2.0 * kPi, 0.0, 1.5, 0.01}, {});

@@ -120,7 +120,7 @@ TEST(Watch, KeepsClearanceAndControlLimits) {
 
 // With every sensor jammed, Σ is (σ² + q n (n − 1)/2) I after n steps; the first step adds no
 // noise.
-TEST(Watch, UncertaintyGrowsWhenAllAreAttacked) {
+TEST(Watch, UncertaintyGrowsWhenAllRobotsAreAttacked) {
   const WatchSetting setting = short_setting(2);
   const WatchRun run = watch(setting, surveillance_starts(setting, 2, 4), true);
   for (std::size_t t = 0; t < run.seen.size(); ++t) {

@@ -69,7 +69,7 @@ TEST(TrackUnderAttack, ResultDependsOnEachUnpublishedChoice) {
   }
 }
 
-TEST(TrackUnderAttack, LearnsNothingWhenAllAreAttacked) {
+TEST(TrackUnderAttack, LearnsNothingWhenAllRobotsAreAttacked) {
   const TrackingSetting setting{.robots = 2,
                                 .targets = {.count = 2},
                                 .attacks = 2,
