@@ -12,7 +12,7 @@ struct Decided {
   std::string method;
   planner::Choice choice;
   double value = 0.0;  ///< J, nats
-  /// oracle calls, including calls for single candidates if the method needs them
+  /// oracle calls per candidate, including calls for single candidates if the method needs them
   double calls_per_candidate = 0.0;
   double adopted = 0.0;
   double messages = 0.0;

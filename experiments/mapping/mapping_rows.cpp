@@ -85,7 +85,7 @@ std::map<std::string, std::string> map_files(const Tables& tables,
       const std::string world = cells_of(setting_cells(record.unit.setting)).front();
       std::string& file = files[world + "_ways.txt"];
       if (record.cells[1] == "0" && !file.empty()) {
-        file += "\n\n";  // next robot
+        file += "\n\n";  // separates two robots
       }
       file += fmt::format("{} {} {} {}\n", record.cells[1], record.cells[2], record.cells[3],
                           record.cells[4]);

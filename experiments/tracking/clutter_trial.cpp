@@ -255,7 +255,7 @@ class ClutterTrial {
   sim::Ground ground_;
   std::mt19937_64 rng_;
   estimator::DistributedFilter known_;
-  std::vector<Tracking> trackings_;  ///< in the order of ClutterMethod
+  std::vector<Tracking> trackings_;  ///< one per ClutterMethod
   std::array<MethodMetrics, kClutterMethods.size()> metrics_;
   std::vector<Eigen::Vector2d> positions_m_;  ///< m; by robot
   std::vector<Eigen::Vector2d> goals_m_;      ///< m; by robot

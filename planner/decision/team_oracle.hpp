@@ -29,7 +29,7 @@ struct TeamProblem {
   std::vector<std::vector<Candidate>> candidates;  ///< indexed by [robot]
 };
 
-/// Everything about a team problem that does not depend on S: candidates by id, target motion, and
+/// The data of a team problem that do not depend on the set S: candidates by id, target motion, and
 /// the individual value of each candidate. TeamSet evaluates sets.
 class TeamOracle {
  public:

@@ -19,10 +19,11 @@ struct SlotHolder {
 // It then takes a slot that no neighbour uses. Its first plan in the new slot is its committed
 // motion, which informs all neighbours of the new slot before the robot searches.
 //
-// If two neighbours have received each other's last plan, at most one of the two searches in a
-// slot. If every robot has fewer neighbours than there are slots, the colouring becomes permanent
-// once the graph stops changing: the robot of lowest index among those in a slot keeps the slot.
-// With fewer slots, the higher-numbered robots continue their committed motion, which is safe.
+// If two neighbours have received each other's last plan, at most one of these neighbours searches
+// in a slot. If every robot has fewer neighbours than there are slots, the colouring becomes
+// permanent once the graph stops changing: the robot of lowest index among those in a slot keeps
+// the slot. With fewer slots, the higher-numbered robots continue their committed motion, which is
+// safe.
 
 /// True if `own` may search in its slot. Precondition: the newest plan of `own` was made in that
 /// slot.

@@ -63,7 +63,7 @@ void BestFirstSearch::start(const SearchProblem& problem, const BestFirstOptions
   sequencing_.reset(problem, expander_.beliefs(), heuristic_);
   terminal_.reset(problem, expander_.beliefs(), heuristic_);
   index_.reset(options.delta_m);
-  child_f_.assign(1, 0.0F);  // index 0 means that there are none
+  child_f_.assign(1, 0.0F);  // entry 0 is unused, because index 0 means "none"
   open_.clear();
   floors_.clear();
   open_peak_ = 0;

@@ -57,7 +57,7 @@ class RootBound {
   SequencingBound sequencing_;
   NearBound near_;
   PrefixBound prefix_;
-  TerminalBound terminal_;  ///< added to the bounds of J_T
+  TerminalBound terminal_;  ///< bound of the terminal value, added to bounds of J_T
   const SearchProblem* problem_ = nullptr;
   bool is_raised_ = false;  ///< prefix_ is tabulated for this problem
   Pose2 start_;

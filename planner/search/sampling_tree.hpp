@@ -81,7 +81,8 @@ class SamplingTree : private TreeSearch {
   [[nodiscard]] Eigen::Vector2d draw_goal();
   /// Returns the index in children_ of the next step, or −1 if every control is closed.
   int choose_child(NodeId id, const Eigen::Vector2d& goal_m);
-  /// Computes children_ of `id`; closes those that the bound excludes. Offers leaves.
+  /// Computes children_ of `id` and closes those that the bound excludes. Leaves are offered as
+  /// plans.
   Progress expand(NodeId id);
   /// Enters child i of `id`, and adds it to the tree if it is new. Sets `child` to kNoNode if the
   /// child was rejected.

@@ -59,7 +59,7 @@ class SequencingBound : public PartialBound {
 
  private:
   struct Stop {
-    std::uint32_t targets = 0;  ///< bit set
+    std::uint32_t targets = 0;  ///< set of targets, one bit each
     std::uint8_t steps_to[kTargetsMax] = {};
   };
   struct State {

@@ -15,7 +15,7 @@ inline constexpr NodeId kNoNode = 0xFFFFFFFF;
 /// One node of a search tree, 48 bytes. Its belief is stored separately, and only if needed.
 struct Node {
   Pose2 world_from_body;
-  double cost = 0.0;  ///< accumulated J
+  double cost = 0.0;  ///< accumulated J, plus the terminal value if any
   NodeId parent = kNoNode;
   std::uint32_t posterior = 0;  ///< index of its blocks in Tree; 0: not computed yet
   /// used by the search algorithm: link to the next node of the list that contains this node

@@ -12,9 +12,9 @@ namespace vantage::planner {
 /// Problem of assigning stops and their order to robots, as tables.
 ///
 /// Robots start at their own positions and visit the stops of their tours in order. A visit of stop
-/// i that begins at time a gains values(i, a) and lasts `visit_s`. A stop is visited at most once.
-/// The gains are tabulated at the multiples of `sample_s` and linear in between; a visit after the
-/// last sample gains nothing.
+/// i that begins at time a has the gain gain_at(i, a) and lasts `visit_s`. A stop is visited at
+/// most once. The gains are tabulated at the multiples of `sample_s` and linear in between; a visit
+/// after the last sample gains nothing.
 class TourProblem {
  public:
   TourProblem(int stops_max, int robots_max, int samples);

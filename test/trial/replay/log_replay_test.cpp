@@ -358,8 +358,8 @@ TEST_F(ReplayLog, ReportsOutputsThatCannotBeReproduced) {
   EXPECT_EQ(beliefs.not_replayed(), 1) << "the step after the lost one continues from the log";
 }
 
-// A plan with a lost input delays later plans by at most two seconds. Tested with one lost input,
-// with one near the end of the log, and with three.
+// A plan with a lost input delays later plans by at most two seconds. Tests one lost input, one
+// lost input near the end of the log, and three lost inputs.
 TEST_F(ReplayLog, ReproducesPlansAfterALostInput) {
   int plans = 0;
   edited([&](std::string_view channel, Bytes&) {
