@@ -10,7 +10,7 @@
 
 namespace vantage::experiments {
 
-/// Parameters of both scenarios that the dissertation does not state.
+/// Parameters that the dissertation does not state, for both scenarios.
 struct EnergyTrialOptions {
   double prior_position_sigma_m = 1.0;
   double prior_velocity_sigma_mps = 1.0;

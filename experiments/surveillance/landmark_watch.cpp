@@ -153,8 +153,8 @@ class LandmarkWatch {
     return targets;
   }
 
-  // The search keeps only the cheapest of all poses within δ of each other, independent of its
-  // belief. The kept plans thus have different destinations. This is needed because a path to a
+  // The search keeps only the cheapest of all poses within δ of each other, independent of the
+  // beliefs. The kept plans thus have different destinations. This is needed because a path to a
   // distant landmark gives no information until the landmark is in view.
   [[nodiscard]] planner::ReducedOptions reduction() const {
     planner::ReducedOptions options;

@@ -125,7 +125,7 @@ struct Distance {
   Factor mean;
   Factor peak;
   Factor both;
-  int rain_better = 0;  ///< rows in which RAIN is below CD in both mean and peak
+  int rain_better = 0;  ///< number of rows in which mean and peak are lower with RAIN
 
   void add(const TrackingTableRow& row, const CaseSamples& of, std::size_t method) {
     mean.add(of.mean_m.mean(), row.mean_m[method]);

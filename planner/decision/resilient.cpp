@@ -95,7 +95,7 @@ TeamDecision plan_resiliently(const TeamOracle& oracle, int attacks_max, SubSolv
   TeamSet team(oracle);
   team.become(decision.choice);
   decision.value = team.value();
-  decision.messages = 2 * oracle.robot_count();  // each robot sends its own value and its choice
+  decision.messages = 2 * oracle.robot_count();  // each robot sends its value and its choice
   return decision;
 }
 

@@ -17,7 +17,7 @@ double value_bound(const TeamOracle& oracle, const Choice& choice) {
     double most = 0.0;
     for (const CandidateId id : oracle.by_value(robot)) {
       if (oracle.individual_value(id) <= most) {
-        break;  // the remaining candidates add no more
+        break;  // later candidates cannot add more
       }
       most = std::max(most, team.information_gain(id) + oracle.candidate(id).unshared_nats -
                                 oracle.candidate(id).energy_cost);

@@ -31,7 +31,7 @@ AlgorithmOptions options_of(const scenario::Scenario& scenario, int robot_index)
   options.epsilon = planner.epsilon_initial;
   options.delta_m = planner.delta_initial_m;
   options.yaw_weight_m_per_rad = planner.yaw_weight_m_per_rad;
-  options.weight = 2.5;  // weight of wastar, as in the library of the dissertation
+  options.weight = 2.5;  // for wastar, as in the dissertation's library
   options.sweep = {robot_index, static_cast<int>(scenario.robots.size())};
   return options;
 }
@@ -39,7 +39,7 @@ AlgorithmOptions options_of(const scenario::Scenario& scenario, int robot_index)
 }  // namespace
 
 std::size_t components_max(const scenario::Scenario& scenario) {
-  constexpr std::size_t kComponentsPerTarget = 8;  // as in the estimator: Samples::kPartsMax
+  constexpr std::size_t kComponentsPerTarget = 8;  // equals Samples::kPartsMax
   constexpr std::size_t kComponentsTotal = 256;
   const bool has_mixtures =
       scenario.estimator.samples ||

@@ -94,7 +94,7 @@ void RefiningBeam::run_passes(const BeamOptions& options, std::size_t width_max)
   double width = 1.0;
   double cell_m = options.cell_m;
   double cell_rad = options.cell_rad;
-  bool split = false;  // true: every child has its own cell, because all fit
+  bool split = false;  // true: all cells fitted, so every child gets its own cell
   for (int k = 0; k < kPassesMax; ++k) {
     const double narrowed = k % 2 == 0 ? options.alternation : 1.0;
     Pass pass;

@@ -11,9 +11,9 @@
 
 namespace vantage::planner {
 
-/// Lower bound of the cost of plans that move at every step, for planar targets that move or
-/// spread. Thm 6 assumes that the robot is very close to every target at every step, which is
-/// impossible. A bearing from very close has 100 000 times the information of a bearing from afar.
+/// Lower bound of the cost of plans that move at every step, for planar targets with process noise.
+/// Thm 6 assumes that the robot is very close to every target at every step, which is impossible. A
+/// bearing from very close has 100 000 times the information of a bearing from afar.
 ///
 /// At step k the robot is near target m if it is within ρ(m, k) of it; the discs of one step do not
 /// overlap. So at most one target is near at a step. A near event can follow another after 1, 2 or

@@ -34,10 +34,10 @@ class RootBound {
   double of_any_plan(const SearchProblem& problem, const BeliefTable& beliefs);
 
   /// Lower bound of every plan that takes all steps from the controls, for the problem last
-  /// tabulated. It is at least of_any_plan(), because it also uses that the robot cannot measure or
-  /// be close to all targets at the same time. Takes up to `states_max` / 3 µs, plus NearBound's
-  /// bounded number of steps. If the deadline expires, returns the bound so far, and the search
-  /// must stop. Adds the expanded states to `work_nodes`.
+  /// tabulated. It is at least of_any_plan(), because it takes into account that the robot cannot
+  /// measure or approach all targets at the same time. Takes up to `states_max` / 3 µs, plus
+  /// NearBound's bounded number of steps. If the deadline expires, returns the bound so far, and
+  /// the search must stop. Adds the expanded states to `work_nodes`.
   struct Answer {
     double cost = 0.0;
     bool expired = false;

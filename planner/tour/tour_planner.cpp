@@ -24,8 +24,8 @@ double cost_of(const SearchProblem& problem, const models::StateMatrix& covarian
   return problem.cost == CostKind::kLogDet ? models::log_det(covariance) : covariance.trace();
 }
 
-// Returns the belief of target m at the horizon's end, after the teammates' planned measurements,
-// if they count.
+// Returns the belief of target m at the horizon's end, after the teammates' planned measurements if
+// `has_teammates`.
 models::Gaussian belief_at_end(const SearchProblem& problem, std::size_t m, bool has_teammates) {
   const SearchTarget& target = problem.targets[m];
   models::Gaussian belief = target.prior;

@@ -29,13 +29,13 @@ TEST(RestrictedMean, IncludesCensoredWaitsUntilTheirEnd) {
   const std::vector<Wait> waits = {{2}, {1}, {4}, {3, false}};
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 10), 1.0 + 0.75 + 2 * 0.5);
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 3), 1.0 + 0.75 + 0.5);
-  // A wait censored at the time when another ends still counts as at risk at that time.
+  // If a wait is censored when another ends, it still belongs to the waits at risk at that time.
   EXPECT_DOUBLE_EQ(restricted_mean({{2}, {2, false}}, 10), 2.0 + 8 * 0.5);
 }
 
 // Waits end with probability p per step and are censored independently with probability c. The
-// restricted mean is Σ_{t < τ} (1 − p)^t = (1 − (1 − p)^τ) / p, that of a geometric distribution up
-// to τ.
+// restricted mean is Σ_{t < τ} (1 − p)^t = (1 − (1 − p)^τ) / p, as for a geometric distribution
+// truncated at τ.
 TEST(RestrictedMean, IsUnbiasedForExponentialWaits) {
   constexpr int kWaits = 200'000;
   std::mt19937_64 rng(3);

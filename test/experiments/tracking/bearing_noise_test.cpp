@@ -84,8 +84,8 @@ TEST(BearingNoise, JacobianEqualsNumericalDerivative) {
   }
 }
 
-// The information gain predicted by a plan, for itself or for a teammate, equals the filter's gain
-// from such a measurement.
+// The information gain that a plan predicts, for its own robot or for a teammate, equals the
+// filter's gain from such a measurement.
 TEST(BearingNoise, IsEqualInPlannerAndFilter) {
   planner::SearchProblem problem;
   problem.sensors = {sensor_of()};
