@@ -8,7 +8,7 @@
 namespace vantage::sim {
 namespace {
 
-/// Returns the period, rounded to steps of the world.
+/// Returns 1/rate, rounded down to whole steps of the world, but at least one step.
 Duration period_of(double rate_hz) {
   const std::int64_t step_us = WorldSimulation::kStep.count();
   const std::int64_t steps = from_seconds(1.0 / rate_hz).count() / step_us;
@@ -28,7 +28,7 @@ SimulatedLocalisation::SimulatedLocalisation(bus::Bus& bus, const scenario::Scen
       odometry_period_(period_of(spec.simulation->odometry.rate_hz)),
       sightings_period_(period_of(spec.simulation->sightings.rate_hz)),
       next_odometry_(next_multiple(start, odometry_period_)),
-      // Exposures lie between the instants of the localizers' grid.
+      // Sightings are offset, so that they do not fall on the localizers' time steps.
       next_sightings_(next_multiple(start, sightings_period_) + odometry_period_) {
   robots_.reserve(spec.robots.size());
   for (std::size_t i = 0; i < spec.robots.size(); ++i) {

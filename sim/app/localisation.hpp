@@ -17,8 +17,8 @@
 
 namespace vantage::sim {
 
-/// Simulation of localizer.simulation: publishes ODOMETRY_R and SIGHTINGS_R, withholds motion
-/// capture, and makes Quadrotors without motion capture fly by POSE_R.
+/// Simulated sensors of the scenario section localizer.simulation. Publishes ODOMETRY_R and
+/// SIGHTINGS_R, withholds motion capture, and meanwhile makes Quadrotors fly by POSE_R.
 class SimulatedLocalisation {
  public:
   /// Precondition: `spec.simulation` is present.
@@ -27,8 +27,8 @@ class SimulatedLocalisation {
 
   /// Returns the next instant at which publish() must be called.
   [[nodiscard]] Time next_instant() const;
-  /// Publishes what is due at `instant`, at which the world is, and sets the vehicles' assumed
-  /// poses.
+  /// Publishes the messages that are due at `instant`, and sets the vehicles' assumed poses.
+  /// Precondition: `world` has been stepped to `instant`.
   void publish(Time instant, WorldSimulation& world);
   /// Marks bodies that motion capture does not see.
   void hide(models::MocapFrame& frame, const models::TruthFrame& truth);

@@ -8,7 +8,7 @@
 #include "sim/app/node.hpp"
 
 int main(int argc, char** argv) {
-  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  using namespace vantage;  // NOLINT(google-build-using-namespace): only in this main file
   return bus::node_main(
       {.name = "vantage-sim",
        .description =

@@ -76,7 +76,7 @@ class SimNode : public bus::Node {
   /// server if mocap is `wire`; null otherwise
   std::unique_ptr<vicon::SocketServer> mocap_server_;
   WorldSimulation world_;
-  std::unique_ptr<SimulatedLocalisation> localisation_;  ///< with localizer.simulation, else null
+  std::unique_ptr<SimulatedLocalisation> localisation_;  ///< null without localizer.simulation
   Duration lag_;  ///< delay of the world relative to the clock
   /// period of TRUTH; equal to the mocap period if the driver of a real mocap uses TRUTH
   Duration truth_period_;

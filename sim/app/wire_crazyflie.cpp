@@ -18,7 +18,7 @@ CrazyflieEmulatorSpec crazyflie_in(const scenario::RobotSpec& robot, const scena
   return out;
 }
 
-/// Returns the URL of the driver's end: the driver sends first.
+/// Returns the URL for VehicleSocket of a connection on which the driver sends first.
 std::string socket_url(const scenario::RobotSpec& robot) {
   const std::string url = robot.crazyflie ? robot.crazyflie->url : "";
   const auto parsed = wire::crtp::parse_link_uri(url);

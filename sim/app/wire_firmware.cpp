@@ -21,7 +21,8 @@ MultirotorParameters body_of(const scenario::RobotSpec& robot, const scenario::W
   return out;
 }
 
-/// Returns the link whose client is the driver, which sends to the robot's url.
+/// Returns the link between firmware and driver. The driver is the client and sends to
+/// `crazyflie.url`.
 std::unique_ptr<FirmwareLink> crazyflie_link_to(const scenario::RobotSpec& robot, int instance) {
   constexpr std::string_view kUdp = "udp://";
   const std::string_view url = robot.crazyflie->url;

@@ -66,7 +66,7 @@ void WireQuadrotor::step(Time now, double dt_s) {
 }
 
 void WireQuadrotor::exchange(Time now) {
-  // Keeps the time within the emulator's present step; otherwise the emulator would skip steps.
+  // Limits the reception time to the emulator's present step: a later time would skip steps.
   const Time received_at =
       std::clamp(now, stepped_, stepped_ + AutopilotEmulator::kStep - Duration{1});
   socket_.read_each([&](auto bytes, Time arrival) {

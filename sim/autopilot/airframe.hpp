@@ -52,7 +52,7 @@ class Airframe {
   /// Returns the ratio of the thrust to the maximum thrust.
   [[nodiscard]] double thrust_share() const { return thrust_mps2_ / parameters_.thrust_max_mps2; }
 
-  /// Adds `velocity_mps` to the velocity immediately, as a push by a hand, a gust or a tether.
+  /// Adds `velocity_mps` to the velocity immediately, as a hand, a gust or a tether does.
   void push(const Eigen::Vector3d& velocity_mps) { velocity_mps_ += velocity_mps; }
   void set_battery_share(double share) { battery_share_ = share; }
 

@@ -149,7 +149,7 @@ void AutopilotEmulator::take_odometry(const wire::mavlink::Odometry& odometry) {
                           odometry.reset_counter);
     return;
   }
-  // last fused estimator type: unknown, naive, vision, visual-inertial
+  // Types up to this one are fused: unknown, naive, vision, visual-inertial.
   constexpr std::uint8_t kLastFused = 3;
   constexpr std::uint8_t kMocap = 6;
   if (odometry.estimator_type > kLastFused) {

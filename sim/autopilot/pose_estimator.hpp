@@ -12,8 +12,8 @@ namespace vantage::sim {
 
 /// Parameters of an estimator that fuses external poses.
 struct PoseEstimatorTraits {
-  double converge_s = 0.0;       ///< s; required duration of poses until the estimator is ready
-  double wander_mps3 = 0.0;      ///< m/s³; drift speed per square of the time without poses
+  double converge_s = 0.0;       ///< s; time with poses until the estimator is ready
+  double wander_mps3 = 0.0;      ///< m/s³; drift speed / (time without poses)²
   double gate_m = 1.0;           ///< m; a pose farther than this from the estimate is rejected
   double reset_after_s = 0.0;    ///< s; rejection time after which a pose resets the estimate
   double rejected_loss_s = 0.0;  ///< s; rejection time after which the position is lost

@@ -17,7 +17,7 @@ struct AutopilotProfile {
 
   bool texts_need_station = false;  ///< true: texts are sent only if a ground station is present
 
-  // Estimator, fed with external poses.
+  // Parameters of the estimator, which fuses external poses.
   PoseEstimatorTraits estimator;
   double estimator_boot_s = 0.0;     ///< s; from power-up until the estimator accepts an origin
   double estimator_aligned_s = 0.0;  ///< s; from power-up until the estimator fuses poses
@@ -31,7 +31,7 @@ struct AutopilotProfile {
 
   // Parameters of arming.
   double accelerometer_delay_s = 0.0;  ///< s; from boot until the accelerometers agree
-  double arm_delay_s = 0.0;            ///< s; minimum time from boot until arming (gyroscopes)
+  double arm_delay_s = 0.0;            ///< s; from boot until the gyroscopes agree
   const char* arming_text = "";
   const char* landed_text = "";  ///< text when the motors stop after a landing
   const char* idle_text = "";    ///< text when the motors stop because no take-off followed
@@ -53,14 +53,14 @@ struct AutopilotProfile {
   double climb_gain_per_s = 4.0;    ///< 1/s; PX4 parameter MPC_Z_VEL_P_ACC
   double velocity_integral_per_s2 = 0.15;
   double feed_forward = 0.0;         ///< factor of the shaped acceleration, 0 to 1
-  bool cuts_whole_velocity = false;  ///< limits the total velocity, not only the correction
+  bool cuts_whole_velocity = false;  ///< the speed setting limits the total velocity
   double climb_max_mps = 0.7;
   double acceleration_max_mps2 = 3.0;
   double yaw_gain_per_s = 2.5;
-  double yaw_lag_s = 0.0;         ///< s; lag of the yaw rate controller without the airframe
+  double yaw_lag_s = 0.0;         ///< s; lag of the yaw rate controller
   double spool_up_s = 2.0;        ///< s; time that the motors turn before the vehicle lifts off
   double landed_delay_s = 1.0;    ///< s; from touch-down to its detection
-  double landing_ahead_s = 0.0;   ///< s; extrapolation of the position to the landing point
+  double landing_ahead_s = 0.0;   ///< s; the landing point is the position after this time
   double failsafe_pause_s = 0.0;  ///< s; from a failsafe's change to landing mode to the descent
 };
 

@@ -53,7 +53,7 @@ AutopilotSettings ardupilot(const ParameterValue& value) {
   }
   out.station_id = static_cast<int>(std::lround(of("SYSID_MYGCS", 255.0)));
   out.pose_loss_s = 7.0;
-  out.lands_on_pose_loss = std::lround(of("FS_EKF_ACTION", 1.0)) != 2;  // value 2: altitude hold
+  out.lands_on_pose_loss = std::lround(of("FS_EKF_ACTION", 1.0)) != 2;  // 2: holds the altitude
   out.idle_disarm_s = if_positive(of("DISARM_DELAY", 10.0));
   out.land_disarm_s = kLandedS;
   out.speed_max_mps = 0.01 * of("WPNAV_SPEED", 500.0);

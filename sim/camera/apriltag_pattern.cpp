@@ -35,7 +35,7 @@ TagPattern pattern_of(apriltag_family_t& family, int id) {
       out.is_white.push_back(image->buf[row * image->stride + column] >= kWhite ? 1 : 0);
     }
   }
-  // As image_u8_destroy() does, which is in another library in Debian.
+  // Frees the image like image_u8_destroy(), which is in another library in Debian.
   std::free(image->buf);
   std::free(image);
   return out;

@@ -11,8 +11,8 @@
 namespace vantage::sim {
 namespace {
 
-constexpr int kSamplesPerSide = 4;  // per pixel
-constexpr int kOutlinePoints = 16;  // per side of a tag, for its box in the image
+constexpr int kSamplesPerSide = 4;  // sampled points along each side of a pixel
+constexpr int kOutlinePoints = 16;  // points per side of a tag, for its bounding box in the image
 constexpr double kTileSide_m = 0.5;
 constexpr double kTileDarkest = 70.0;
 constexpr double kTileBrightest = 150.0;
@@ -90,8 +90,8 @@ TagRenderer::TagRenderer(const models::CameraModel& camera) : camera_(camera) {
                   static_cast<std::size_t>(camera.height + 2));
   for (int row = -1; row <= camera.height; ++row) {
     for (int column = -1; column <= camera.width; ++column) {
-      // The pixels next to the image serve the interpolation at its border. They are extrapolated,
-      // because the distortion may not be invertible there.
+      // The pixels around the image are needed for interpolation at its border. They are
+      // extrapolated, because the distortion may not be invertible there.
       const double inner_column = std::clamp(column, 0, camera.width - 1);
       const double inner_row = std::clamp(row, 0, camera.height - 1);
       const Eigen::Vector2d inner = ratio_of(inner_column, inner_row);
@@ -163,8 +163,8 @@ TagRenderer::Box TagRenderer::box_of(const Pose3& camera_from_tag, double half_m
   return box;
 }
 
-/// Returns the printed grey level where the ray meets the board; nullopt: it misses the board, or
-/// sees its back.
+/// Returns the printed grey level where the ray meets the board; nullopt if the ray misses the
+/// board or meets its back.
 std::optional<double> TagRenderer::meet(const Board& board, const Eigen::Vector2d& ratio,
                                         const ImageQuality& quality) {
   const Eigen::Vector3d ray = board.tag_from_camera * Eigen::Vector3d(ratio.x(), ratio.y(), 1.0);
@@ -232,7 +232,7 @@ models::GrayImage TagRenderer::render(const Pose3& world_from_camera,
     const Pose3 camera_from_tag = inverse(tag_from_camera);
     const Board board = board_of(*tag, tag_from_camera);
     const double reach_m = 2.0 * board.half_m;
-    if (camera_from_tag.translation_m.z() > -reach_m) {  // otherwise behind the camera
+    if (camera_from_tag.translation_m.z() > -reach_m) {  // else it is behind the camera
       draw(board, box_of(camera_from_tag, board.half_m), quality, levels);
     }
   }

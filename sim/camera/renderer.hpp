@@ -57,8 +57,8 @@ class TagRenderer {
     double half_m = 0.0;  ///< half the side length of the tag including its margin
   };
   static Board board_of(const PlacedTag& tag, const Pose3& tag_from_camera);
-  /// Returns the printed grey level where the ray meets the board; nullopt: it misses the board, or
-  /// sees its back.
+  /// Returns the printed grey level where the ray meets the board; nullopt if the ray misses the
+  /// board or meets its back.
   static std::optional<double> meet(const Board& board, const Eigen::Vector2d& ratio,
                                     const ImageQuality& quality);
   void draw(const Board& board, const Box& box, const ImageQuality& quality,

@@ -21,15 +21,15 @@ namespace vantage::sim {
 /// but are not drawn.
 class TagScene {
  public:
-  /// @param landmarks  bodies of the landmarks' tags
+  /// @param landmarks  positions of the landmarks that carry tags
   /// @throws StartupError if the program was built without the AprilTag library, or a tag is not in
   ///         its family
   TagScene(const scenario::Scenario& scenario, scenario::CameraSpec spec,
            const models::CameraModel& camera, const std::vector<scenario::LandmarkSpec>& landmarks);
 
-  /// Returns the image at the time of `truth`, if the time belongs to another period of the
-  /// measurements than that of the last image and `truth` contains the robot. The image depends on
-  /// the scenario's seed, the robot and the truth only.
+  /// Returns the image at the time of `truth`; nullopt if `truth` does not contain the robot, or if
+  /// an image was already made in the current measurement period. The image depends on the
+  /// scenario's seed, the robot and the truth only.
   std::optional<models::GrayImage> image_of(const models::TruthFrame& truth);
 
   [[nodiscard]] const scenario::CameraSpec& spec() const { return spec_; }
@@ -37,8 +37,8 @@ class TagScene {
  private:
   /// Tag on a body of TRUTH, or at a fixed pose.
   struct MountedTag {
-    std::string body;  ///< empty: fixed
-    PlacedTag tag;     ///< world_from_tag: of a fixed tag, else body_from_tag
+    std::string body;  ///< empty: the tag is fixed in the world
+    PlacedTag tag;     ///< its pose is body_from_tag if the tag is on a body
   };
 
   scenario::CameraSpec spec_;

@@ -336,7 +336,7 @@ std::uint8_t CrazyflieEmulator::plan(const Eigen::Vector3d& to_m, double yaw_rad
   return crtp::kHighLevelOk;
 }
 
-// Returns the motion to control; nullopt: motors off.
+// Returns the motion that the controller must track; nullopt: motors off.
 std::optional<ControlGoal> CrazyflieEmulator::goal(Time now) {
   if (low_level_ && low_level_->valid_until && now >= *low_level_->valid_until) {
     low_level_.reset();

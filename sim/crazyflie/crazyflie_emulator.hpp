@@ -23,13 +23,13 @@ struct CrazyflieEmulatorSpec {
   std::uint64_t seed = 1;
   MultirotorParameters body = crazyflie_body();
   bool arms_itself = true;  ///< true: arms itself, as vehicles with brushed motors do
-  std::uint8_t id = 0xE7;   ///< last byte of its address, for packed poses
+  std::uint8_t id = 0xE7;   ///< last byte of the radio address; marks packed poses
 };
 
 /// Emulated Crazyflie: receives CRTP packets, replies as firmware 2026.08 does, and flies a
-/// simulated body. It has the dangerous properties of the firmware: set-points that stop lock the
-/// motors, malformed packets crash the firmware, poses are not checked, and a lost pose is not
-/// reported. Time is an argument; the same calls give the same bytes.
+/// simulated body. It has the dangerous properties of the firmware: the motors lock when no more
+/// set-points arrive, malformed packets crash the firmware, poses are not checked, and a lost pose
+/// is not reported. Time is an argument; the same calls give the same bytes.
 class CrazyflieEmulator {
  public:
   static constexpr Duration kStep{2'000};
@@ -63,7 +63,7 @@ class CrazyflieEmulator {
   [[nodiscard]] std::int64_t ignored() const { return ignored_; }
   [[nodiscard]] std::int64_t poses() const { return poses_; }
   [[nodiscard]] std::int64_t setpoints() const { return setpoints_; }
-  /// Sets the battery voltage that is reported; if absent, that of the body's battery is reported.
+  /// Sets the reported battery voltage; nullopt: the voltage of the body's battery is reported.
   void set_battery_v(std::optional<double> voltage_v) { battery_v_ = voltage_v; }
   [[nodiscard]] std::optional<Eigen::Vector3d> setpoint_m() const;
 
@@ -116,7 +116,7 @@ class CrazyflieEmulator {
   CrazyflieSupervisor supervisor_;
   PoseMemory memory_;
   std::optional<LowLevel> low_level_;
-  std::optional<double> level_m_;  ///< m; height that is kept while levelled
+  std::optional<double> level_m_;  ///< m; height that is kept while the set-point is too old
   std::optional<Trajectory> trajectory_;
   CrazyflieTables tables_;
   std::vector<std::vector<std::uint8_t>> output_;

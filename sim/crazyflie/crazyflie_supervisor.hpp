@@ -19,14 +19,14 @@ struct SupervisedFacts {
 /// those measured with firmware 2026.08; it runs at 25 Hz.
 class CrazyflieSupervisor {
  public:
-  static constexpr double kLevelsS = 0.5;  ///< s; set-point age at which the vehicle levels
-  static constexpr double kLocksS = 2.0;   ///< s; set-point age at which it stops its motors
+  static constexpr double kLevelsS = 0.5;  ///< s; set-point age from which the vehicle flies level
+  static constexpr double kLocksS = 2.0;   ///< s; set-point age at which the motors stop
 
   /// @param arms_itself  true for vehicles with brushed motors
   explicit CrazyflieSupervisor(bool arms_itself)
       : arms_itself_(arms_itself), is_armed_(arms_itself) {}
 
-  /// Returns whether the command was accepted.
+  /// Arms or disarms the vehicle. Returns true if the command was accepted.
   bool arm(bool is_to_arm, Time now);
   bool recover();
   void stop(Time now);
@@ -60,9 +60,9 @@ class CrazyflieSupervisor {
   std::optional<Time> armed_at_;
   std::optional<Time> landed_at_;
   std::optional<Time> over_at_;    ///< time since which the vehicle is upside down
-  std::optional<Time> tilted_at_;  ///< time since which it is tilted by more than 60°
+  std::optional<Time> tilted_at_;  ///< time since which the vehicle is tilted by more than 60°
   std::optional<Time> upright_at_;
-  std::optional<Time> stopped_at_;  ///< emergency stop
+  std::optional<Time> stopped_at_;  ///< time of the emergency stop
   std::optional<Time> watchdog_;
 };
 

@@ -15,7 +15,8 @@ using crtp::Port;
 constexpr std::uint8_t kUnknownParameter = 2;
 constexpr std::size_t kBlocksMax = 16;
 
-/// Checksum of a table; any function of its content serves as the key of a cache.
+/// Returns a checksum of a table. Clients use it only as the key of a cache, so it need not equal
+/// that of the firmware.
 std::uint32_t checksum(const std::vector<CrazyflieVariable>& table) {
   std::uint32_t out = 2166136261U;
   const auto add = [&out](unsigned byte) { out = (out ^ byte) * 16777619U; };

@@ -13,7 +13,7 @@ struct ControlGoal {
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
   Eigen::Vector3d acceleration_world_mps2 = Eigen::Vector3d::Zero();
   double yaw_rad = 0.0;
-  bool is_level = false;  ///< ignore the horizontal position: fly level and keep the height
+  bool is_level = false;  ///< true: keeps attitude level and height, ignores position
 };
 
 /// Position and attitude controller of an emulated Crazyflie: a geometric controller on SE(3).

@@ -30,7 +30,7 @@ class CrazyflieLink : public FirmwareLink {
     int firmware = 0;  ///< port to which the firmware sends its first packet
     int client = 0;
   };
-  /// Returns the ports of `instance`: 19950 + instance and 19850 + instance.
+  /// Returns the ports of `instance`: firmware 19950 + instance, client 19850 + instance.
   static Ports ports_of(int instance);
 
   using Clock = std::function<std::int64_t()>;
@@ -53,15 +53,15 @@ class CrazyflieLink : public FirmwareLink {
     return counts_.forged + counts_.bad_length + counts_.no_peer + counts_.unsent;
   }
 
-  /// Numbers of packets, and of those that were not relayed.
+  /// Counts of packets, of datagrams that were dropped, and of samples that were not sent.
   struct Counts {
-    std::int64_t hellos = 0;       ///< answered hellos of the firmware, one per start or more
+    std::int64_t hellos = 0;       ///< answered hellos of the firmware, at least one per start
     std::int64_t to_firmware = 0;  ///< packets of the client for the firmware
     std::int64_t to_client = 0;
     std::int64_t forged = 0;      ///< packets of a client on the simulator's port
     std::int64_t bad_length = 0;  ///< datagrams with no bytes or more than 31
-    std::int64_t no_peer = 0;     ///< no firmware or no client has sent a packet yet
-    std::int64_t unsent = 0;      ///< the system refused the datagram
+    std::int64_t no_peer = 0;     ///< datagrams for a peer that has not sent a packet yet
+    std::int64_t unsent = 0;      ///< datagrams that the system refused to send
     std::int64_t crowded = 0;     ///< samples that followed the previous one too closely
   };
   [[nodiscard]] const Counts& counts() const { return counts_; }

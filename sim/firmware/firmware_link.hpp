@@ -35,7 +35,7 @@ class FirmwareLink {
   virtual bool send(const FirmwareSensors& sensors) = 0;
   /// Returns the next motor command after at most `timeout`; nullopt if none arrived.
   virtual std::optional<MotorCommand> receive(Duration timeout) = 0;
-  /// Returns the number of packets that the link relays for others and had to drop.
+  /// Returns the number of packets between other programs that the link could not relay.
   [[nodiscard]] virtual std::int64_t dropped() const { return 0; }
 };
 

@@ -12,7 +12,7 @@
 namespace vantage::sim {
 namespace {
 
-constexpr double kReportedRangeMinM = 0.01;  // m; a reported range is positive
+constexpr double kReportedRangeMinM = 0.01;  // m; minimum, because a range is positive
 
 const models::TruthBody* find(const models::TruthFrame& truth, const std::string& name) {
   const auto body = std::find_if(truth.bodies.begin(), truth.bodies.end(),

@@ -6,7 +6,7 @@
 namespace vantage::sim {
 namespace {
 
-constexpr double kHeightToleranceM = 0.2;  // m; below its height a robot has not taken off
+constexpr double kHeightToleranceM = 0.2;  // m; a robot this far below its height has not taken off
 
 bool contains(const models::Rectangle& area, const Eigen::Vector2d& p_m) {
   return (p_m.array() >= area.min_m.array()).all() && (p_m.array() <= area.max_m.array()).all();

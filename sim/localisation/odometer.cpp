@@ -8,8 +8,8 @@
 namespace vantage::sim {
 namespace {
 
-constexpr double kSpeedErrorMin = -0.9;  // keeps 1 + error positive
-constexpr double kSigmaMin = 1e-6;       // m or rad; keeps the covariance positive definite
+constexpr double kSpeedErrorMin = -0.9;  // lower limit that keeps 1 + error positive
+constexpr double kSigmaMin = 1e-6;       // m or rad; lower limit for a positive definite covariance
 
 }  // namespace
 

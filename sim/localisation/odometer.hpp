@@ -11,8 +11,8 @@
 
 namespace vantage::sim {
 
-/// Simulated odometer of one robot. The reports have white noise and slowly varying errors, as the
-/// localizer assumes, and errors that it does not know: scale, bias and slip.
+/// Simulated odometer of one robot. The reports have errors that the localizer models (white noise
+/// and slowly varying errors) and errors that it does not model (scale, bias and slip).
 class Odometer {
  public:
   Odometer(const scenario::SimulatedOdometerSpec& spec, const scenario::OdometryNoiseSpec& noise,
@@ -21,7 +21,7 @@ class Odometer {
   /// Returns the reported displacement (forward m, left m, turn rad) of a robot that moved by
   /// `from_to` in `duration_s`. Draws random numbers: call it once per report.
   Eigen::Vector3d report(const Pose2& from_to, double duration_s);
-  /// Returns the covariance of a report that the odometer states.
+  /// Returns the covariance that the odometer states for `report`.
   [[nodiscard]] Eigen::Matrix3d covariance(const Eigen::Vector3d& report, double duration_s) const;
   [[nodiscard]] bool is_slipping() const { return slip_left_s_ > 0.0; }
 

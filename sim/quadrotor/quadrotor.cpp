@@ -15,7 +15,7 @@ using models::OperatorAction;
 
 constexpr double kGravityMps2 = 9.81;
 constexpr double kDragPerS = 0.25;       // 1/s; deceleration per speed through the air
-constexpr double kSegmentMaxS = 3600.0;  // s; prevents overflow of Time by sums of durations
+constexpr double kSegmentMaxS = 3600.0;  // s; longer durations could overflow Time when summed
 
 bool is_sound(const models::Trajectory& trajectory) {
   bool sound = std::isfinite(trajectory.start.x_m) && std::isfinite(trajectory.start.y_m) &&

@@ -48,8 +48,8 @@ enum class [[nodiscard]] PlanVerdict{
 };
 
 /// Returns the state after an operator's command. The more severe state applies and latches: follow
-/// → hold → land → killed. A hold ends by kFollow, a landing on the ground (idle), and an emergency
-/// stop by kArm on the ground. An idle vehicle takes off into a hold.
+/// → hold → land → killed. kFollow ends a hold, and kArm on the ground ends an emergency stop. A
+/// landing ends on the ground in the state idle. An idle vehicle takes off into a hold.
 models::FlightState after_command(models::FlightState state, models::OperatorAction action,
                                   bool on_ground);
 

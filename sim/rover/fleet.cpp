@@ -13,7 +13,7 @@
 namespace vantage::sim {
 namespace {
 
-constexpr double kSafetyMarginM = 0.03;  // m; between surfaces, in addition to prediction errors
+constexpr double kSafetyMarginM = 0.03;  // m; clearance between surfaces
 constexpr double kRouteMarginM = 0.1;    // m; clearance of a route from other rovers
 constexpr double kNeighbourhoodM = 1.5;  // m; routes avoid rovers nearer than this
 constexpr double kLookAheadM = 0.6;      // m; largest distance of the point that a rover steers to
@@ -23,7 +23,7 @@ constexpr double kRerouteS = 1.0;        // s; a rover stuck for longer searches
 constexpr double kPatienceS = 4.0;       // s; a rover stuck for longer chooses another way point
 constexpr double kTurnGainPerS = 3.0;
 constexpr double kRoundingM = 1e-9;
-constexpr double kClearlyM = 1e-6;  // m; margin of the distance bound that saves exact computations
+constexpr double kClearlyM = 1e-6;  // m; margin for rounding errors of the fast distance check
 constexpr int kDrawsMax = 40;
 // Variations of the desired command, smallest first: factor of the speed, additional yaw rate.
 constexpr std::array<std::array<double, 2>, 8> kVariations{{{1.0, 0.0},

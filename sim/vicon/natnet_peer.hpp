@@ -10,11 +10,11 @@
 
 namespace vantage::sim::vicon {
 
-/// Server side of one NatNet client, or of the multicast group, in the version of the settings.
+/// Server side of one NatNet client, or of the multicast group, with the configured version.
 ///
 /// It answers connection requests, requests for definitions and echo requests. Frames are sent only
 /// after a connection request. An occluded body keeps its last pose, without the tracking bit.
-/// After a body appears or disappears, one second of frames is marked: definitions have changed.
+/// For one second after a body appears or disappears, frames have the flag "definitions changed".
 class NatNetPeer : public Peer {
  public:
   static constexpr std::uint64_t kTicksPerSecond = 10'000'000;

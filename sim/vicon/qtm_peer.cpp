@@ -15,8 +15,8 @@ using wire::qualisys::Component;
 using wire::qualisys::PacketType;
 
 constexpr std::size_t kCommandBytesMax = std::size_t{1} << 12U;
-constexpr std::uint8_t kSettingsChanged = 10;  ///< event
-constexpr std::uint8_t kConnected = 1;         ///< event
+constexpr std::uint8_t kSettingsChanged = 10;  ///< event number
+constexpr std::uint8_t kConnected = 1;         ///< event number
 constexpr double kDegreesPerRadian = 57.29577951308232;
 
 constexpr std::array<std::pair<std::string_view, Component>, 4> kComponents{

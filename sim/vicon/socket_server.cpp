@@ -87,7 +87,7 @@ struct SocketServer::Client {
   std::unique_ptr<Peer> peer;
   std::int64_t skipped_before = 0;
   bool is_gone = false;
-  sockaddr_in address{};  ///< only if the protocol uses datagrams
+  sockaddr_in address{};  ///< set only if the protocol uses datagrams
   Duration last_received{};
 };
 
@@ -144,8 +144,8 @@ void SocketServer::listen_at(const std::string& host, int port) {
   }
 }
 
-// OptiTrack's own clients accept frames only from port 1511, so a server at the usual port sends
-// from there.
+// OptiTrack's own clients accept frames only from port 1511, so a server that listens at the
+// default port sends its frames from port 1511.
 void SocketServer::answer_at(const std::string& host, int port) {
   sockaddr_in address = address_of(host, port);
   if (settings_.data_port == 0 && port == settings_.protocol.default_port()) {

@@ -5,7 +5,7 @@
 #include "sim/camera/app/node.hpp"
 
 int main(int argc, char** argv) {
-  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  using namespace vantage;  // NOLINT(google-build-using-namespace): only in this main file
   return bus::node_main(
       {"vantage-camera-emulator", "Renders the images of one robot's simulated camera.", true},
       argc, argv,
