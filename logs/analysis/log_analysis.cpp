@@ -44,7 +44,7 @@ class Analyst {
   void on(const models::TeamProposal& /*proposal*/) {}
   void on(const models::BeliefMixture& /*mixture*/) {
   }  // not evaluated: the RobotBelief of the same step is evaluated
-  void on(const models::CompactBelief& /*belief*/) {}  // not evaluated, as a mixture
+  void on(const models::CompactBelief& /*belief*/) {}  // the RobotBelief is evaluated instead
   void on(const models::RangeScan& /*scan*/) {}
   void on(const models::RobotMap& map) { metrics_.on_map(map); }
   void on(const models::OperatorCommand& /*command*/) {}

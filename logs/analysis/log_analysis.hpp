@@ -39,10 +39,10 @@ struct DeadlineRecord {
   Spread search;  ///< s; from the start of the slot to the end of the search
 };
 
-/// Latency of one section of the stack, as measured by a process from the start of the trial to the
-/// last HEALTH message of that process.
+/// Latency between two events of the processing chain, as measured by a process from the start of
+/// the trial to its last HEALTH message.
 struct Hop {
-  std::string name;  ///< first and last event of the section: "frame_setpoint"
+  std::string name;  ///< first and last event: "frame_setpoint"
   std::int64_t p50_us = 0;
   std::int64_t p99_us = 0;
   std::int64_t max_us = 0;
@@ -75,8 +75,8 @@ struct LogAnalysis {
   std::map<std::string, std::vector<Hop>> hops;     ///< hops of each process
   std::map<std::string, DeadlineRecord> deadlines;  ///< record of each robot
   std::map<std::string, std::int64_t> lost;         ///< messages missing in the log, by channel
-  std::vector<std::string> contested;  ///< channels on which two processes published at a time
-  std::int64_t times_outlying = 0;     ///< events with outlying times, ignored (UsualTimes)
+  std::vector<std::string> contested;  ///< channels on which two processes published at once
+  std::int64_t times_outlying = 0;     ///< ignored events with outlying times (UsualTimes)
   std::vector<CoursePoint> course;     ///< one point per evaluated estimator step
   std::vector<PlanPoint> plans;
 };

@@ -29,7 +29,7 @@ struct Measure {
   std::string name;
   std::string unit;  ///< unit's symbol; empty for a count
 
-  /// Returns "entropy per target [nat]".
+  /// Returns the name with the unit, such as "entropy per target [nat]".
   [[nodiscard]] std::string title() const;
 };
 
@@ -43,7 +43,7 @@ struct Appearance {
 
   /// Returns the Mahalanobis radius of an ellipse of `ellipse_probability` in 2-D, √(−2 ln(1 − p)).
   [[nodiscard]] double ellipse_radius() const;
-  /// Returns "95 %".
+  /// Returns the ellipse probability as text, such as "95 %".
   [[nodiscard]] std::string ellipse_label() const;
 };
 

@@ -54,7 +54,7 @@ class LogColumns {
   struct Field {
     const bus::WireField* wire = nullptr;
     int column = -1;  ///< column of a number or text; −1: none
-    int list = -1;    ///< list of a variable-length field or of structs in an array; −1: none
+    int list = -1;    ///< list of an array of variable length or of structs; −1: none
     std::vector<Field> nested;
   };
   class Reader;

@@ -9,8 +9,8 @@
 namespace vantage::logs {
 namespace {
 
-/// The newest SCENARIO before the selected part is searched in two ranges: kScenarioAge before the
-/// part (SCENARIO is published every 5 s), then the log's first kScenarioWithin events.
+/// The newest SCENARIO before the selected part is searched for in two ranges: kScenarioAge before
+/// the part (SCENARIO is published every 5 s), then the log's first kScenarioWithin events.
 constexpr Duration kScenarioAge{15'000'000};
 constexpr int kScenarioWithin = 1000;
 

@@ -14,7 +14,7 @@ class CsvFile {
 
   /// Returns false if the lines could not be written; failure() then has the reason.
   bool write(std::string_view lines);
-  /// Closes the file, and cuts it to its last complete line if it could not be written.
+  /// Closes the file. After a failed write, the file is cut to its last complete line.
   void close();
   /// Returns "PATH: cannot be written: REASON"; empty if everything was written.
   [[nodiscard]] const std::string& failure() const { return failure_; }

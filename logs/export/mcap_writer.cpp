@@ -85,7 +85,7 @@ struct McapWriter::Compressor {
   Compressor(Compressor&&) = delete;
   Compressor& operator=(Compressor&&) = delete;
 
-  /// Returns a view that is valid until the next call.
+  /// Returns the compressed bytes as a view that is valid until the next call.
   std::string_view compress(std::string_view bytes) {
     out.resize(ZSTD_compressBound(bytes.size()));
     const std::size_t size =

@@ -144,8 +144,8 @@ std::string_view fields_of(std::string_view type) {
   return found->fields;
 }
 
-/// Appends the definition of each message type in `fields` that is not yet in `appended`, followed
-/// by the definitions of its own parts.
+/// Appends the definition of each message type in `fields` that is not yet in `appended`, each
+/// followed by the definitions of the types that it contains.
 void append_parts(std::string_view fields, std::vector<std::string_view>& appended,
                   std::string& text) {
   while (!fields.empty()) {

@@ -51,7 +51,7 @@ void append_event(const LogEvent& event, std::vector<std::uint8_t>& out);
 /// Returns the size of the event at `offset`. Precondition: a complete event begins there.
 std::size_t event_bytes_at(std::span<const std::uint8_t> events, std::size_t offset);
 
-/// Result of dividing a sequence of complete events at the number of bytes that were written.
+/// Effect of a partial write on a sequence of complete events.
 struct WholeEvents {
   std::size_t bytes = 0;           ///< size of the events that end within the written bytes
   std::int64_t events_beyond = 0;  ///< number of events that end after the written bytes

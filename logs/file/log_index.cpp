@@ -30,7 +30,7 @@ std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {  // FNV-1a hash
   return hash;
 }
 
-/// Returns the bytes that identify this log, with which its index begins.
+/// Returns the bytes that identify this log. Its index begins with these bytes.
 Bytes identity_of(const std::string& path, std::span<const std::uint8_t> log) {
   std::error_code error;
   const auto changed = fs::last_write_time(path, error).time_since_epoch().count();

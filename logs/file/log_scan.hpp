@@ -65,8 +65,8 @@ struct ScanCounts {
 ///  - The data contain a log with numbers near the event's own, the event's own number does not
 ///    continue both neighbours' numbers (one is damaged, or the logger does not count by one), and
 ///    the checker does not know the type.
-///  - The event begins inside the wrong length of another event that both neighbours' numbers
-///    confirm, so that no damage is visible there.
+///  - The event begins within the wrong length of another event, and the numbers of both
+///    neighbours confirm the other event, so that no damage is visible there.
 class LogScan {
  public:
   explicit LogScan(std::span<const std::uint8_t> log, DataChecker checker = {},
@@ -104,7 +104,7 @@ class LogScan {
   std::size_t end_of_last_ = 0;   ///< end of the last accepted event, or start of the scan
   std::int64_t last_number_ = 0;  ///< number of the last accepted event
   std::vector<std::int64_t> usual_numbers_;  ///< recent event numbers that are near each other
-  int unusual_in_a_row_ = 0;                 ///< consecutive accepted events with other numbers
+  int unusual_in_a_row_ = 0;                 ///< consecutive accepted events with unusual numbers
   ScanCounts counts_;
   std::vector<DamagedStretch> stretches_;
 };

@@ -22,10 +22,10 @@ struct ChannelSurvey {
   std::int64_t events = 0;
   std::uint64_t data_bytes = 0;
   Time first{};  ///< time of the first event, clamped to the log's begin and end
-  Time last{};   ///< time of the last event, clamped to the same range
+  Time last{};   ///< time of the last event, clamped in the same way
   /// Longest time between two consecutive events. Gaps of a day or more are ignored.
   Duration gap_max{};
-  Time gap_at{};                    ///< start of that gap
+  Time gap_at{};                    ///< start of the longest gap
   std::int64_t messages_lost = 0;   ///< missing sequence numbers of vantage messages
   std::int64_t other_types = 0;     ///< events of another type than the first
   bool has_two_publishers = false;  ///< see bus::PublisherWatch

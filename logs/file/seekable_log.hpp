@@ -71,7 +71,7 @@ class SeekableLog {
   /// call.
   const Events& read_block(std::size_t index) const;
   [[nodiscard]] std::size_t block_end(std::size_t index) const;
-  /// Calls `take` with the events from `offset` on, in file order, until it returns false.
+  /// Calls `take` with the events from `offset` on, in file order, until `take` returns false.
   template <class Take>
   void scan_from(std::size_t offset, Take take) const;
   /// Returns the first event at or after `offset` that is followed by another event or the end of
@@ -90,7 +90,7 @@ class SeekableLog {
   bool is_surveyed_ = false;
   std::size_t surveyed_bytes_ = 0;  ///< all events that begin before this offset are in blocks_
   std::vector<LogBlock> blocks_;
-  /// one bit per block for each channel: the block contains the channel
+  /// for each channel, one bit per block: 1 if the block contains an event of the channel
   std::map<std::string, std::vector<std::uint8_t>, std::less<>> in_block_;
   Time first_{};
   Time last_{};

@@ -82,7 +82,7 @@ class Reader {
   bool is_good_ = true;
 };
 
-constexpr std::size_t kChannelNumbers = 12;  ///< including the lengths of texts and bit fields
+constexpr std::size_t kChannelNumbers = 12;  ///< per channel, including lengths of texts and bits
 constexpr std::size_t kBlockNumbers = 4;
 constexpr std::size_t kStretchNumbers = 3;
 

@@ -133,7 +133,7 @@ std::size_t index_of(const scenario::Scenario& scenario, const std::string& robo
       scenario.robots.begin());
 }
 
-// Collects make(robot, colour, is_jammed, index) of each robot.
+// Returns a SceneUpdate with the entity make(robot, colour, is_jammed, index) of each robot.
 Json robots_as(const scenario::Scenario& scenario, const std::set<std::string>& jammed,
                const auto& make) {
   std::vector<Json> entities;

@@ -50,15 +50,15 @@ class Sink {
 /// 20 s of each body's path, the newest belief of each robot, and the inputs of plans.
 ///
 /// Topics (P: name of a robot or process):
-///   /scenario /attack /team       vantage.*           state; team at each step of the estimators
+///   /scenario /attack /team       vantage.*           /team at each step of the estimators
 ///   /targets/status              vantage.Targets     state at each step of the estimators
 ///   /plan/P/status /vehicle/P /health/P   vantage.*
 ///   /events                       foxglove.Log        collisions, late plans, attacks, safety …
 ///   /transforms /truth/transforms foxglove.FrameTransforms   world → body, mocap and truth
 ///   /world /robots /views /targets   foxglove.SceneUpdate   once, and on change
 ///   /plan/P /proposal/P /measurement/P /belief/P /estimates /tracks   foxglove.SceneUpdate
-///   /grid /belief/P/grid          foxglove.Grid       age of each cell's last scan: of all, of P
-///   /map /map/P                   foxglove.Grid       occupancy: newest map of any robot, and of P
+///   /grid /belief/P/grid          foxglove.Grid       age of each cell's last scan, by all or by P
+///   /map /map/P                   foxglove.Grid       occupancy: newest map of any robot, or of P
 class Stream {
  public:
   explicit Stream(Sink& sink) : sink_(sink) {}
@@ -90,8 +90,8 @@ class Stream {
   void on(const models::AttackNotice& attack, Time received_at);
   /// Processes an operator command; heartbeats are ignored.
   void on(const models::OperatorCommand& command, Time received_at);
-  /// Adds the publisher of a message of any type, before a Bus chooses between two publishers.
-  /// Makes an event when a channel has two publishers.
+  /// Processes the publisher of a message of any type, also of messages that a Bus does not accept.
+  /// Publishes an event when a channel has two publishers.
   void on_publisher(std::string_view channel, std::int64_t run_id, Time received_at);
 
  private:

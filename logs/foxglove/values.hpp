@@ -99,7 +99,7 @@ class HealthStory {
   std::optional<std::pair<Time, Time>> degraded_;
 };
 
-/// Last measurement of a target that reports ids.
+/// Last measurement of one target, from sensors that report ids.
 struct Sighting {
   std::string robot;
   Time time{};

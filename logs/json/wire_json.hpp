@@ -19,7 +19,7 @@ namespace vantage::logs {
 /// because JSON has no such numbers.
 std::optional<nlohmann::ordered_json> message_json(std::span<const std::uint8_t> message);
 
-/// As above, for a message of type `schema`, which need not be a vantage type.
+/// Overload for a message of type `schema`, which need not be a vantage type.
 std::optional<nlohmann::ordered_json> message_json(std::span<const std::uint8_t> message,
                                                    const bus::WireSchema& schema);
 

@@ -8,7 +8,7 @@
 namespace vantage::logs {
 namespace {
 
-// 95 % quantile of χ² with `dim` (2 or 3) degrees of freedom.
+// Returns the 95 % quantile of χ² with `dim` (2 or 3) degrees of freedom.
 double chi_squared_95(int dim) { return dim == 3 ? 7.814728 : 5.991465; }
 
 }  // namespace

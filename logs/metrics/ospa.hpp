@@ -23,7 +23,7 @@ struct SetError {
   /// Root mean square distance of the pairs in the assignment with the least sum of squared
   /// distances, without a cutoff; 0 without pairs.
   double matched_rmse_m = 0.0;
-  int pairs = 0;  ///< pairs of that assignment: the size of the smaller set
+  int pairs = 0;  ///< number of pairs in the assignment: the size of the smaller set
 };
 
 /// Error measures for sets of target estimates with labels that contain no target id. Sets must be

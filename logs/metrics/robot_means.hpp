@@ -79,7 +79,7 @@ class RobotSums {
     double rmse_m = 0.0;
     double entropy_nats = 0.0;
     double unknown_share = 0.0;
-    std::vector<std::optional<double>> first_known_s;  ///< s; first time of knowledge, by target id
+    std::vector<std::optional<double>> first_known_s;  ///< s; start of knowledge, by target id
   };
 
   int targets_ = 0;

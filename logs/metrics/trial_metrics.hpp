@@ -68,7 +68,7 @@ class TrialMetrics {
   [[nodiscard]] const RobotStep& step_of_robots() const { return step_of_robots_; }
   /// Returns the number of position coordinates n: the mean NEES of a consistent estimator.
   [[nodiscard]] int position_dim() const { return position_dim_; }
-  /// Returns the mean over the robots' newest maps; nullopt if no robot maps.
+  /// Returns the mean entropy of the robots' newest maps; nullopt if no robot maps.
   [[nodiscard]] std::optional<double> map_entropy_nats() const;
   [[nodiscard]] std::int64_t collisions() const { return collisions_; }
   [[nodiscard]] std::int64_t separation_violations() const { return separation_violations_; }
@@ -130,7 +130,7 @@ class TrialMetrics {
   std::int64_t plans_ = 0;
   std::int64_t fallbacks_ = 0;
   std::map<std::string, double> map_entropies_nats_;  ///< nats; entropy of each robot's newest map
-  std::map<std::pair<std::string, std::int64_t>, std::int64_t> lost_;  ///< by process and run id
+  std::map<std::pair<std::string, std::int64_t>, std::int64_t> lost_;  ///< by process and run
 };
 
 }  // namespace vantage::logs

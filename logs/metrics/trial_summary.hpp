@@ -48,9 +48,9 @@ struct TrialSummary {
   /// is used, which selects overconfident estimates. Therefore this value is above
   /// per_robot.consistency, which characterises the filter.
   std::optional<double> position_nees;
-  /// Mean over the robots' last maps; nullopt if no robot maps.
+  /// Mean entropy of the robots' last maps; nullopt if no robot maps.
   std::optional<double> map_entropy_nats;
-  PoseMeans poses;       ///< own poses without motion capture
+  PoseMeans poses;       ///< errors of the robots' own poses without motion capture
   RobotMeans per_robot;  ///< each robot evaluated by its own belief; mean over the robots
 };
 

@@ -32,7 +32,7 @@ void TruthHistory::add(const models::TruthFrame& frame) {
 void TruthHistory::approach(const Frame& before, const Frame& after) {
   constexpr double kRoundingM = 1e-6;
   std::vector<Eigen::Vector3d> to_m;
-  std::vector<const Eigen::Vector3d*> from_m;  // null: not in the previous frame
+  std::vector<const Eigen::Vector3d*> from_m;  // null: robot absent from `before`
   double travelled_m = 0.0;
   for (const auto& [name, position_m] : after.robots) {
     const auto seen = before.robots.find(name);

@@ -78,7 +78,7 @@ struct MotionScore {
   double nats = 0.0;  ///< mean log likelihood of a position over the horizons; higher is better
   /// Mean NEES of the position; 2 for a consistent model.
   std::array<double, kHorizons_s.size()> nees{};
-  std::array<std::array<Displacement, kHorizons_s.size()>, 2> displacements{};  ///< by coordinate
+  std::array<std::array<Displacement, kHorizons_s.size()>, 2> displacements{};  ///< per coordinate
 };
 MotionScore judge(const models::TargetModel& model, const MotionSample& sample);
 

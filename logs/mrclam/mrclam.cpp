@@ -19,7 +19,8 @@ constexpr double kTimeMaxS = 1e10;
 constexpr double kRangeMaxM = 1e4;
 
 using Row = std::vector<double>;
-/// Rule that the numbers of a line must obey, as text for an error; empty if they do.
+/// Function that checks the numbers of a line. Returns the violated rule as text for an error, or
+/// an empty text if the numbers are valid.
 using Rule = std::function<std::string(const Row&)>;
 
 bool is_whole(double value) { return value >= 0.0 && value <= 1e6 && value == std::floor(value); }
@@ -40,7 +41,7 @@ void read_rows(const std::filesystem::path& path, std::size_t columns, const Rul
       continue;
     }
     const auto refuse = [&](const std::string& why) {
-      constexpr std::size_t kShown = 80;  // characters of the line
+      constexpr std::size_t kShown = 80;  // characters of the line in an error
       throw StartupError(path.string() + ':' + std::to_string(number) + ": '" +
                          line.substr(0, kShown) + "' " + why);
     };
@@ -68,7 +69,7 @@ void read_rows(const std::filesystem::path& path, std::size_t columns, const Rul
   }
 }
 
-/// Sorts rows by time. Returns the number of rows that were before their predecessor.
+/// Sorts rows by time. Returns the number of rows with a time before that of the preceding row.
 template <class Rows>
 std::int64_t sort_by_time(Rows& rows) {
   std::int64_t count = 0;

@@ -43,7 +43,7 @@ struct MrclamData {
   };
   std::vector<Landmark> landmarks;
   std::vector<Robot> robots;
-  std::int64_t reordered = 0;   ///< lines that were before their previous line; they are sorted
+  std::int64_t reordered = 0;   ///< lines with a time before that of the previous line; sorted
   std::int64_t impossible = 0;  ///< observations with an impossible range or bearing; left out
 };
 

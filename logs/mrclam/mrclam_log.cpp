@@ -18,7 +18,7 @@
 namespace vantage::logs {
 namespace {
 
-constexpr double kMarkerHeightM = 0.3;  // the data contain no heights
+constexpr double kMarkerHeightM = 0.3;  // assumed: the data contain no heights
 
 struct Bounds {
   Eigen::Vector2d min_m = Eigen::Vector2d::Constant(1e9);

@@ -9,7 +9,7 @@
 
 namespace vantage::logs {
 
-/// Name of the robot with number `subject` in the scenario and in the names of channels.
+/// Returns the name of robot `subject` in the scenario and in channel names.
 std::string mrclam_robot(int subject);
 
 /// Returns a scenario with the robots R1, R2, … and the landmarks of `data`, in a world that

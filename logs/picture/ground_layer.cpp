@@ -43,14 +43,16 @@ void draw_cells(Svg& svg, const Layout& layout, const Scene& scene, double memor
   svg.close_group();
 }
 
-/// Number of shades of the occupancy: quantised so that equal neighbours become one rectangle.
+/// Number of shades of the occupancy. With few shades, many neighbouring cells are equal and can be
+/// drawn as one rectangle.
 constexpr int kShades = 8;
 
 int mixed(int from, int to, double share) {
   return static_cast<int>(std::lround(from + (to - from) * share));
 }
 
-// Returns the colour of an occupancy in [0, 1]: free, unsettled, occupied.
+// Returns the colour of an occupancy in [0, 1], mixed from the colours of free, unseen and occupied
+// ground.
 std::string occupancy_colour(double p) {
   const auto channel = [](std::string_view colour, std::size_t i) {
     return std::stoi(std::string(colour.substr(1 + 2 * i, 2)), nullptr, 16);

@@ -14,7 +14,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
 
-// Draws the old part first and faint, the recent part on top.
+// Draws a track: first the old part, faintly, then the recent part on top.
 void draw_track(Svg& svg, const Layout& layout, const std::vector<TrackPoint>& track, Time now,
                 std::string_view colour, double width_px, double opacity) {
   Points old_px;

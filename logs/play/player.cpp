@@ -67,7 +67,7 @@ std::optional<PlayCommand> parse_play_command(const std::string& text) {
 }
 
 PlayTimer monotonic_timer() {
-  prctl(PR_SET_TIMERSLACK, 1UL);  // the default is 50 µs
+  prctl(PR_SET_TIMERSLACK, 1UL);  // 1 ns instead of the default of 50 µs
   return {[] { return monotonic_ns(); },
           [](std::int64_t until_ns) {
             constexpr std::int64_t kNsPerS = 1'000'000'000;

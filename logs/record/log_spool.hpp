@@ -70,7 +70,8 @@ class LogSpool {
  public:
   /// Longest time for which data may be lost by a power failure, with the default periods.
   static constexpr std::chrono::milliseconds kAtRiskMax{100};
-  /// The same limit for `options`: data are written, then synced after the sync in progress.
+  /// Returns the longest time for which data may be lost with `options`: data are written, and then
+  /// synced after the sync in progress.
   static constexpr std::chrono::milliseconds at_risk_max(const SpoolOptions& options) {
     return std::max(kAtRiskMax, options.write_period + 2 * options.sync_period);
   }

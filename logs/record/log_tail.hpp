@@ -12,7 +12,7 @@ namespace vantage::logs {
 
 /// End of the last complete event in the last bytes of a log, and the time at which it was logged.
 struct LogTail {
-  std::size_t whole_bytes = 0;  ///< bytes up to the end of that event; 0: no complete event
+  std::size_t whole_bytes = 0;  ///< bytes up to the end of the event; 0: no complete event
   std::optional<Time> last;
 };
 

@@ -20,7 +20,8 @@ std::int64_t count_of(std::uint64_t bytes) {
   return static_cast<std::int64_t>(std::min(bytes, kMost));
 }
 
-/// Finds the second copies of messages that are published twice. The log contains only the first.
+/// Detector of the second copies of messages that are published twice. Only the first copy is
+/// recorded.
 class Repeats {
  public:
   bool is_repeat(std::string_view channel, std::span<const std::uint8_t> data) {
@@ -42,9 +43,9 @@ class Repeats {
  private:
   /// Bytes of type, time, run id and sequence number.
   static constexpr std::size_t kHeadBytes = 32;
-  static constexpr std::size_t kChannelsMax = 4096;  ///< against invented names
+  static constexpr std::size_t kChannelsMax = 4096;  ///< limits the memory
   using Head = std::array<std::uint8_t, kHeadBytes>;
-  std::map<std::string, Head, std::less<>> newest_;  ///< by channel
+  std::map<std::string, Head, std::less<>> newest_;  ///< newest head by channel
 };
 
 }  // namespace

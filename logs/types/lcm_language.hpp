@@ -7,8 +7,8 @@
 #include <vector>
 
 // Parser of .lcm files that follows lcm-gen. Free of side effects.
-// Source: LCM's type specification; the grammar of lcm-gen 1.3.1, and constants as array sizes as
-// 1.4 has them.
+// Source: LCM's type specification; the grammar of lcm-gen 1.3.1 with the extension of 1.4 that
+// constants may be array sizes.
 
 namespace vantage::logs {
 

@@ -42,7 +42,7 @@ Basic basic(const std::string& type) {
 }
 
 /// Returns the hash of the struct alone: without nested structs and without its name.
-/// Source: lcm-gen's hash of a struct, 64 bits, the shift to the right of a signed number.
+/// Source: lcm-gen's hash of a struct, in 64 bits, with an arithmetic shift to the right.
 std::uint64_t own_hash(const LcmStruct& source) {
   std::uint64_t hash = 0x12345678;
   const auto add = [&hash](std::uint64_t value) {
