@@ -36,7 +36,7 @@ Bytes data_with_traps(Rng& rng) {
       append(out, {0xED, 0xA1, 0xDA, 0x01});
       append(out, junk(rng, upto(rng, 60)));
       break;
-    case 1: {  // an old header, longer than the rest
+    case 1: {  // a header that states more data than follow
       const std::string channel = "INNER";
       const Bytes data = junk(rng, 300);
       Bytes event;
@@ -95,7 +95,7 @@ void lie(const MadeLog& log, std::vector<Traced>& bytes, Rng& rng) {
   switch (upto(rng, 3)) {
     case 0:
       length = most;
-      break;  // ends at the start of a later event
+      break;  // the event seems to end where a later one starts
     case 1:
       length = upto(rng, size + 400);
       break;

@@ -206,8 +206,8 @@ TEST_F(Edit, EndsOnRequest) {
   EXPECT_EQ(merged.written, 1);
 }
 
-// The scenario is searched up to 15 s before the part, three SCENARIO periods. If none is found
-// there, the first scenario of the log is used.
+// The scenario is searched for up to 15 s (three SCENARIO periods) before the part. If none is
+// found there, the first scenario of the log is used.
 TEST_F(Edit, SearchesFifteenSecondsBackForTheScenario) {
   const auto scenario_of = [&](const Kept& events, std::int64_t from) {
     const IndexedLog log =
@@ -279,7 +279,7 @@ TEST_F(Edit, PrependsOnlyASelectedScenarioAndRenamesIt) {
 TEST_F(Edit, OmitsDoubtfulEventsOnRequest) {
   log_of("whole", {{10, "A", 1}, {20, "A", 2}, {30, "A", 3}});
   Bytes bytes = test::read_file(folder_.file("whole"));
-  bytes[27] = 0;  // the first length; no header follows
+  bytes[27] = 0;  // length of the first event; no header follows its end
   test::write_file(folder_.file("a"), bytes);
   const IndexedLog log(folder_.file("a"));
   ASSERT_EQ(log.survey().scan.doubtful, 1);

@@ -111,7 +111,7 @@ TEST_F(ExportTest, EndsOnRequest) {
   }
 }
 
-// Only selected channels are written or can be counted as missing.
+// Only selected channels are written or counted as left out.
 TEST_F(ExportTest, WritesAndCountsSelectedChannels) {
   add<models::VehicleStatus>("VEHICLE_Q1");
   add<models::VehicleStatus>("VEHICLE_Q2");

@@ -47,7 +47,7 @@ inline std::string told(const Json& entity, const std::string& key) {
   return "nothing of " + key;
 }
 
-/// Returns the lowest corner of an upright cube.
+/// Returns the corner of an upright cube with the smallest coordinates.
 inline Eigen::Vector3d low_corner(const Json& cube) {
   return xyz(cube.at("pose").at("position")) - 0.5 * xyz(cube.at("size"));
 }

@@ -234,7 +234,7 @@ TEST(Stream, PublishesTheAgeOfTheMeasurementBehindEachAction) {
   look.robot = "Q1";
   look.stamp = {from_utime(1'000'000), 11, 3};
   stream.on(look, Time{});
-  models::RobotBelief belief = belief_of("Q2", 0, {});  // from a neighbour that received it
+  models::RobotBelief belief = belief_of("Q2", 0, {});  // Q2 received the measurement
   belief.stamp.run_id = 12;
   belief.stamp.sequence = 5;
   belief.inputs = {{"MEASUREMENT_Q1", 11, 2}, {"MEASUREMENT_Q1", 11, 3}};

@@ -25,7 +25,7 @@ const std::string kPath = "/nowhere/flight.lcmlog";
 
 Bytes data_of(int i) { return Bytes(kDataBytes, static_cast<std::uint8_t>(i)); }
 
-/// Writes event `i`: its data and its time state the number.
+/// Writes event `i`, whose data and time contain the number.
 bool write(LogSpool& spool, int i, std::string_view channel = "TICK") {
   return spool.write(from_utime(kStart + i), channel, data_of(i));
 }
@@ -113,7 +113,7 @@ TEST(LogSpool, WritesAndSyncsPeriodically) {
   EXPECT_TRUE(spool.report().is_good());
 }
 
-// Fails if write() waits for the queue: write() would not return.
+// If write() waited for the disk, it would never return, and the test would time out.
 TEST(LogSpool, DoesNotBlockOnAHangingDisk) {
   FakeDisk disk;
   disk.hang_append(true);
@@ -173,7 +173,7 @@ TEST(LogSpool, ContinuesWritingDuringAHangingSync) {
 
 TEST(LogSpool, IsIntactAfterAFullDisk) {
   FakeDisk disk;
-  disk.set_room(2 * kEventBytes + 77);  // ends within the third event
+  disk.set_room(2 * kEventBytes + 77);  // full within the third event
   LogSpool spool(quick(), disk.opener());
   for (int i = 0; i < 5; ++i) {
     EXPECT_TRUE(write(spool, i));

@@ -117,7 +117,7 @@ void append_second(std::int64_t start_us, int seconds, std::int64_t& number, Byt
 TEST(SeekableLog, FindsEveryEventByTimeInAnyOrder) {
   std::vector<std::int64_t> order = first_numbers(100);
   std::mt19937 rng(5);
-  for (std::size_t i = 0; i + 5 <= order.size(); i += 5) {  // as in merged logs of several hosts
+  for (std::size_t i = 0; i + 5 <= order.size(); i += 5) {  // groups of 5 in random order
     std::shuffle(order.begin() + std::ptrdiff_t(i), order.begin() + std::ptrdiff_t(i) + 5, rng);
   }
   const TemporaryFolder folder;

@@ -68,7 +68,7 @@ TEST(SetSums, WeightRobotsEqually) {
   for (int k = 0; k < 3; ++k) {
     sums.on_belief(belief("Q1", 10.0 * k, {{0, 0.0}, {1, 5.0}}));  // tracks both targets
   }
-  sums.on_belief(belief("Q2", 30.0, {{1, 0.6}}));  // under another label: one swap in 30 s
+  sums.on_belief(belief("Q2", 30.0, {{1, 0.6}}));  // another label: one swap in 30 s
   for (int k = 1; k <= 30; ++k) {
     sums.on_truth(truth(k));
   }

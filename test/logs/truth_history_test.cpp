@@ -75,7 +75,7 @@ TEST(TruthHistory, ForgetsOldFrames) {
   EXPECT_FALSE(truth.target_position_m(0, from_utime(1'900'000)));
 }
 
-// The minimum separation, computed from all pairs of all frames.
+// The minimum separation equals the minimum over all pairs of all frames.
 TEST(TruthHistory, FindsTheLeastSeparationOfChangingBodies) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     test::Random random(seed);

@@ -92,7 +92,7 @@ using Json = nlohmann::ordered_json;
 struct Oracle {
   std::map<std::string, std::vector<Json>> values;
   std::map<std::string, std::vector<std::int64_t>> counts;
-  std::map<std::string, std::string> list_of;  ///< list of each column; parent of "NAME itself"
+  std::map<std::string, std::string> list_of;  ///< by column; "NAME itself": parent of list NAME
 
   void add(const bus::WireSchema& schema, const Json& message, const std::string& prefix,
            const std::string& list) {

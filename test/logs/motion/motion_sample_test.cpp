@@ -35,7 +35,7 @@ TEST(TargetCourse, InterpolatesUpToAQuarterOfASecond) {
     TargetCourse course;
     course.add(from_utime(1'000'000), {0.0, 1.0});
     course.add(from_utime(1'000'000 + gap_us), {1.0, 3.0});
-    course.add(from_utime(1'000'000 + gap_us), {9.0, 9.0});  // not later
+    course.add(from_utime(1'000'000 + gap_us), {9.0, 9.0});  // ignored: not later
     course.add(from_utime(900'000), {9.0, 9.0});
     ASSERT_EQ(course.positions_m().size(), gap_us == 250'000 ? 2U : 0U);
     if (gap_us == 250'000) {
@@ -226,8 +226,8 @@ TEST(FitMotion, RequiresEightSecondsOfEachPart) {
   EXPECT_NE(why_not({{TargetCourse()}}, 0.7), "");
 }
 
-// The time of a log runs from the first position of any target to the last of any; it is separate
-// for each log.
+// The time of a log runs from the first to the last position of any target. It is separate for each
+// log.
 TEST(FitMotion, SplitsTheLogByTime) {
   const auto slow = [](int k) { return Eigen::Vector2d(0.1 * wobble(k)); };
   const TargetCourse early = course_of(1, 150, slow);

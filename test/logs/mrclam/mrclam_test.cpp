@@ -77,7 +77,7 @@ TEST(Mrclam, RefusesDamagedFilesWithFileLineAndRule) {
            Row{"Robot1_Odometry.dat", "1 0.1 0.2\n2 0.1 0.2 x\n", ":2: '2 0.1 0.2 x' must consist"},
            Row{"Robot1_Odometry.dat", "-1 0.1 0.2\n", ":1: '-1 0.1 0.2' must begin with a time"},
            Row{"Robot1_Odometry.dat", "1 1000 0.2\n", "speed within 100 m/s"},
-           // Files in each other's place.
+           // Files whose contents are swapped.
            Row{"Robot1_Odometry.dat", "1 63 3.787 -0.257\n", "another file of the data set"},
            Row{"Robot1_Measurement.dat", "1 1.4 -3.9 4.0\n",
                "must have a bar code, which is a whole"},

@@ -356,7 +356,8 @@ TEST(DrawBodies, PutsANameNextToItsBody) {
     EXPECT_LT(((middle_px - at_px).cwiseAbs() - 0.5 * size_px).maxCoeff(), ring_px + 0.02);
     EXPECT_GT(middle_px.x(), at_px.x());
     if (radius_px == 10.0) {
-      // Only the position exactly to the right, at 16 px, keeps 15 px; letters are centred there.
+      // Only the position exactly to the right, at 16 px, is at least 15 px away. There the text is
+      // vertically centred on the body.
       EXPECT_NEAR(number(texts[0], "y") - 0.35 * 16.0, at_px.y(), 1.0);
     }
     if (radius_px == 8.0) {

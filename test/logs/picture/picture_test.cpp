@@ -123,7 +123,7 @@ TEST(DrawPicture, ShowsEverythingOnce) {
   EXPECT_EQ(count(svg, "class=\"view\""), 2);
   EXPECT_EQ(count(svg, "class=\"plan\""), 1);
   EXPECT_EQ(count(svg, "class=\"truth\""), 2);
-  EXPECT_EQ(count(svg, "class=\"ellipse\""), 1);  // the untracked target has none
+  EXPECT_EQ(count(svg, "class=\"ellipse\""), 1);  // the untracked target has no ellipse
   EXPECT_NE(svg.find("a&lt;b &amp; c: 1 of 2 targets found"), std::string::npos);
   EXPECT_NE(svg.find("12.5 s"), std::string::npos);
 }

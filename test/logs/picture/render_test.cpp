@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The test's own folder is the only one in which programs are searched.
+/// Fixture in which programs are searched for in the test's own folder only.
 class RenderPngBy : public ::testing::Test {
  protected:
   RenderPngBy() { ::setenv("PATH", folder_.path().c_str(), 1); }
@@ -65,7 +65,7 @@ TEST_F(RenderPngBy, RemovesTheFileOfAFailedProgram) {
             png_path + ": cannot be written: rsvg-convert failed on " + folder_.file("a.svg"));
   EXPECT_FALSE(fs::exists(png_path));
   EXPECT_FALSE(fs::exists(png_path + ".part"));
-  draws_by("exit 0\n");  // succeeds without a file
+  draws_by("exit 0\n");  // succeeds without writing a file
   EXPECT_EQ(outcome(), png_path + ": cannot be written: No such file or directory");
 }
 

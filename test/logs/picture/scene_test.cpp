@@ -80,7 +80,7 @@ TEST(SceneRecorder, KeepsAPointPerTenthOfASecondOrTwoCentimetres) {
       const double passed_s = to_seconds(track[i].time - track[i - 1].time);
       EXPECT_GE(passed_s, 0.1 - 1e-9) << speed_mps;
       EXPECT_GE((track[i].position_m - track[i - 1].position_m).norm(), 0.02 - 1e-9);
-      EXPECT_LE(passed_s, 2.0 * apart_s + 0.021) << speed_mps;  // twice as long at a turn
+      EXPECT_LE(passed_s, 2.0 * apart_s + 0.021) << speed_mps;  // twice as long at a reversal
     }
     EXPECT_GT(track.size(), 0.8 * 10.0 / (apart_s + 0.02));
   }
