@@ -255,7 +255,7 @@ TEST(DelayedFlight, IsNotExcusedIfItsProcessesCausedTheWait) {
         return;
       }
       sim.report(out, t_s, 0, "SIM", second == 8.0 ? sim_runs_us : 200'000);
-      later.report(out, t_s, second == 12.0 ? waits_later_us : 0, "SENSOR_Q1");  // uses 0.1 s
+      later.report(out, t_s, second == 12.0 ? waits_later_us : 0, "SENSOR_Q1");  // 0.1 s used
     };
     return flight.record();
   };

@@ -19,13 +19,13 @@ struct FlightBounds {
   double turn_max_share = 1.7;  ///< ArduCopter overshoots to 1.53, PX4 to 1.2
   double outside_max_m = 0.0;
   double setpoint_jump_max_m = 0.1;
-  double gap_max_s = 0.5;  ///< s; between status messages, and between TRUTH frames
+  double gap_max_s = 0.5;  ///< s; gap between status messages or TRUTH frames
   int runs_max = 1;
   double held_up_max_s = 0.1;  ///< s; longest wait of a process for a processor in any second
-  /// Processors used by all processes together in that second; above it, the flight's own processes
-  /// caused the wait.
+  /// Processors used by all processes together in the second of a wait; above this number, the
+  /// flight's own processes caused the wait.
   double processors_held_up_max = 1.5;
-  double processors_max = 1.0;  ///< mean; a spinning process exceeds it
+  double processors_max = 1.0;  ///< mean number used; a process in a busy loop exceeds it
   bool is_slowed = false;       ///< a sanitizer slows all processes down
 };
 
@@ -46,10 +46,11 @@ std::vector<std::string> collisions(const FlightRecord& record, const FlightBoun
 
 /// Returns the violations, one line each: `ROBOT INVARIANT: observed (allowed)`. The invariants
 /// are: following, set-point error, speed, turn, separation (at least the sum of the two radii),
-/// fence (outside, or landed for it), continuity, ages, believed. Empty if all hold, and for a
-/// record without a scenario or without vehicles. A flight for which held_up() returns a reason is
-/// judged only by rules that the host cannot affect: each vehicle followed at all, separation,
-/// fence, believed, and no process spins (TEAM processors).
+/// fence (outside, or landed because of the fence), continuity, ages, believed (messages of other
+/// programs accepted). Empty if there are none; a record without a scenario or vehicles is one
+/// violation. A flight for which held_up() returns a reason is judged only by rules that the host
+/// cannot affect: each vehicle has followed a plan, separation, fence, believed, and the processor
+/// use of all processes (TEAM processors).
 std::vector<std::string> violations(const FlightRecord& record, const FlightBounds& bounds = {});
 
 }  // namespace vantage::test

@@ -23,21 +23,21 @@ struct CourseMetrics {
   double setpoint_error_rms_m = 0.0;  ///< m; distance from the set-point in FOLLOW
   double setpoint_error_max_m = 0.0;
   double hold_error_max_m = 0.0;  ///< m; distance from the set-point in HOLD
-  double speed_max_share = 0.0;   ///< greatest horizontal speed / limit
+  double speed_max_share = 0.0;   ///< greatest horizontal speed divided by its limit
   double outside_max_m = 0.0;     ///< m; centre beyond the bounds or inside an obstacle
   double separation_least_m = 0.0;
-  double turn_max_share = 0.0;  ///< greatest yaw rate over 0.1 s / limit
+  double turn_max_share = 0.0;  ///< greatest yaw rate, averaged over 0.1 s, divided by its limit
   /// m; jump of the set-point between two status messages while following, beyond the distance at
   /// the greatest speed.
   double setpoint_jump_max_m = 0.0;
-  double status_gap_max_s = 0.0;  ///< s; between two status messages
-  double truth_gap_max_s = 0.0;   ///< s; between two observations of its body
-  int runs = 0;                   ///< accepted runs of its driver
-  std::int64_t strangers = 0;     ///< status messages of another run while its own was alive
+  double status_gap_max_s = 0.0;          ///< s; between two status messages
+  double truth_gap_max_s = 0.0;           ///< s; between two TRUTH frames with the vehicle
+  int runs = 0;                           ///< accepted runs of the vehicle's driver
+  std::int64_t strangers = 0;             ///< status messages of another run while the driver ran
   std::map<std::string, double> reasons;  ///< s; airborne time with each reason
 };
 
-/// The response of a vehicle that followed a plan to one order or condition to stop.
+/// Response to one order or condition to stop, by a vehicle that was following a plan.
 struct Stop {
   Time begin{};
   double speed_mps = 0.0;      ///< m/s; greatest horizontal speed within 0.2 s
@@ -94,7 +94,7 @@ class FlightRecord {
   [[nodiscard]] const std::vector<Collision>& collisions() const { return collisions_; }
   /// Returns the processor use since the first followed plan; empty if the log lacks it.
   [[nodiscard]] const std::vector<MachineShare>& machine_shares() const { return machine_shares_; }
-  /// Returns each time that a vehicle left FOLLOW for HOLD and stayed there for a second.
+  /// Returns, for each vehicle, every change from FOLLOW to HOLD that lasted at least a second.
   [[nodiscard]] std::map<std::string, std::vector<Stop>> stops() const;
 
  private:

@@ -21,8 +21,8 @@ inline bool is_port_free(int kind, int port) {
 }
 
 /// Returns a port of the loopback that is unused for TCP and UDP and outside the kernel's ephemeral
-/// range (32768 and more), so that it stays free. Other processes start elsewhere, and each call
-/// continues after the last port.
+/// range (32768 and more), so that it stays free. The first port depends on the process id; each
+/// call searches from the port after the last result.
 inline int free_port() {
   static int next = 12'000 + getpid() % 20'000;
   while (!is_port_free(SOCK_STREAM, next) || !is_port_free(SOCK_DGRAM, next)) {

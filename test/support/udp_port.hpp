@@ -6,7 +6,7 @@
 
 namespace vantage::test {
 
-/// Returns a UDP port for the `number`-th wire of this process, `number` in [0, 3].
+/// Returns the UDP port of connection `number` of this process, `number` in [0, 3].
 inline std::string port_of_this_test(int number) {
   return std::to_string(20'000 + (getpid() * 4 + number) % 20'000);
 }
