@@ -54,7 +54,7 @@ class Terminal:
         os.write(self.fd, key)
 
     def end(self, key=None, holds=lambda: False):
-        """Returns the exit code; presses the key again and again while `holds`."""
+        """Returns the exit code; presses the key again and again while `holds()` is true."""
         next_key = time.monotonic() + KEY_PERIOD_S
         while self.read_output(0.02):
             if holds() and time.monotonic() >= next_key:

@@ -8,7 +8,7 @@
 //   cut             cuts its MAVLink link in both directions until it has landed
 //   blip            cuts the link for 1.2 s
 //   outage:SECONDS  SIGSTOP to the mocap driver and to restarted ones; affects all vehicles
-//   stall:SECONDS   the same for its own driver, which then handles the queued messages
+//   stall:SECONDS   SIGSTOP to the vehicle's driver, which later handles the queued messages
 //   pilot           another station takes the autopilot out of the driver's mode for 2.5 s
 //   battery         its battery runs empty
 //   motor           one of its motors stops permanently
@@ -53,7 +53,7 @@
 
 namespace {
 
-using namespace vantage;  // NOLINT(google-build-using-namespace): a test's main alone
+using namespace vantage;  // NOLINT(google-build-using-namespace): only in this main file
 using models::FlightState;
 using models::OperatorAction;
 
@@ -78,7 +78,7 @@ double silence_s(const std::string& what) { return std::stod(what.substr(what.fi
 bool is_outage(const std::string& what) { return what.starts_with("outage:"); }
 bool is_stall(const std::string& what) { return what.starts_with("stall:"); }
 
-/// True if the event makes the affected vehicle land, as 0.5 s without poses do.
+/// True if the event makes the affected vehicle land, for example by 0.5 s without poses.
 bool causes_landing(const std::string& what) {
   return what == "cut" || what == "battery" || what == "motor" || what.ends_with("quadrotor") ||
          what.ends_with("vicon") || ((is_outage(what) || is_stall(what)) && silence_s(what) > 0.4);
@@ -152,7 +152,7 @@ class Drill {
       step_lanes(now);
       return;
     }
-    if (is_anybody_down()) {  // landed for another reason; no further event until all fly again
+    if (is_anybody_down()) {  // landed for another reason: no events until all fly
       has_grounded_ = true;
       round_.clear();
       next_.reset();

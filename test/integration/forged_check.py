@@ -5,7 +5,7 @@ Reads the log of the flight: what the vehicles did in the span (none may land, b
 more than a second), and what their drivers refused. Prints it; exit code 0: nothing changed. hil_check
 checks for collisions.
 --signed: each kind of forgery must have been refused. --held-up: the host delayed processes, so these
-are not judged: holding, late plans, a landing because a stream was silent (SILENCES), and its end.
+are not judged: holding, late plans, a landing because a stream was silent (SILENCES), and the end of the flight.
 """
 
 import collections

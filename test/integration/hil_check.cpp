@@ -40,7 +40,7 @@
 
 namespace {
 
-using namespace vantage;  // NOLINT(google-build-using-namespace): a test's main alone
+using namespace vantage;  // NOLINT(google-build-using-namespace): only in this main file
 using models::FlightState;
 using test::decode;
 
@@ -51,7 +51,7 @@ struct Flight {
   std::optional<Eigen::Vector2d> first_m;
   double farthest_m = 0.0;  // m; greatest distance from the first position
   FlightState state = FlightState::kIdle;
-  std::set<std::string> ended_for;  // reasons reported while killed, or before it followed a plan
+  std::set<std::string> ended_for;  // reasons reported while killed or before the first plan
 };
 
 struct Seen {

@@ -1,7 +1,7 @@
 #!/bin/bash
 # peers.sh BIN_DIR: three hosts on a switch exchange messages by unicast (URL option peers), two processes on
-# each. Every process receives whole messages of one and of many datagrams from all others, with 1 % of the
-# frames lost. Multicast does not leave a host. Runs in its own network: in_network.sh peers.sh …
+# each. Every process must receive complete messages from all others, both single-datagram and
+# many-datagram ones, although 1 % of the frames are lost. Multicast must not leave a host. Runs in its own network: in_network.sh peers.sh …
 set -euo pipefail
 bin=$1
 switch=$(dirname "$0")/../rig/switch

@@ -1,6 +1,6 @@
-// peers_node URL NAME OTHER…: publishes messages of three sizes, and ends when it has received each
-// size from each OTHER, and knows that all others have, too. Exit code 1 after 60 s, or if a
-// message has a wrong content.
+// peers_node URL NAME OTHER…: publishes messages of three sizes. Ends when it has received each
+// size from each OTHER, and each OTHER has reported that it has received all, too. Exit code 1
+// after 60 s, or if a message has a wrong content.
 
 #include <algorithm>
 #include <array>
@@ -23,7 +23,8 @@ constexpr std::int64_t kPeriodNs =
     500'000'000;  // the switch passes some thousand frames per second
 constexpr int kFarewells = 6;
 
-/// Returns the content of a message: whether its sender has all messages, then a fixed pattern.
+/// Returns the content of a message: one byte that states whether the sender has received all
+/// messages, then a fixed pattern.
 std::vector<std::uint8_t> content(const std::string& sender, std::size_t size, bool has_all) {
   std::vector<std::uint8_t> bytes(size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -57,7 +58,7 @@ int main(int argc, char** argv) {
       ready.insert(sender);
     }
   });
-  // Names of one host differ in the last character only.
+  // A HOST_* message must come from the same host: names of one host begin with the same letter.
   transport->subscribe("HOST_*", [&](std::string_view channel, const auto& /*bytes*/) {
     is_wrong = is_wrong || channel[std::strlen("HOST_")] != name[0];
   });

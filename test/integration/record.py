@@ -318,7 +318,7 @@ def test_log_equals_that_of_lcm_logger():
         *([event for event in events(log) if event[2] in channels] for log in (ours.log, stock_log)))]
     print(f"  times differ from those of lcm-logger by {sorted(apart_us)[len(apart_us) // 2]} µs (median), "
           f"{max(apart_us)} at most")
-    # LCM's player replays it on another port.
+    # LCM's player replays our log on another port.
     again = Recorder(FOLDER / "played.lcmlog", port=PORT + 1).start()
     subprocess.run(["lcm-logplayer", "-l", url(PORT + 1), ours.log], check=True, stdout=subprocess.DEVNULL,
                    timeout=PATIENCE_S)

@@ -14,7 +14,7 @@
 
 namespace {
 
-using namespace vantage;  // NOLINT(google-build-using-namespace): a test's main alone
+using namespace vantage;  // NOLINT(google-build-using-namespace): only in this main file
 
 bool is_same(const logs::IndexedLog& original, const logs::IndexedLog& replayed,
              const std::string& channel, int least) {

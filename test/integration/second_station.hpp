@@ -8,7 +8,8 @@ namespace vantage::test {
 
 /// A second ground station for the autopilot of a firmware that `vantage up` started on this host.
 /// The station uses the autopilot's second link (ArduPilot: TCP 5762 + 10 instance, PX4: UDP 18570
-/// + instance), so its messages do not pass through the driver.
+/// + instance), so its messages do not pass through the driver. The functions that send a message
+/// return false if it could not be sent.
 class SecondStation {
  public:
   SecondStation(models::AutopilotDialect dialect, int instance, int system_id);
@@ -16,11 +17,11 @@ class SecondStation {
   SecondStation(const SecondStation&) = delete;
   SecondStation& operator=(const SecondStation&) = delete;
 
-  // Each function returns false if its message could not be sent.
-  /// Takes the autopilot out of the mode that accepts set-points into one in which it hovers.
+  /// Switches the autopilot from the mode that accepts set-points to one in which it hovers.
   /// ArduPilot: Brake. PX4: Position mode with centred sticks, since Hold needs a global position.
   bool take_over();
-  /// Holds the vehicle in that mode; must be called at least 10 times per second until give_back().
+  /// Keeps the vehicle in the mode of take_over(); call it at least 10 times per second until
+  /// give_back().
   bool keep();
   bool give_back();
   /// Empties the simulated battery: immediately (ArduPilot) or within half a minute (PX4).

@@ -16,7 +16,7 @@
 
 namespace {
 
-using namespace vantage;  // NOLINT(google-build-using-namespace): a test's main alone
+using namespace vantage;  // NOLINT(google-build-using-namespace): only in this main file
 
 void write(const std::string& path, const std::vector<std::uint8_t>& bytes) {
   std::ofstream(path, std::ios::binary)

@@ -172,8 +172,8 @@ TEST(UdpmTransport, StopsDeliveryAfterUnsubscribe) {
   EXPECT_EQ(receivers_of("XY"), "c");
 }
 
-// The source identifies address and port: equal for one socket at any message size, and the same
-// host for two sockets.
+// The source of a message identifies the sender's address and port. All messages of one socket have
+// the same source; the sources of two sockets on one host differ in the port only.
 TEST(UdpmTransport, IdentifiesSender) {
   const auto first = bus::open_transport(test::kUrl);
   const auto second = bus::open_transport(test::kUrl);
