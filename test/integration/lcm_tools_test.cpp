@@ -144,7 +144,7 @@ TEST_F(LcmTools, LcmLogplayerReplaysToOurTransport) {
 
 // LCM's logger and player do not change a byte of signed messages. A receiver that requires
 // signatures refuses the replayed messages, whether or not it received the original ones.
-TEST_F(LcmTools, KeepSignedMessagesAndReplayIsRefused) {
+TEST_F(LcmTools, KeepSignedMessagesUnchangedButReceiversRefuseTheirReplay) {
   constexpr unsigned kMessages = 25;  // a receiver queues 30 and drops the oldest of a larger burst
   const auto keys = test::keys_of_a_trial();
   bus::VirtualClock clock(from_utime(1'700'000'000'000'000));

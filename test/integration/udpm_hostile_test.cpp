@@ -89,7 +89,7 @@ Bytes hostile_datagram(std::mt19937& rng) {
 // Sends 20 hostile datagrams after each valid message, for 500 rounds. Every 10th valid message has
 // 200 kB and comes from a sender that the attackers do not know. The attackers change their port
 // from time to time.
-TEST(UdpmUnderAttack, LosesNoValidMessageAndStaysBounded) {
+TEST(UdpmUnderAttack, LosesNoValidMessageAndBoundsItsMemory) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
   }
@@ -154,7 +154,7 @@ TEST(UdpmUnderAttack, KeepsForeignFragmentsOutOfMessages) {
 
 // The reassembly limits per sender and in total grow with the configured largest message: one
 // message of that size is always assembled.
-TEST(UdpmReassembly, AssemblesMessageOfConfiguredMaximum) {
+TEST(UdpmReassembly, AssemblesAMessageOfTheMaximumSize) {
   constexpr std::uint32_t kPieceBytes = 60'000;
   constexpr std::uint16_t kPieces = 600;
   constexpr std::uint32_t kMessageBytes = kPieces * kPieceBytes;

@@ -19,7 +19,7 @@ const std::vector<std::size_t> kSizes{0,      1,      200,     60'000,  65'480, 
 
 Bytes payload(std::size_t size) { return test::random_bytes(size, static_cast<unsigned>(size)); }
 
-TEST(UdpmInterop, ReachesLiblcmAtEverySize) {
+TEST(UdpmInterop, LiblcmReceivesMessagesOfEverySize) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
   }
@@ -35,7 +35,7 @@ TEST(UdpmInterop, ReachesLiblcmAtEverySize) {
   }
 }
 
-TEST(UdpmInterop, ReceivesFromLiblcmAtEverySize) {
+TEST(UdpmInterop, ReceivesMessagesOfEverySizeFromLiblcm) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
   }
@@ -195,7 +195,7 @@ TEST(UdpmTransport, IdentifiesSender) {
   EXPECT_NE(sources[0] & 0xFFFFU, 0U);
 }
 
-TEST(UdpmTransport, RefusesHandleInsideAHandler) {
+TEST(UdpmTransport, RefusesACallOfHandleInsideAHandler) {
   const auto ours = bus::open_transport(test::kUrl);
   int calls = 0;
   ours->subscribe("X", [&](auto, auto) {

@@ -44,7 +44,7 @@ TEST(UdpmLink, CountsDatagramsDroppedByTheSocket) {
 // During a flood, handle() returns before it has handled all waiting messages: a handler that takes
 // 1 ms is not called for each of them in one call.
 // The kernel counts filtered datagrams as dropped; they are not losses.
-TEST(UdpmLink, ReceivesOnlyFilteredChannels) {
+TEST(UdpmLink, ReceivesOnlyChannelsThatPassTheFilter) {
   bus::udpm::MulticastSocket socket(bus::parse_udpm(bus::parse_url(test::kUrl)));
   const std::vector<std::string_view> patterns{"WANTED"};
   const auto filter = bus::udpm::channel_filter(patterns);
@@ -172,7 +172,7 @@ class UdpmCards : public ::testing::Test {
   };
 };
 
-TEST_F(UdpmCards, AreSeparate) {
+TEST_F(UdpmCards, ReceiveOnlyMessagesSentOnTheSameCard) {
   Listener lo("ttl=0");
   Listener a("ttl=0&interface=va0");
   Listener a_by_address("interface=10.1.0.1");
@@ -187,7 +187,7 @@ TEST_F(UdpmCards, AreSeparate) {
   EXPECT_EQ(a_by_address.receive_until_end(), "A A2 END END ");
 }
 
-TEST_F(UdpmCards, TransmitOverTheirCable) {
+TEST_F(UdpmCards, ReceiveMessagesOverTheirCable) {
   // The kernel otherwise refuses packets from outside with this host's own address.
   if (std::system("for key in accept_local=1 rp_filter=0; do for card in all va1 vb1; do"
                   " sysctl -qw net.ipv4.conf.$card.$key || exit 1; done; done") != 0) {

@@ -104,7 +104,7 @@ TEST(Appearance, ColoursAreDistinctForColourBlindReaders) {
   }
 }
 
-TEST(Appearance, StreamColoursNameTheirTableEntry) {
+TEST(Appearance, MeanColoursAreDistinct) {
   std::set<std::uint32_t> met;
   std::size_t count = 0;
   std::set<std::string> pairs;  // colour pairs; roles with equal pairs count once

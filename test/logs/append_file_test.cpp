@@ -120,7 +120,7 @@ TEST(UnusedPath, TreatsADanglingLinkAsUsed) {
   EXPECT_EQ(unused_path(path), folder.file("a-4.lcmlog"));
 }
 
-TEST(FreeBytesFor, AgreesWithAnOpenFile) {
+TEST(FreeBytesFor, AgreesWithTheFreeBytesOfAnOpenFile) {
   const test::TemporaryFolder folder;
   const auto file = opened(folder.file("a.lcmlog"), Existing::kRefuse);
   const auto of_path = free_bytes_for(folder.file("b.lcmlog"));

@@ -49,7 +49,7 @@ TEST(ChannelFilter, IsCorrectForManyNames) {
   EXPECT_TRUE(even.takes("C0"));
 }
 
-TEST(ChannelFilter, NamesAnInvalidExpression) {
+TEST(ChannelFilter, ReportsAnInvalidExpression) {
   const std::string why = why_not([] { ChannelFilter({"A", "(B"}, {}); });
   EXPECT_EQ(why.find("channel expression '(B' is not a valid regular expression: "), 0U) << why;
   EXPECT_NE(why_not([] { ChannelFilter({}, {"[C"}); }).find("'[C'"), std::string::npos);
@@ -72,7 +72,7 @@ TEST(ChannelRenames, RefuseNamesTooLongForLcm) {
   EXPECT_EQ(names.rename("ABBBB"), std::nullopt);
 }
 
-TEST(ChannelRenames, NameAnInvalidRule) {
+TEST(ChannelRenames, ReportAnInvalidRule) {
   const auto why = [](const std::string& rule) {
     return why_not([&] { ChannelRenames({"GOOD=FINE", rule}); });
   };

@@ -48,7 +48,7 @@ TEST(NeesSums, CountsEstimatesInsideTheEllipse) {
   EXPECT_FALSE(none.coverage_95);
 }
 
-TEST(NeesSums, KeepsExtremesInItsOuterBins) {
+TEST(NeesSums, CountsExtremeValuesInTheOutermostBins) {
   for (const double nees : {0.0, 1e-300, 1e-5}) {
     NeesSums sums(2);
     sums.add(nees);

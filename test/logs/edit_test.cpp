@@ -78,7 +78,7 @@ TEST_F(Edit, KeepsEveryEventWhenTimesGoBack) {
   EXPECT_EQ(kept, (Kept{{20, "A", 3}}));
 }
 
-TEST_F(Edit, MatchesWholeNames) {
+TEST_F(Edit, MatchesWholeChannelNames) {
   const IndexedLog log = log_of("a", {{1, "VICON", 1}, {2, "VICON_RAW", 2}, {3, "PLAN_Q1", 3}});
   EditRules rules;
   rules.channels = ChannelFilter({"VICON", "PLAN_.*"}, {"PLAN_Q2"});
@@ -89,7 +89,7 @@ TEST_F(Edit, MatchesWholeNames) {
   EXPECT_THROW(ChannelFilter({"("}, {}), UsageError);
 }
 
-TEST_F(Edit, RenamesWholeNamesAndPrefixes) {
+TEST_F(Edit, RenamesWholeChannelNamesAndPrefixes) {
   const IndexedLog log =
       log_of("a", {{1, "VICON", 1}, {2, "VICON_RAW", 2}, {3, "PLAN_Q1", 3}, {4, "A", 4}});
   EditRules rules;

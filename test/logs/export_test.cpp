@@ -141,7 +141,7 @@ TEST_F(ExportTest, ToRos2OmitsTypesWithoutCounterpart) {
   EXPECT_EQ(counts.left_out, (Left{{"FOREIGN", 1}}));
 }
 
-TEST_F(ExportTest, ToMcapContainsPicturesOnlyWithTheScene) {
+TEST_F(ExportTest, ToMcapContainsDrawingsOnlyOnRequest) {
   add<models::MocapFrame>("VICON");
   add<models::CollisionReport>("COLLISION");
   const IndexedLog whole = log();

@@ -166,7 +166,7 @@ TEST(EstimatesScene, MarksTheMeanAndStatesTheUncertainty) {
             (Json{{"timestamp", to_json(kTime)}, {"type", 0}, {"id", "estimate/R2"}}));
 }
 
-TEST(TrackEntity, IsThePathInTheRobotsColour) {
+TEST(TrackEntity, DrawsThePathInTheRobotsColour) {
   const std::vector<Eigen::Vector3d> way = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};
   const Colour own{0.25, 0.5, 0.75};
   const Json robot = track_entity("Q1", way, own, kTime);
@@ -178,7 +178,7 @@ TEST(TrackEntity, IsThePathInTheRobotsColour) {
   EXPECT_EQ(rgb(target.at("lines")[0].at("color")), role("truth"));
 }
 
-TEST(MeasurementScene, HasALinePerPositionDetection) {
+TEST(MeasurementScene, DrawsALinePerDetectionWithAPosition) {
   models::SensorModel sensor;
   sensor.kind = models::SensorKind::kPosition;
   models::RobotMeasurement looked;
@@ -212,7 +212,7 @@ TEST(MeasurementScene, HasALinePerPositionDetection) {
   EXPECT_EQ(told(nowhere, "jammed"), "yes");
 }
 
-TEST(Parts, ContainTheirInputs) {
+TEST(FoxgloveParts, ContainTheirArguments) {
   const Colour colour{0.1, 0.2, 0.3, 0.4};
   EXPECT_EQ(to_json(colour), (Json{{"r", 0.1}, {"g", 0.2}, {"b", 0.3}, {"a", 0.4}}));
   EXPECT_EQ(to_json(Quaternion(0.1, 0.2, 0.3, 0.4)),

@@ -159,7 +159,7 @@ TEST(RobotsScene, DrawsDiscsWithAHeadingMark) {
 
 // The view is the part of a disc on the ground within the field of view, drawn as a fan from the
 // point below the robot.
-TEST(ViewsScene, IsTheSensorsGroundSector) {
+TEST(ViewsScene, DrawsTheGroundSectorOfTheSensor) {
   scenario::Scenario scenario = lab();
   const double fovs_rad[] = {1.2, 2.0 * kPi, 3.0 * kPi};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -226,7 +226,7 @@ TEST(ViewsScene, IsTheSensorsGroundSector) {
 
 // A field of view of more than half a turn, but less than a full turn, has two straight edges that
 // meet at its origin.
-TEST(ViewsScene, IsASectorOrAFullDisc) {
+TEST(ViewsScene, DrawsASectorOrAFullDisc) {
   scenario::Scenario scenario = lab();
   scenario.robots.resize(1);
   for (const double fov_rad : {0.5, 2.5, 3.3, 4.0, 6.0, 2.0 * kPi - 1e-4, 2.0 * kPi, 7.0}) {

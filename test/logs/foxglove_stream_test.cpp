@@ -139,7 +139,7 @@ TEST(ProposalScene, FollowsTrajectoriesUntilTheEndOfTheRound) {
   EXPECT_NEAR(drawn_m, 1.5, 0.25) << "half of its 3 m, within one dash";
 }
 
-TEST(ProposalScene, OverlaysEqualProposals) {
+TEST(ProposalScene, DrawsEqualProposalsWithComplementaryDashes) {
   const scenario::Scenario scenario = lab();
   std::set<std::string> begins;
   std::size_t dashes = 0;

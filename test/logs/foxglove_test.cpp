@@ -155,7 +155,7 @@ TEST(PlanScene, HasTheTrajectorysEnds) {
   EXPECT_NEAR(points.back()["y"].get<double>(), end.y_m, 1e-6);
 }
 
-TEST(MeasurementScene, DrawsToTheTargetAndIgnoresOtherSensors) {
+TEST(MeasurementScene, DrawsALineToTheTargetAndIgnoresOtherSensors) {
   const models::SensorModel sensor;  // range and bearing
   models::RobotMeasurement looked;
   looked.robot = "Q1";

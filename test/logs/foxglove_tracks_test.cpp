@@ -257,7 +257,7 @@ models::RobotBelief seen_by(const std::string& robot, std::int64_t step,
   return belief;
 }
 
-TEST(Grids, ExistPerRobotAndForTheTeam) {
+TEST(Grids, ArePublishedPerRobotAndForTheTeam) {
   Notebook notebook;
   Stream stream(notebook);
   const models::GridGeometry grid{{0.0, 0.0}, 1.0, 2, 2};
@@ -306,7 +306,7 @@ TEST(Grids, MergeFromNeighbourhoodsIntoTheWorldGrid) {
   EXPECT_EQ(values_of(last), expected);
 }
 
-TEST(Maps, AreShownPerRobotAndNewest) {
+TEST(Maps, ArePublishedPerRobotAndAsTheNewestOfTheTeam) {
   Notebook notebook;
   Stream stream(notebook);
   models::RobotMap map;

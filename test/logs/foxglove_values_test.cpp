@@ -263,7 +263,7 @@ TEST(TeamJson, DescribesTheNewestEvaluatedStep) {
   EXPECT_EQ(made.at("nees_expected"), 2);
 }
 
-TEST(LogJson, IsTheEventWithItsLevel) {
+TEST(LogJson, ContainsTheEventAndItsLevel) {
   const int levels[] = {1, 2, 3, 4, 5};  // levels of foxglove.Log
   const LogLevel named[] = {LogLevel::kDebug, LogLevel::kInfo, LogLevel::kWarning, LogLevel::kError,
                             LogLevel::kFatal};

@@ -300,7 +300,7 @@ TEST(SurveyLog, MatchesAManualCount) {
 
 // A block is a range at whose start reading can begin. It has at least 256 KiB and ends at the next
 // event.
-TEST(SurveyLog, DividesALogIntoDescribedBlocks) {
+TEST(SurveyLog, DividesALogIntoBlocksAndDescribesEach) {
   for (const Bytes& log : {eventful_log(), large_log()}) {
     const LogSurvey survey = survey_log(log);
     std::vector<LocatedEvent> events;
@@ -426,7 +426,7 @@ TEST(IndexedLog, RefusesAnIndexIfTheBeginningOrEndOfTheLogHasChanged) {
   }
 }
 
-TEST(IndexedLog, LeavesOnlyItsIndex) {
+TEST(IndexedLog, CreatesNoFileExceptItsIndex) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   test::write_file(path, eventful_log());

@@ -153,7 +153,7 @@ TEST(LogScan, IgnoresLogsInsideDataNearDamage) {
 
 // Each header claims all following bytes and has an unrelated number. The check of what each header
 // encloses must not take quadratic time (the test's time limit is the bound).
-TEST(LogScan, EndsOnAFileOfHeadersOnly) {
+TEST(LogScan, TerminatesOnAFileOfHeadersOnly) {
   std::mt19937_64 rng(5);
   constexpr std::size_t kEvents = 100'000;
   constexpr std::size_t kSize = kEventHeaderBytes + 1;
@@ -170,7 +170,7 @@ TEST(LogScan, EndsOnAFileOfHeadersOnly) {
   EXPECT_GE(all_events(scan).size(), 1U);
 }
 
-TEST(LogScan, EndsOnNoiseAndTruncatedLogs) {
+TEST(LogScan, TerminatesOnNoiseAndTruncatedLogs) {
   std::mt19937_64 rng(3);
   const test::MadeLog log = test::random_log(rng, 8);
   for (std::size_t size = 0; size <= log.bytes.size(); ++size) {
@@ -352,7 +352,7 @@ TEST(LogScan, KeepsIntactEventsWithAnyContent) {
 }
 
 // A scan that starts in the middle of a log counts skipped bytes from its start.
-TEST(LogScan, CountsFromItsStart) {
+TEST(LogScan, CountsSkippedBytesFromItsStart) {
   const Bytes bytes = log_of({{0, Bytes(5, 7)}, {1, Bytes(5, 7)}, {2, Bytes(5, 7)}});
   const std::size_t size = bytes.size() / 3;
   LogScan scan(bytes, {}, size - 2);

@@ -166,7 +166,7 @@ TEST_F(McapPeer, ReadsALogWithNamesThatAreNotUtf8) {
   EXPECT_NE(listing.find("summary A\\x09B vantage_lcm.attack_t 1\n"), std::string::npos) << listing;
 }
 
-TEST(ExportMcap, EndsCompletelyOnRequest) {
+TEST(ExportMcap, WritesACompleteFileWhenStoppedOnRequest) {
   test::TemporaryFolder folder;
   {
     LogWriter log(folder.file("a.lcmlog"));

@@ -126,7 +126,7 @@ TEST_F(PlayerTest, LoopsUntilStopped) {
   EXPECT_EQ(report.passes, 3);
 }
 
-TEST_F(PlayerTest, FiltersAndRenames) {
+TEST_F(PlayerTest, FiltersAndRenamesChannels) {
   PlayOptions options;
   options.rules.channels = ChannelFilter({"ODD"}, {});
   options.rules.names = ChannelRenames({"ODD=STRANGE"});
@@ -156,7 +156,7 @@ TEST(ParsePlayCommand, AcceptsOnlyItsCommands) {
 }
 
 // The clock was set during the recording: the stamps are of 1970, 2026, 1970 and 2026 again.
-TEST_F(PlayerTest, SkipsWaitsOfBrokenTimeStamps) {
+TEST_F(PlayerTest, SkipsWaitsCausedByBrokenTimeStamps) {
   Bytes bytes;
   constexpr std::int64_t kNow = 1'795'000'000'000'000;
   std::int64_t number = 0;

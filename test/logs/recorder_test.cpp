@@ -16,7 +16,7 @@ namespace {
 
 constexpr Time kNow = from_utime(1'700'000'000'000'000);
 
-TEST(Recorder, RecordsFilteredChannelsWithValidNames) {
+TEST(Recorder, RecordsSelectedChannelsWithValidNames) {
   bus::InProcessHub hub;
   const auto receiver = hub.connect();
   const auto mouth = hub.connect();

@@ -184,7 +184,7 @@ TEST(ToRos2, WritesPlanarAndSpatialBeliefs) {
 }
 
 // Each range is written as measured, for any field of view; the angles continue beyond π.
-TEST(ToRos2, WritesScansByBeamBearing) {
+TEST(ToRos2, WritesEachRangeAtTheBearingOfItsBeam) {
   for (const double fov_rad : {kPi, 0.5, 2.0 * kPi}) {
     for (const int beams : {1, 2, 3, 8}) {
       models::RangeScan scan;
@@ -230,7 +230,7 @@ TEST(ToRos2, WritesScansByBeamBearing) {
   }
 }
 
-TEST(ToRos2, WritesMapsByHitsMinusPasses) {
+TEST(ToRos2, WritesOccupancyFromHitsMinusPasses) {
   models::RobotMap map;
   map.stamp.time = kTime;
   map.robot = "Q2";

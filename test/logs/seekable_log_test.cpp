@@ -170,7 +170,7 @@ TEST(SeekableLog, ContainsTheIntactEventsOfADamagedLog) {
   EXPECT_GT(log.survey().scan.bytes_damaged, 0U);
 }
 
-TEST(SeekableLog, BlocksOfDamagedLogsEqualOnePass) {
+TEST(SeekableLog, FindsTheSameEventsOfDamagedLogsAsOnePass) {
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     std::mt19937_64 rng(seed);
     Bytes bytes;

@@ -148,7 +148,7 @@ TEST(TrialMetrics, AveragesOverRobotsBeliefs) {
   EXPECT_NEAR(means.discovery_time_s, 0.25 * (0.5 + 1.0 + 0.5 + 2.0), 1e-12);
 }
 
-TEST(TrialMetrics, DiscoversAtTheFirstBeliefOfAnyRobot) {
+TEST(TrialMetrics, CountsADiscoveryAtTheFirstBeliefOfAnyRobot) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_belief(belief("Q1", 2.0, {target(0, 0.0, 0.0, 1.0)}));
   metrics.on_belief(belief("Q2", 1.5, {target(0, 0.0, 0.0, 1.0)}));  // arrives later, is older
@@ -431,7 +431,7 @@ TEST(TrialMetrics, CountsDuplicatePlansOnce) {
   EXPECT_FALSE(summary.map_entropy_nats);
 }
 
-TEST(TrialMetrics, AveragesTheNewestMaps) {
+TEST(TrialMetrics, AveragesTheEntropyOfTheNewestMaps) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   models::RobotMap map;
   for (const auto& [robot, nats] : {std::pair{"Q1", 100.0}, {"Q2", 30.0}, {"Q1", 10.0}}) {

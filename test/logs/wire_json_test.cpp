@@ -59,7 +59,7 @@ template <class Message>
 class MessageJson : public ::testing::Test {};
 TYPED_TEST_SUITE(MessageJson, test::MessageTypes);
 
-TYPED_TEST(MessageJson, FitsItsSchemaWhateverTheMessage) {
+TYPED_TEST(MessageJson, FitsItsSchemaForEveryMessage) {
   test::Sampler sampler(7);
   for (int i = 0; i < 200; ++i) {
     const TypeParam message = test::sample<TypeParam>(sampler);

@@ -19,7 +19,7 @@
 namespace vantage::tools {
 namespace {
 
-TEST(HopsOf, GroupsCountersInThrees) {
+TEST(HopsOf, GroupsThreeCountersPerHop) {
   models::ProcessHealth health;
   LatencyRecord record;
   record.add(Duration{100});
@@ -69,7 +69,7 @@ class AnalyseLog : public ::testing::Test {
   logs::TrialSummary flown_;
 };
 
-TEST_F(AnalyseLog, EqualsTheTrialsOwnMetrics) {
+TEST_F(AnalyseLog, AgreesWithTheMetricsOfTheTrial) {
   const logs::IndexedLog log(folder_.file("trial.lcmlog"));
   const logs::LogAnalysis analysis = logs::analyse_log(log, scenario_of(log));
   const logs::TrialSummary& read = analysis.summary;
@@ -107,7 +107,7 @@ TEST_F(AnalyseLog, EntropyDecreasesOverTime) {
   EXPECT_LT(analysis.course.back().entropy_nats, analysis.course.front().entropy_nats);
 }
 
-TEST_F(AnalyseLog, IsDrawnByGnuplot) {
+TEST_F(AnalyseLog, ReturnsResultsThatGnuplotDraws) {
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0) {
     GTEST_SKIP() << "gnuplot is not installed";
   }

@@ -196,7 +196,7 @@ TEST_F(LogNumbers, ReportsTheTeamsEntropyOverTime) {
 // missing in the log.
 class LossNumbers : public LogNumbers, public ::testing::WithParamInterface<std::int64_t> {};
 
-TEST_P(LossNumbers, AreTheGreaterOfReportedAndMissing) {
+TEST_P(LossNumbers, AreTheLargerOfReportedAndMissingMessages) {
   for (const std::int64_t sequence : {1, 2, 5, 6}) {
     const double s = 0.1 * static_cast<double>(sequence);
     add_frame(s, s, s, sequence);
@@ -277,7 +277,7 @@ TEST(ToJson, ContainsEachNumberOfAnAnalysis) {
   EXPECT_FALSE(to_json(LogAnalysis{}).at("per_robot").contains("ospa_m"));
 }
 
-TEST(SpreadOf, EqualsASingleValue) {
+TEST(SpreadOf, ReportsASingleValueAsEveryStatistic) {
   const Spread spread = spread_of({4.5});
   EXPECT_EQ(spread.count, 1);
   for (const double each :

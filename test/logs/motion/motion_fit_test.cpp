@@ -97,7 +97,7 @@ TEST(FitMotion, FindsTheTrueOscillator) {
   }
 }
 
-TEST(FitMotion, FindsARandomWalksDensity) {
+TEST(FitMotion, FindsTheNoiseDensityOfARandomWalk) {
   const models::TargetModel walk{models::TargetKind::kRandomWalk, 2, 0.3};
   const std::vector<FittedMotion> fits = fit_motion(many(walk, 40, 8), {0.0, 0.0});
   EXPECT_NEAR(fits[0].model.q, 0.3, 0.03);

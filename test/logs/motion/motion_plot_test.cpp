@@ -28,7 +28,7 @@ std::vector<logs::FittedMotion> two_fits() {
   return fits;
 }
 
-TEST(MotionPlot, ShowsRootMeanSquaresByLag) {
+TEST(MotionPlot, ShowsRootMeanSquareDisplacementByLag) {
   const std::string script = motion_plot_script(two_fits(), "title", "motion.svg");
   EXPECT_NE(script.find("\n0.5 0.5 1 1\n"), std::string::npos) << script;
   EXPECT_NE(script.find("\n8 8 16 16\n"), std::string::npos) << script;

@@ -119,7 +119,7 @@ MotionSample one_of_each(const Eigen::Vector2d& later, const Eigen::Vector2d& no
   return out;
 }
 
-TEST(Judge, ReturnsTheLikelihood) {
+TEST(JudgeMotionModel, ReturnsTheLikelihood) {
   const Eigen::Vector2d later(1.5, -0.75);
   const Eigen::Vector2d now(0.5, 0.25);
   const Eigen::Vector2d velocity(0.25, -0.5);

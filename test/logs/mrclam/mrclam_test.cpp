@@ -126,7 +126,7 @@ TEST(Mrclam, RefusesFolderWithoutTheDataSet) {
   EXPECT_THROW(static_cast<void>(read_mrclam("/nonexistent")), StartupError);
 }
 
-TEST(Mrclam, ReadsSetSix) {
+TEST(Mrclam, ReadsDataSetSix) {
   const char* const folder = std::getenv("VANTAGE_MRCLAM");
   if (folder == nullptr) {
     GTEST_SKIP() << "set VANTAGE_MRCLAM to the folder MRCLAM_Dataset6";

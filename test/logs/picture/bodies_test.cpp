@@ -105,7 +105,7 @@ TEST(DrawRobot, ShowsHeadingAndCore) {
 }
 
 // A field of view of more than half a turn, but less than a full turn, is drawn as a sector.
-TEST(DrawView, IsASectorOrAFullDisc) {
+TEST(DrawView, DrawsASectorOrAFullDisc) {
   const Example it = three_robots();
   models::SensorModel sensor;
   sensor.range_max_m = 1.5;
@@ -201,7 +201,7 @@ TEST(DrawViewsAndPlans, ShowsTheRemainingPlan) {
 }
 
 // The last 20 s are drawn strongly and older parts faintly, without a gap.
-TEST(DrawTracks, OmitsOldParts) {
+TEST(DrawTracks, DrawsOldPartsFaintly) {
   Example it = three_robots();
   it.scenario.robots.resize(2);
   it.scene.targets[4];

@@ -253,7 +253,7 @@ Axes expect_true_axes(const models::World& world) {
 
 // The tick spacing is the smallest of 0.5, 1, 2, 5, … m that divides the longer side into at most
 // nine parts.
-TEST(DrawAxes, HasRoundTicks) {
+TEST(DrawAxes, PlacesTicksAtRoundNumbers) {
   const std::pair<double, double> spacings[] = {
       {2.0, 0.5},  {4.5, 0.5},   {4.6, 1.0},    {9.0, 1.0},   {9.1, 2.0},   {18.0, 2.0},
       {18.1, 5.0}, {45.0, 5.0},  {45.1, 10.0},  {90.0, 10.0}, {90.1, 20.0}, {180.0, 20.0},

@@ -264,7 +264,7 @@ TEST_F(Legend, ShowsTargetsAndEstimatesLikeTheMap) {
 }
 
 // Swatches have 28 px by 16 px and are in the middle of their rows.
-TEST_F(Legend, ShowsGroundsAsSwatches) {
+TEST_F(Legend, ShowsGroundColoursAsSwatches) {
   for (const bool maps : {false, true}) {
     symbols_.clear();
     draw(maps);

@@ -193,7 +193,7 @@ TEST(DrawPicture, MarksBothAxesCompletely) {
   EXPECT_EQ(upright, below.size());
 }
 
-TEST(DrawPicture, DrawsAFullView) {
+TEST(DrawPicture, DrawsAFullFieldOfViewAsACircle) {
   const Example it = example();
   const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
   int circles = 0;

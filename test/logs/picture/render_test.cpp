@@ -16,12 +16,12 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Fixture in which programs are searched for in the test's own folder only.
-class RenderPngBy : public ::testing::Test {
+class RenderPngCommand : public ::testing::Test {
  protected:
-  RenderPngBy() { ::setenv("PATH", folder_.path().c_str(), 1); }
-  ~RenderPngBy() override { ::setenv("PATH", before_.c_str(), 1); }
-  RenderPngBy(const RenderPngBy&) = delete;
-  RenderPngBy& operator=(const RenderPngBy&) = delete;
+  RenderPngCommand() { ::setenv("PATH", folder_.path().c_str(), 1); }
+  ~RenderPngCommand() override { ::setenv("PATH", before_.c_str(), 1); }
+  RenderPngCommand(const RenderPngCommand&) = delete;
+  RenderPngCommand& operator=(const RenderPngCommand&) = delete;
 
   /// Replaces rsvg-convert by a shell script with these lines.
   void draws_by(const std::string& lines) {
@@ -42,11 +42,11 @@ class RenderPngBy : public ::testing::Test {
   std::string before_ = std::getenv("PATH");
 };
 
-TEST_F(RenderPngBy, NamesThePackageToInstall) {
+TEST_F(RenderPngCommand, NamesThePackageToInstall) {
   EXPECT_EQ(outcome(), "no PNG: rsvg-convert is not installed (apt install librsvg2-bin)");
 }
 
-TEST_F(RenderPngBy, RunsItsProgramWithBothPaths) {
+TEST_F(RenderPngCommand, PassesBothPathsToTheProgram) {
   draws_by("[ \"$1\" = --format=png ] && [ \"$3\" = \"" + folder_.file("a.svg") +
            "\" ] && echo drawn > \"${2#--output=}\"\n");
   const std::string png_path = folder_.file("a.png");
@@ -58,7 +58,7 @@ TEST_F(RenderPngBy, RunsItsProgramWithBothPaths) {
   EXPECT_FALSE(fs::exists(png_path + ".part")) << "a complete file is renamed";
 }
 
-TEST_F(RenderPngBy, RemovesTheFileOfAFailedProgram) {
+TEST_F(RenderPngCommand, RemovesTheFileOfAFailedProgram) {
   const std::string png_path = folder_.file("a.png");
   draws_by("echo half > \"${2#--output=}\"\nexit 3\n");
   EXPECT_EQ(outcome(),

@@ -14,7 +14,7 @@ scenario::Scenario three_robots() {
   return out;
 }
 
-TEST(RoomForLog, CoversTrialAndLandings) {
+TEST(RoomForLog, IncludesTheTimeOfLandings) {
   const scenario::Scenario scenario = three_robots();
   EXPECT_EQ(log_bytes_needed(scenario), 90'000'000U);  // 3 · 100 kB/s · 300 s
   const LogSpaceCheck enough = check_log_space(scenario, "lab.lcmlog", 90'000'000U);
@@ -63,7 +63,7 @@ TEST(LogWatch, ReportsAStallAndItsEndOnce) {
   EXPECT_TRUE(log.watch.is_written());
 }
 
-TEST(LogWatch, ReportsARefusedRecorderAtOnce) {
+TEST(LogWatch, ReportsAtOnceThatTheDiskRefusesData) {
   LogWatch watch{300e3};
   EXPECT_EQ(watch.update({1000, 1'000'000'000}, kStart), std::nullopt);
   EXPECT_TRUE(watch.update({1000, 0, true}, kStart).has_value());

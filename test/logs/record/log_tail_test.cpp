@@ -37,7 +37,7 @@ class LogFile : public ::testing::Test {
                             ".lcmlog";
 };
 
-TEST(FindTail, IsTheEndOfTheLastWholeEvent) {
+TEST(FindTail, FindsTheEndOfTheLastWholeEvent) {
   const Bytes whole = log_of(5);
   const std::size_t four = log_of(4).size();
   for (std::size_t size = four; size < whole.size(); ++size) {
@@ -48,14 +48,14 @@ TEST(FindTail, IsTheEndOfTheLastWholeEvent) {
   EXPECT_EQ(find_tail(whole).whole_bytes, whole.size());
 }
 
-TEST(FindTail, MayStartInsideAnEvent) {
+TEST(FindTail, AcceptsBytesThatStartInsideAnEvent) {
   const Bytes whole = log_of(5);
   for (std::size_t from = 1; from < log_of(1).size(); from += 7) {
     EXPECT_EQ(find_tail(std::span(whole).subspan(from)).whole_bytes, whole.size() - from);
   }
 }
 
-TEST(FindTail, IsEmptyWithoutEvents) {
+TEST(FindTail, FindsNothingWithoutEvents) {
   EXPECT_FALSE(find_tail({}).last);
   EXPECT_FALSE(find_tail(kPayload).last);
 }
@@ -92,7 +92,7 @@ TEST_F(LogFile, ReturnsTheTimeOfAnEvent) {
   EXPECT_FALSE(event_time_at(path_, log_of(3).size()));
 }
 
-TEST_F(LogFile, LossDoesNotEndFlight) {
+TEST_F(LogFile, MissingFileCausesNoException) {
   const std::string absent = path_ + ".absent";
   EXPECT_FALSE(event_time_at(absent, 0));
   EXPECT_FALSE(ends_with(absent, Bytes{1}));

@@ -75,7 +75,7 @@ TEST(ParseLcm, ReportsTheLineOfASyntaxError) {
   EXPECT_EQ(why_not("struct a_t {}\n/* for\never"), "a.lcm:2: a comment is not closed");
 }
 
-TEST(ParseLcm, EndsForAnyInput) {
+TEST(ParseLcm, TerminatesForAnyInput) {
   const std::string whole =
       "package p; struct a_t { const int32_t N = 3; int32_t n; string s[n][N]; /* c */ b_t b; }";
   for (std::size_t size = 0; size < whole.size(); ++size) {

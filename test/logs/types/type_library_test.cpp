@@ -204,7 +204,7 @@ TEST(TypeLibrary, ReportsOversizedFiles) {
 
 // The first in alphabetical order of two types with the same wire format is used; folders are
 // searched recursively.
-TEST(TypeLibrary, FindsTypesInFoldersFirstMatchWins) {
+TEST(TypeLibrary, FindsTypesInFoldersAndUsesTheFirstMatch) {
   const test::TemporaryFolder folder;
   std::filesystem::create_directories(folder.file("deep/deeper"));
   std::ofstream(folder.file("deep/z.lcm")) << "struct z_t { double x; }";
