@@ -26,7 +26,7 @@ bool has_constant_size(const WireField& field) {
 
 using Cell = std::function<void(const std::string& name, const Json& value)>;
 
-/// Calls `visit` once per column of `field`. A null `value` gives null cells with their names.
+/// Calls `visit` once per column of `field`. If `value` is null, all cells are null.
 void for_each_cell(const WireField& field, const std::string& name, const Json& value,
                    const Cell& visit) {
   if (field.rank == 0 || !has_constant_size(field)) {
@@ -49,8 +49,8 @@ void for_each_cell(const WireField& field, const std::string& name, const Json& 
   }
 }
 
-/// Calls `visit` once per column of the table. A null `message` or `element` gives null cells with
-/// their names.
+/// Calls `visit` once per column of the table. If `message` or `element` is null, its
+/// cells are null.
 void for_each_column(const WireSchema& schema, const WireField* rows, const Json& message,
                      const Json& element, const Cell& visit) {
   const Json nothing;

@@ -22,15 +22,15 @@ struct ChannelSurvey {
   std::int64_t events = 0;
   std::uint64_t data_bytes = 0;
   Time first{};  ///< time of the first event, clamped to the log's begin and end
-  Time last{};   ///< time of the last event, clamped in the same way
+  Time last{};   ///< time of the last event, clamped to the log's begin and end
   /// Longest time between two consecutive events. Gaps of a day or more are ignored.
   Duration gap_max{};
   Time gap_at{};                    ///< start of the longest gap
   std::int64_t messages_lost = 0;   ///< missing sequence numbers of vantage messages
   std::int64_t other_types = 0;     ///< events of another type than the first
   bool has_two_publishers = false;  ///< see bus::PublisherWatch
-  /// Bit b % 8 of byte b / 8 is 1 if an event of this channel begins in block b. The last byte is
-  /// that of the channel's last block.
+  /// Bit b % 8 of byte b / 8 is 1 if an event of this channel begins in block b. The last byte
+  /// contains the bit of the channel's last block.
   std::vector<std::uint8_t> in_block;
 };
 

@@ -13,9 +13,8 @@ namespace vantage::logs::foxglove {
 
 /// Detector of a new session (run of a trial) from the SCENARIO messages, which each host of a
 /// trial publishes every 5 s. A message of an unknown run begins a session if its scenario differs,
-/// or if every known publisher is overdue. Otherwise it is a candidate, and belongs to the session
-/// as soon as a known publisher sends again: it is then another host of the trial, not a later
-/// trial.
+/// or if every known publisher is overdue. Otherwise the unknown run is a candidate. As soon as a
+/// known publisher sends again, candidates become known: they are other hosts of the same trial.
 class SessionWatch {
  public:
   static constexpr Duration kOverdue = std::chrono::milliseconds(5'600);

@@ -19,7 +19,7 @@ void draw_header(Svg& svg, const Layout& layout, const scenario::Scenario& scena
                  const logs::TrialSummary& summary, KeyNumbers numbers);
 /// Returns the height of draw_panel() in pixels.
 double panel_height_px(const scenario::Scenario& scenario);
-/// Draws the table of targets, or of each robot's map, and the legend next to the map.
+/// Draws a table and the legend next to the map. The table lists the targets or the robots' maps.
 void draw_panel(Svg& svg, const Layout& layout, const scenario::Scenario& scenario,
                 const Scene& scene, const logs::TrialSummary& summary);
 

@@ -38,7 +38,7 @@ struct PlayOptions {
   double speed = 1.0;
   bool loops = false;
   bool starts_paused = false;
-  /// Larger jumps of the time stamps, forward or back, are skipped: damaged stamps or long pauses.
+  /// Larger jumps of the time stamps, forward or back, are skipped. Causes are damage and pauses.
   Duration gap_max = std::chrono::seconds(60);
 };
 

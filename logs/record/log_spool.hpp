@@ -41,7 +41,7 @@ struct SpoolReport {
   std::int64_t events_lost = 0;
   std::int64_t write_errors = 0;
   std::int64_t sync_errors = 0;
-  std::int64_t syncs_late = 0;        ///< syncs that left data at risk beyond at_risk_max()
+  std::int64_t syncs_late = 0;        ///< syncs of data at risk for longer than at_risk_max()
   std::int64_t at_risk_worst_us = 0;  ///< longest time from write() until the data were synced
   std::uint64_t queue_bytes = 0;      ///< size of the events that are not yet in a file
   std::optional<std::uint64_t> free_bytes;  ///< free space of the disk

@@ -16,8 +16,8 @@ const scenario::RoverSpec& rover_of(const scenario::RobotSpec& robot) {
   return *robot.rover;
 }
 
-// Returns a rover with limits that exceed the scenario's limits by at least 10 %; the limits of a
-// real rover may also be larger.
+// Returns the parameters of the emulated rover. Its limits exceed the scenario's by at least 10 %,
+// because a real rover may also be faster than its driver assumes.
 RoverEmulatorSpec spec_of(const scenario::RobotSpec& robot, std::uint32_t boot) {
   constexpr double kReserve = 1.1;
   RoverEmulatorSpec spec;

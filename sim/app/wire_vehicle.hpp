@@ -19,12 +19,13 @@ class WireVehicle : public Vehicle {
   /// world has been stepped for this tick. Never blocks.
   virtual void exchange(Time now) = 0;
 
-  /// Returns the error counters and latencies of the connection: `wire.ROBOT.…`.
+  /// Returns the error counters and latencies of the connection, with names `wire.ROBOT.…`.
   [[nodiscard]] virtual std::vector<models::NamedCount> counters() const = 0;
 };
 
 /// WireVehicle whose emulator connects to its driver through a UDP socket. The Emulator has
-/// world_from_body() and velocity_world_mps(). It begins on the ground at the robot's start.
+/// world_from_body() and velocity_world_mps(). At first the vehicle is on the ground at the robot's
+/// start.
 template <class Emulator>
 class EmulatedWireVehicle : public WireVehicle {
  public:

@@ -24,7 +24,7 @@ AutopilotSettings px4(const ParameterValue& value) {
   if (std::lround(of("NAV_DLL_ACT", 0.0)) == kLinkLand) {
     out.heartbeat_loss_s = of("COM_DL_LOSS_T", 10.0);
   }
-  constexpr double kBeforeNoAidS = 0.4;  // s; PX4 reports the loss earlier by this time
+  constexpr double kBeforeNoAidS = 0.4;  // s; PX4 reports the loss this much earlier
   out.pose_loss_s = 1e-6 * of("EKF2_NOAID_TOUT", 5e6) - kBeforeNoAidS;
   out.has_barometer = of("EKF2_BARO_CTRL", 1.0) > 0.0;
   if (const auto idle_s = if_positive(of("COM_DISARM_PRFLT", 10.0))) {

@@ -41,7 +41,7 @@ class CrazyflieSupervisor {
   [[nodiscard]] bool can_fly() const { return can_fly_; }
   [[nodiscard]] bool is_flying() const { return is_flying_; }
   [[nodiscard]] bool is_locked() const { return is_locked_; }
-  /// Returns the bits wire::crtp::info, without those of the high-level commander.
+  /// Returns the bits of wire::crtp::info, except the bits of the high-level commander.
   [[nodiscard]] std::uint16_t bits() const;
 
  private:

@@ -73,7 +73,7 @@ MultirotorParameters crazyflie_body() {
 SensorNoise crazyflie_noise() {
   SensorNoise out;
   out.gyro_sigma_radps = 0.00175;        // 0.1 °/s
-  out.accelerometer_sigma_mps2 = 0.049;  // 5 mg (thousandths of the gravity)
+  out.accelerometer_sigma_mps2 = 0.049;  // 0.005 times standard gravity
   return out;
 }
 

@@ -15,9 +15,9 @@
 namespace vantage::sim {
 
 /// Link to PX4's simulator interface: sends HIL_SENSOR and receives HIL_ACTUATOR_CONTROLS, as
-/// MAVLink on a byte stream. A PX4 process connects to a TCP port. It takes its time from the
-/// sensor messages and answers each HIL_SENSOR once (lockstep). A board with SYS_HITL set uses a
-/// serial line or USB and its own clock; the link does not wait for its answers.
+/// MAVLink on a byte stream. A PX4 process connects to a TCP port. Its clock is set by the
+/// sensor messages, and it answers each HIL_SENSOR once (lockstep). A board with SYS_HITL set uses
+/// a serial line or USB and its own clock; the link does not wait for its answers.
 class Px4Link : public FirmwareLink {
  public:
   static constexpr int kPort = 4560;

@@ -30,7 +30,7 @@ class Course {
   [[nodiscard]] double height_m(Time time) const;
   /// Returns the round of the plan that applies at `time`; −1 for a hover.
   [[nodiscard]] std::int64_t round(Time time) const;
-  /// Returns the start time of the newest plan; without a plan, that of the hover.
+  /// Returns the start time of the newest plan, or of the hover if there is no plan.
   [[nodiscard]] Time newest_start() const;
 
   /// Follows `trajectory` from its start_time on; drops plans that start later.

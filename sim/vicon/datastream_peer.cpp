@@ -165,7 +165,7 @@ void DataStreamPeer::append_static(wire::vicon::PacketWriter& packet) const {
 
 void DataStreamPeer::append_dynamic(wire::vicon::PacketWriter& packet,
                                     const EmulatedFrame& frame) const {
-  append(packet, wire::vicon::FrameInfo{frame.number});  // the protocol requires it in each frame
+  append(packet, wire::vicon::FrameInfo{frame.number});  // required in each frame
   if (is_requested(wire::vicon::kHardwareFrameInfo)) {
     append(packet, wire::vicon::HardwareFrameInfo{frame.number});
   }
@@ -196,7 +196,7 @@ void DataStreamPeer::append_poses(wire::vicon::PacketWriter& packet,
     if (is_requested(wire::vicon::kGlobalSegments)) {
       append(packet, segments, wire::vicon::kGlobalSegments);
     }
-    if (is_requested(wire::vicon::kLocalSegments)) {  // equals the global pose for a root segment
+    if (is_requested(wire::vicon::kLocalSegments)) {  // of a root segment: the global pose
       append(packet, segments, wire::vicon::kLocalSegments);
     }
     if (is_requested(wire::vicon::kLightweightSegments)) {

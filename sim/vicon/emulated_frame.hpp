@@ -45,7 +45,7 @@ struct ServerSettings {
   /// NatNet: source port of frames, which is also the destination port of the multicast group. 0:
   /// frames come from the port of answers, and the group has port 1511.
   std::uint16_t data_port = 0;
-  /// Maximum number of unsent bytes for a client that does not read; above it frames are skipped.
+  /// Maximum number of unsent bytes for a client that does not read. Frames beyond it are skipped.
   std::size_t backlog_bytes_max = std::size_t{4} << 20U;
 };
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """forge_live.py TYPES SPAN: forges messages of a live flight without a key.
 
-Waits until every vehicle that publishes on VEHICLE_* follows plans; ends with 3 when not all follow.
+Waits until every vehicle that publishes on VEHICLE_* follows plans; exit code 3 if not all follow.
 Then, for 8 s, forges the received messages with the live streams' own run ids, next sequence numbers and
 current stamps: poses that drift away, plans that hover, orders to land, to disarm and to arm. Each is
 sent unsigned and with the trailer of the true message appended; the true message is sent again, too.

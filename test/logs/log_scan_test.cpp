@@ -138,9 +138,10 @@ TEST(LogScan, RecoversEventsAroundPagesOfZeros) {
   }
 }
 
-// These seeds failed among 17 000 damaged logs. Intact events next to damage contain pieces of
-// logs. Such pieces outnumbered the log's own events near its ends, or were the only events found
-// after damage. In other cases a length in one piece ended by chance at a header in another.
+// These seeds give the most difficult of 17 000 damaged logs. Intact events next to damage contain
+// pieces of logs. Near the ends of the log, events in such pieces outnumber the log's own events,
+// or are the only events after the damage. In other logs a length in one piece ends by chance at a
+// header in another.
 TEST(LogScan, IgnoresLogsInsideDataNearDamage) {
   for (const unsigned seed :
        {4316U, 5998U, 6592U, 10045U, 11019U, 13965U, 14089U, 15142U, 15699U, 16847U}) {

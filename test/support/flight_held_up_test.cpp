@@ -178,8 +178,8 @@ TEST(DelayedFlight, IsStillJudgedBySafety) {
   EXPECT_EQ(broken(idle.record()), Names{"Q1 following"});
 }
 
-// The longest wait of any process in any second is reported. Waits during the start, or of another
-// run of the process, do not count.
+// The longest wait of any process in any second is reported. Waits during the start and
+// waits of another run of the process do not count.
 TEST(DelayedFlight, ReportsTheLongestWaitWithinOneRun) {
   MadeUpFlight flight;
   flight.add_messages = [planner = Waits(), sim = Waits()](double t_s,

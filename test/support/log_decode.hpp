@@ -10,8 +10,8 @@
 
 namespace vantage::test {
 
-/// Decodes the message of `event`, signed or not, as read by LCM's own reader. Returns nullopt if
-/// it is not a Wire or its content is invalid.
+/// Decodes the message of `event`, which LCM's own reader has read; the message may be signed.
+/// Returns nullopt if the message is not a Wire or its content is invalid.
 template <class Message, class Wire>
 std::optional<Message> decode(const lcm::LogEvent& event) {
   Wire wire;

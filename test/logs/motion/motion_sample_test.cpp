@@ -49,8 +49,8 @@ TEST(TargetCourse, InterpolatesUpToAQuarterOfASecond) {
   EXPECT_EQ(whole.positions_m(), (std::map<std::int64_t, Eigen::Vector2d>{{11, {6.0, 7.0}}}));
 }
 
-// Sums by the definition: each instant of the selected part, with the previous step and the
-// position h later.
+// The expected moments are sums over each instant of the selected part, computed from its position,
+// the previous position and the position h later.
 TEST(MotionSample, HasTheMomentsOfTheRequestedPart) {
   const TargetCourse course = course_of(0, 400, wobble);
   for (const auto& [from, to] : {std::pair{0.0, 1.0}, {0.0, 0.3}, {0.25, 0.75}, {0.7, 1.0}}) {
