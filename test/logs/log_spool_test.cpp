@@ -171,7 +171,7 @@ TEST(LogSpool, ContinuesWritingDuringAHangingSync) {
   EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "kept after everything is synced";
 }
 
-TEST(LogSpool, IsIntactAfterAFullDisk) {
+TEST(LogSpool, KeepsItsLogIntactWhenTheDiskFillsUp) {
   FakeDisk disk;
   disk.set_room(2 * kEventBytes + 77);  // full within the third event
   LogSpool spool(quick(), disk.opener());

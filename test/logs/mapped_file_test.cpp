@@ -17,7 +17,7 @@ namespace {
 
 using test::Bytes;
 
-TEST(MappedFile, HasItsFilesBytesAndIsMovable) {
+TEST(MappedFile, ContainsTheBytesOfItsFileAndIsMovable) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a");
   test::write_file(path, {1, 2, 3});

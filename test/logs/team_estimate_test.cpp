@@ -46,7 +46,7 @@ TEST(PositionEstimate, IsRefusedWithoutInformation) {
   EXPECT_FALSE(position_estimate(ignorant, "Q1", Time{}, 2));
 }
 
-TEST(TeamEstimate, PrefersInformationThenAgeThenName) {
+TEST(TeamEstimate, PrefersLeastEntropyThenNewestSightingThenName) {
   PositionEstimate vague{"Q1", Time{}, from_utime(9), {}, {}, 3.0};
   PositionEstimate old{"Q2", Time{}, from_utime(4), {}, {}, 1.0};
   PositionEstimate fresh{"Q4", Time{}, from_utime(5), {}, {}, 1.0};

@@ -112,7 +112,7 @@ models::RobotBelief belief(double at_s, const models::GridGeometry& grid,
   return out;
 }
 
-TEST(SceneRecorder, HasTheNewestReceivedTime) {
+TEST(SceneRecorder, StatesTheNewestTimeOfAnyMessage) {
   SceneRecorder recorder(a_scenario());
   models::RobotMap map;
   recorder.on_belief(belief(3.0, {}, {}));
