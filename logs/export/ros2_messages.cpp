@@ -302,7 +302,8 @@ std::vector<Message> to_ros2(const models::VehicleStatus& status, std::string_vi
     out.number(kNan);
   }
   out.number(static_cast<float>(status.battery_share));
-  out.number(std::uint8_t{0}).number(std::uint8_t{0}).number(std::uint8_t{0});  // all unknown
+  // unknown: status, health, technology
+  out.number(std::uint8_t{0}).number(std::uint8_t{0}).number(std::uint8_t{0});
   out.number(std::uint8_t{1}).count(0).count(0).text("").text("");
   return {{"/" + status.robot + "/battery", "sensor_msgs/msg/BatteryState", status.stamp.time,
            out.bytes()}};

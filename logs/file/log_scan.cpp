@@ -36,9 +36,9 @@ std::int64_t median(std::vector<std::int64_t> numbers) {
 LogScan::LogScan(std::span<const std::uint8_t> log, DataChecker checker, std::size_t offset)
     : log_(log), checker_(std::move(checker)), position_(offset), end_of_last_(offset) {}
 
-// If an event that contains a log is damaged, the headers of the inner log become visible, and
-// their numbers must not be mistaken for the log's own. The median of recent and following numbers
-// decides. Headers inside an event are not counted if the event's own successor follows it.
+// Returns the median of recent and following event numbers. If an event that contains a log is
+// damaged, the headers of the inner log become visible, and their numbers must not be mistaken for
+// the log's own. Headers inside an event are not counted if the event's own successor follows it.
 std::int64_t LogScan::usual_number(std::size_t offset) const {
   constexpr std::size_t kHeadersAhead = 64;
   constexpr std::size_t kBytesAhead = std::size_t{1}

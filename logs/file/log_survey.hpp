@@ -46,7 +46,7 @@ struct LogBlock {
 struct LogSurvey {
   std::uint64_t size_bytes = 0;
   ScanCounts scan;
-  std::vector<DamagedStretch> stretches;  ///< at most LogScan::kStretchesKept
+  std::vector<DamagedStretch> stretches;  ///< the first LogScan::kStretchesKept stretches
   Time first{};                           ///< least event time
   Time last{};                            ///< greatest event time
   Time begin{};                           ///< least event time that is not outlying (UsualTimes)

@@ -17,8 +17,8 @@ namespace vantage::logs {
 void append_survey(const LogSurvey& survey, std::vector<std::uint8_t>& out);
 
 /// Returns the survey in `bytes`; nullopt unless they are exactly the survey of a log of
-/// `log_bytes` with at least one event. Never reads beyond `bytes`; memory is at most proportional
-/// to their number.
+/// `log_bytes` with at least one event. Never reads beyond `bytes`; memory use is at most
+/// proportional to the number of bytes.
 std::optional<LogSurvey> survey_from(std::span<const std::uint8_t> bytes, std::size_t log_bytes);
 
 }  // namespace vantage::logs

@@ -130,7 +130,8 @@ class TrialMetrics {
   std::int64_t plans_ = 0;
   std::int64_t fallbacks_ = 0;
   std::map<std::string, double> map_entropies_nats_;  ///< nats; entropy of each robot's newest map
-  std::map<std::pair<std::string, std::int64_t>, std::int64_t> lost_;  ///< by process and run
+  /// number of lost messages, by process and run id
+  std::map<std::pair<std::string, std::int64_t>, std::int64_t> lost_;
 };
 
 }  // namespace vantage::logs

@@ -19,7 +19,7 @@ namespace vantage::sim {
 /// Battery information that an autopilot reports.
 enum class BatteryReport {
   kShare,        ///< the state of charge
-  kVoltageOnly,  ///< only the voltage: no current sensor, so no charge
+  kVoltageOnly,  ///< the voltage; the charge is unknown without a current sensor
   kFromFull,     ///< charge by integration of the current; a full battery is assumed at power-up
 };
 

@@ -60,7 +60,7 @@ struct AutopilotProfile {
   double yaw_lag_s = 0.0;         ///< s; lag of the yaw rate controller
   double spool_up_s = 2.0;        ///< s; time that the motors turn before the vehicle lifts off
   double landed_delay_s = 1.0;    ///< s; from touch-down to its detection
-  double landing_ahead_s = 0.0;   ///< s; the landing point is the position after this time
+  double landing_ahead_s = 0.0;   ///< s; the landing point is extrapolated by this time
   double failsafe_pause_s = 0.0;  ///< s; from a failsafe's change to landing mode to the descent
 };
 

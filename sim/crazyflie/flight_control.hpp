@@ -23,7 +23,7 @@ class FlightControl {
  public:
   explicit FlightControl(const MultirotorParameters& body) : body_(body) {}
 
-  /// Returns the throttles for the next `dt_s`. An estimate that is not finite gives zero.
+  /// Returns the throttles for the next `dt_s`. If the estimate is not finite, they are zero.
   /// @param uses_motion  true: velocity and acceleration of the goal are fed forward, as the
   ///                     Mellinger controller does; false: ignored, as by the PID controller
   Throttles step(const ControlGoal& goal, bool uses_motion, const Pose3& world_from_body,

@@ -8,8 +8,8 @@
 namespace vantage::sim {
 namespace {
 
-// gauss; magnetic field at the origin that the driver sends to autopilots: the north-east coast of
-// America.
+// gauss; magnetic field at the origin that the driver sends to autopilots (on the north-east coast
+// of America).
 const Eigen::Vector3d kFieldNedGauss(0.205, -0.042, 0.470);
 constexpr double kOriginAltitudeM = 10.0;
 constexpr double kSeaLevelHpa = 1013.25;

@@ -196,7 +196,7 @@ void DataStreamPeer::append_poses(wire::vicon::PacketWriter& packet,
     if (is_requested(wire::vicon::kGlobalSegments)) {
       append(packet, segments, wire::vicon::kGlobalSegments);
     }
-    if (is_requested(wire::vicon::kLocalSegments)) {  // of a root segment: the global pose
+    if (is_requested(wire::vicon::kLocalSegments)) {  // a root's local pose is its global pose
       append(packet, segments, wire::vicon::kLocalSegments);
     }
     if (is_requested(wire::vicon::kLightweightSegments)) {

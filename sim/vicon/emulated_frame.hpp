@@ -42,8 +42,8 @@ struct ServerSettings {
   std::array<std::uint8_t, 2> natnet_version{4, 1};  ///< major and minor; 3.0 or later
   /// NatNet: sends frames to the default multicast group instead of to each client.
   bool is_multicast = false;
-  /// NatNet: source port of frames, which is also the destination port of the multicast group. 0:
-  /// frames come from the port of answers, and the group has port 1511.
+  /// NatNet: source port of frames and destination port of the multicast group. 0: frames are sent
+  /// from the port that answers requests, and the group has port 1511.
   std::uint16_t data_port = 0;
   /// Maximum number of unsent bytes for a client that does not read. Frames beyond it are skipped.
   std::size_t backlog_bytes_max = std::size_t{4} << 20U;

@@ -41,9 +41,7 @@ TEST(UdpmLink, CountsDatagramsDroppedByTheSocket) {
   }
 }
 
-// During a flood, handle() returns before it has handled all waiting messages: a handler that takes
-// 1 ms is not called for each of them in one call.
-// The kernel counts filtered datagrams as dropped; they are not losses.
+// The kernel counts datagrams that the filter refuses as dropped, but kernel_drops() does not.
 TEST(UdpmLink, ReceivesOnlyChannelsThatPassTheFilter) {
   bus::udpm::MulticastSocket socket(bus::parse_udpm(bus::parse_url(test::kUrl)));
   const std::vector<std::string_view> patterns{"WANTED"};
@@ -67,6 +65,8 @@ TEST(UdpmLink, ReceivesOnlyChannelsThatPassTheFilter) {
   EXPECT_EQ(socket.kernel_drops(), 0);
 }
 
+// During a flood, handle() returns before it has handled all waiting messages: a handler that takes
+// 1 ms is not called for each of them in one call.
 TEST(UdpmLink, ReturnsDuringAFlood) {
   constexpr int kSent = 200;
   const auto sender = bus::open_transport(test::kUrl);

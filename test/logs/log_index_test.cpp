@@ -107,7 +107,7 @@ TEST(SurveyLog, TreatsAnUndecodableMessageAsDamage) {
     test::append_message(wire, i, 1'000 + i, "ATTACK", log);
   }
   const std::size_t size = log.size() / 3;
-  const std::size_t name_length = size + size - 3 - 1;  // of the second event
+  const std::size_t name_length = size + size - 3 - 1;  // length of "Q1" in the second event
   log[name_length] = 200;
   const LogSurvey survey = survey_log(log);
   EXPECT_EQ(survey.scan.events, 2);

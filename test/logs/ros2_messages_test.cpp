@@ -48,7 +48,7 @@ class Reader {
   }
   std::uint32_t count() { return number<std::uint32_t>(); }
   std::string text() {
-    const std::uint32_t size = count();  // with its NUL
+    const std::uint32_t size = count();  // including the NUL
     const std::string out = bytes_.substr(at_, size - 1);
     at_ += size;
     EXPECT_EQ(bytes_.at(at_ - 1), '\0');

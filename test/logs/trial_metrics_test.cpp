@@ -388,11 +388,11 @@ TEST(TrialMetrics, IgnoresBeliefsThatArriveAfterTheirStepWasEvaluated) {
   metrics.on_truth(truth(5.0));
   metrics.on_belief(belief("Q1", 0.5, {target(1, 5.0, 6.0, 1.0)}));
   metrics.on_belief(belief("Q1", 1.0, {target(1, 5.0, 6.0, 1.0)}));
-  metrics.on_belief(belief("Q2", 0.5, {target(1, 5.0, 5.0, 0.1)}));  // in time for 0.5 s
-  metrics.on_belief(belief("Q1", 1.5, {target(1, 5.0, 6.0, 1.0)}));  // triggers evaluation of 0.5 s
+  metrics.on_belief(belief("Q2", 0.5, {target(1, 5.0, 5.0, 0.1)}));  // in time for step 0.5 s
+  metrics.on_belief(belief("Q1", 1.5, {target(1, 5.0, 6.0, 1.0)}));  // evaluates step 0.5 s
   EXPECT_NEAR(metrics.targets()[1].error_m.value(), 0.0, 1e-9);
   EXPECT_EQ(metrics.targets()[1].estimate->robot, "Q2");
-  metrics.on_belief(belief("Q2", 0.5, {target(0, 9.0, 9.0, 0.1)}));  // too late
+  metrics.on_belief(belief("Q2", 0.5, {target(0, 9.0, 9.0, 0.1)}));  // too late for step 0.5 s
   const TrialSummary summary = metrics.finish(at_s(5.0));
   EXPECT_NEAR(*summary.rmse_m, (0.0 + 1.0 + 1.0) / 3.0, 1e-9);
   EXPECT_EQ(summary.discovery_time_s[0], 0.5) << "but it was published in time";
