@@ -28,7 +28,7 @@ SimulatedLocalisation::SimulatedLocalisation(bus::Bus& bus, const scenario::Scen
       odometry_period_(period_of(spec.simulation->odometry.rate_hz)),
       sightings_period_(period_of(spec.simulation->sightings.rate_hz)),
       next_odometry_(next_multiple(start, odometry_period_)),
-      // Sightings are offset, so that they do not fall on the localizers' time steps.
+      // Sightings are offset by one odometry period, to lie between the localizers' time steps.
       next_sightings_(next_multiple(start, sightings_period_) + odometry_period_) {
   robots_.reserve(spec.robots.size());
   for (std::size_t i = 0; i < spec.robots.size(); ++i) {
