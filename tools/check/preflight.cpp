@@ -110,8 +110,8 @@ void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
-// Finds settings that a vehicle's flight safety would refuse, or with which flight safety would end
-// a flight.
+// Adds faults for vehicles that touch at the separation, and for limits and primitives that flight
+// safety refuses.
 void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
   for (const scenario::RobotSpec& robot : scenario.robots) {
     if (scenario.planner.separation_m <= 2.0 * robot.limits.radius_m) {
@@ -208,9 +208,9 @@ double speed_max_mps(const scenario::RobotSpec& robot) {
   return out;
 }
 
-// Adds a note if a separation or margin is too small when a driver dies in motion. Plans are
-// checked with stopping_distance_m(). stopping_distance_after_loss_m() also includes the distance
-// flown during the autopilot's time-out.
+// Adds a note if the separation or the obstacle margin is too small for a driver that dies while
+// its vehicle moves. Plans are checked with stopping_distance_m(). stopping_distance_after_loss_m()
+// also includes the distance flown during the autopilot's time-out.
 void note_driver_loss(const Scenario& scenario, std::vector<std::string>& notes) {
   struct Lost {
     const scenario::RobotSpec* robot = nullptr;
@@ -223,7 +223,7 @@ void note_driver_loss(const Scenario& scenario, std::vector<std::string>& notes)
   for (const scenario::RobotSpec& robot : scenario.robots) {
     radius_m = std::max(radius_m, robot.limits.radius_m);
     if (robot.device == scenario::DeviceSource::kDirect) {
-      continue;  // a direct robot has no driver
+      continue;  // a robot with the device `direct` has no driver
     }
     drivers::SafetyLimits limits;
     try {
@@ -268,8 +268,9 @@ void note_driver_loss(const Scenario& scenario, std::vector<std::string>& notes)
   }
 }
 
-// A vehicle cannot change its motion instantly, so the change starts before the plan begins
-// (drivers::Course). The vehicle deviates farther from a plan that is published after this start.
+// Adds a note if plans are published too late. A vehicle cannot change its motion instantly, so it
+// starts to change its motion before the plan begins (drivers::Course). If the plan is published
+// after this instant, the vehicle deviates farther from it.
 void note_late_plans(const Scenario& scenario, std::vector<std::string>& notes) {
   double early_s = 0.0;
   for (const scenario::RobotSpec& robot : scenario.robots) {

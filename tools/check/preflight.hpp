@@ -17,9 +17,9 @@ struct Preflight {
   [[nodiscard]] bool is_ready() const { return faults.empty(); }
 };
 
-/// m; allowance for tracking errors when a driver dies. To prevent a contact, the obstacle margin
-/// must be this allowance plus the distance flown without set-points beyond the checked path. The
-/// separation must be larger by two radii.
+/// m; allowance for tracking errors when a driver dies. The vehicle then flies beyond its checked
+/// path, because set-points are missing. To prevent a contact, the obstacle margin must be at least
+/// this additional distance plus the allowance. The separation must be larger by two radii.
 inline constexpr double kLossSpareM = 0.1;
 
 /// Checks a scenario for problems that the parser of its file does not detect. Faults:
@@ -29,12 +29,12 @@ inline constexpr double kLossSpareM = 0.1;
 ///   scenario's seed);
 /// - the network's URL is invalid, or its address is not multicast;
 /// - the slots do not fit into the round, or more steps are executed than planned;
-/// - flight safety has no valid limits for a robot or refuses one of its primitives;
+/// - a robot's limits are invalid, or flight safety refuses one of its primitives;
 /// - the combination of devices has a fault.
 ///
 /// Notes:
-/// - a separation or margin that is too small if a driver dies in motion
-/// (stopping_distance_after_loss_m);
+/// - a separation or margin that is too small for a driver that dies while its vehicle moves
+///   (stopping_distance_after_loss_m);
 /// - plans that are published too late, and wind without effect;
 /// - moving targets that are modelled as static;
 /// - settings with which the trial cannot fulfil its purpose (purpose_notes()).
@@ -46,7 +46,7 @@ struct MemoryCheck {
   bool is_enough = true;
   std::string summary;
 };
-/// Compares the free memory with the need of the planners on the host that runs most planners.
+/// Compares the free memory with the memory that the planners need on the host with most planners.
 MemoryCheck check_planner_memory(const scenario::Scenario& scenario,
                                  std::optional<std::uint64_t> free_bytes);
 /// Returns the available memory of this machine in bytes; nullopt if unknown.

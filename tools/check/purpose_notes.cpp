@@ -150,7 +150,8 @@ void note_target_model(const Scenario& scenario, Notes& notes) {
   constexpr double kUnseen_s = 10.0;
   const models::TargetModel& model = scenario.estimator.target_model;
   const models::TargetLaw& law = model.kind.law();
-  // A q with a usual value may stay in the file, for comparisons with another kind of model.
+  // Some kinds of model ignore q. A usual value of q causes no note, because it may stay in the
+  // file for comparisons with another kind.
   if (!law.uses_q && std::sqrt(model.q * kUnseen_s) > world_size_m(scenario)) {
     notes.push_back(fmt::format("estimator.target_model.q {:g}: kind {} does not use it; remove it",
                                 model.q, law.name));
@@ -349,7 +350,7 @@ std::optional<std::string> discovery_obstacle(const Scenario& scenario) {
   if (!tracks_targets(scenario) || scenario.targets.empty() || scenario.robots.empty()) {
     return std::nullopt;
   }
-  // Several detections locate a planar target (estimator::PositionHypotheses).
+  // In a plane, several detections together determine a position (estimator::PositionHypotheses).
   const bool is_planar = scenario.estimator.target_model.position_dim == 2;
   const auto finds = [is_planar](const RobotSpec& robot) {
     return is_planar || robot.sensor.kind.law().position_from != nullptr;

@@ -10,9 +10,9 @@
 
 namespace vantage::tools {
 
-/// Check of a vehicle's autopilot without a flight. It reads the parameters, and after load()
-/// corrects them. The caller transfers the bytes and passes the time. The check never arms a
-/// vehicle, and writes nothing to an armed vehicle.
+/// Check of a vehicle's autopilot on the ground. It reads the parameters, and load() corrects them.
+/// The caller transfers the bytes and passes the time. The check never arms a vehicle, and writes
+/// nothing to an armed vehicle.
 class VehicleCheck {
  public:
   /// Longest wait for the first message of an autopilot.

@@ -7,8 +7,8 @@
 
 namespace vantage::tools {
 
-// Validators of option values. Their error states if the text is not a number. CLI11's own
-// validators report a range in this case, read "-1" as 2⁶⁴ − 1 and accept NaN.
+// Validators of option values. For a text that is not a number, the error states this. CLI11's own
+// validators instead report a range, read "-1" as 2⁶⁴ − 1 and accept NaN.
 
 /// Accepts a finite number.
 CLI::Validator any_number();

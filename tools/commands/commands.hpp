@@ -46,7 +46,8 @@ void run_on_scenario(CLI::App& command, Runner& chosen, std::shared_ptr<Argument
 /// Adds the required argument `scenario` for run_on_scenario().
 void add_scenario_option(CLI::App& command, std::string& scenario);
 /// Adds --seed, --duration-s, --planner, --communication-range-m and --nodes, which all commands
-/// that run a trial share. With `planners`, --planner is a list of names, which is stored there.
+/// that run a trial share. Unless `planners` is null, --planner is a list of names, which is stored
+/// in `planners`.
 void add_override_options(CLI::App& command, scenario::Overrides& overrides,
                           std::vector<std::string>* planners = nullptr);
 /// Adds the options of the web server: --port, --bind, --host, --origin and --page.

@@ -52,7 +52,7 @@ std::string first_sentence(const std::string& path) {
   return text.substr(0, text.find(". ")) + (text.find(". ") == std::string::npos ? "" : ".");
 }
 
-// Prints each name with the first sentence of its file, which describes it.
+// Prints the name of each supplied scenario with the first sentence of its file.
 int list() {
   constexpr std::size_t kColumns = 80;
   for (const std::string& name : trial::config_names()) {

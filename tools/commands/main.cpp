@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
     vantage::tools::add_keys_command(app, run);
     vantage::tools::add_python_command(app, run);
     std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
-    if (!words.empty() && words.front() == "help") {  // "help trial" is "trial --help"
+    if (!words.empty() && words.front() == "help") {  // "help trial" means "trial --help"
       words.erase(words.begin());
       words.emplace_back("--help");
     }

@@ -13,8 +13,8 @@
 namespace vantage::tools {
 namespace {
 
-/// Returns the folder of the Python packages next to a program of a build; empty for an installed
-/// program, whose packages Python finds by itself.
+/// Returns the folder of the Python packages in the build that contains this program. Returns an
+/// empty string if the program is installed, because Python then finds the packages by itself.
 std::string package_folder() {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);

@@ -141,7 +141,7 @@ int watch(const ViewArguments& arguments, const std::string& url, logs::TypeLibr
 }
 
 /// Serves a live view with an operator page.
-/// @throws StartupError if the page could be reached from other machines without --host.
+/// @throws StartupError if other machines could reach the page and --host is not given.
 int operate(const ViewArguments& arguments, logs::TypeLibrary types) {
   if (!is_loopback(arguments.web.bind) && arguments.web.hosts.empty()) {
     throw StartupError(fmt::format(
@@ -187,7 +187,8 @@ int run(const ViewArguments& arguments) {
                                 : watch(arguments, arguments.url, std::move(types), {});
 }
 
-/// Returns the folder of the installed program's page, if there is one, else that of this build.
+/// Returns the folder of the viewer's page: the installed one if it exists, else the one of this
+/// build.
 std::string page_folder() {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);

@@ -14,7 +14,7 @@ constexpr std::size_t kNameWidth = 34;
 constexpr std::size_t kColumnWidth = 20;
 constexpr std::size_t kColumnsMax = 6;  ///< groups side by side; more groups follow below
 
-/// Returns `text` aligned to the right of `width` columns. Precondition: UTF-8.
+/// Returns `text` aligned to the right of `width` columns. Precondition: `text` is UTF-8.
 std::string padded(const std::string& text, std::size_t width) {
   const auto columns = static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
@@ -38,7 +38,7 @@ std::string row(const std::string& name, const std::vector<std::string>& cells) 
   return line;
 }
 
-/// Adds the rows of groups `begin` … `end`, with differences to `base`.
+/// Adds the rows of the groups in [begin, end), with differences to the first of all groups.
 void add_block(const std::vector<TrialGroup>& groups, std::size_t begin, std::size_t end,
                std::vector<std::string>& lines) {
   const std::vector<ComparedValue>& names = groups.front().trials.front().quantities;

@@ -16,7 +16,7 @@ namespace vantage::tools {
 /// One value of a trial that is compared between trials.
 struct ComparedValue {
   std::string name;             ///< name with its unit
-  std::optional<double> value;  ///< nullopt: the trial has none
+  std::optional<double> value;  ///< nullopt: not known for this trial
 };
 
 /// Returns the compared values of a trial, in the order of printing.
@@ -39,14 +39,14 @@ struct TrialGroup {
 /// Returns the values of quantity `i` in a group; trials without a value are left out.
 experiments::Sample sample_of(const TrialGroup& group, std::size_t i);
 
-/// Returns the differences `group` minus `base` of quantity `i` for each seed that both have.
-/// Differences of equal seeds vary less than means, because both trials have the same targets.
+/// Returns, for each seed that both groups have, the difference `group` minus `base` of quantity
+/// `i`. Trials with the same seed have the same targets, so these differences vary less than means.
 experiments::Sample paired_differences(const TrialGroup& group, const TrialGroup& base,
                                        std::size_t i);
 
 /// Returns a table with one column per group: means with 95 % confidence intervals (Student's t),
-/// then the paired differences to the first group. Precondition: a group, and at least one trial in
-/// each.
+/// then the paired differences to the first group. Precondition: at
+/// least one group, and at least one trial in each group.
 std::vector<std::string> comparison_table(const std::vector<TrialGroup>& groups);
 /// Returns the table's content as JSON, with the values of each trial.
 nlohmann::ordered_json comparison_json(const std::vector<TrialGroup>& groups);

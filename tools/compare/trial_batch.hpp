@@ -21,7 +21,7 @@ struct TrialBatch {
   int jobs = 1;  ///< number of threads
 };
 
-/// Reads a list of seeds: numbers and ranges with both ends, separated by commas ("1-10,20").
+/// Reads a list of seeds: numbers and inclusive ranges, separated by commas ("1-10,20").
 /// @throws StartupError for anything else, for more than 100 000 seeds and for a repeated seed
 std::vector<std::uint64_t> parse_seeds(const std::string& text);
 

@@ -238,9 +238,8 @@ void OrderSender::publish_order(const Order& order) {
 void OrderSender::repeat(Time now) {
   for (Order& order : repeating_) {
     if (now >= order.next) {
-      order.ahead = order.ahead
-                        ? order.ahead
-                        : ahead_of(now);  // for orders given before any vehicle status was received
+      // The offset was unknown if no vehicle status had been received.
+      order.ahead = order.ahead ? order.ahead : ahead_of(now);
       publish_order(order);
       order.next += kFirstPause * (1 << order.sent);
       ++order.sent;

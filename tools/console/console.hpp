@@ -38,16 +38,16 @@ struct StationOptions {
 ///
 /// Datagrams may get lost, so hold, land and emergency stop are sent kTransmissions times. The
 /// first pause is kFirstPause, and each further pause is twice as long. The repetitions outlast a
-/// burst of losses of 0.5 s. A repetition has the stamp of the first transmission, unless no
-/// vehicle status had been received by then: such an order is repeated in the vehicles' clock. A
-/// later order to the same vehicles ends the repetition, so that `hold`, `follow` ends with
-/// following. An order to one vehicle does not end the repetition of an emergency stop of all
-/// vehicles.
+/// burst of losses of 0.5 s. A repetition has the stamp of the first transmission. If no vehicle
+/// status had been received before the first transmission, the repetition has a stamp in the
+/// vehicles' clock. A later order to the same vehicles ends the repetition, so that `hold`,
+/// `follow` ends with following. An order to one vehicle does not end the repetition of an
+/// emergency stop of all vehicles.
 class OrderSender {
  public:
   static constexpr double kHeartbeatPeriod_s = 0.2;
   static constexpr double kApartMaxS = 1.0;
-  static constexpr double kSilentAfterS = 1.0;  ///< s; a vehicle without a status is then silent
+  static constexpr double kSilentAfterS = 1.0;  ///< s; a vehicle is silent this long after a status
   static constexpr double kLogReportS = 3.0;
   static constexpr std::size_t kVehiclesMax = 1024;
   /// s; vehicles with a status within this time are not evicted
@@ -65,9 +65,9 @@ class OrderSender {
   /// Sends the heartbeat and the repetitions that are due. Returns true if the station's role
   /// changed.
   bool tick(Time now);
-  /// Sets whether an operator is present; at first one is. Without an operator no heartbeat is
-  /// sent. When an operator returns, the station begins again by listening. Returns true on a
-  /// change.
+  /// Sets whether an operator is present (initially true). Without an operator no heartbeat is
+  /// sent. When an operator returns, the station first listens for other stations. Returns true on
+  /// a change.
   bool set_attended(bool is_attended, Time now);
   /// Sends an order. Returns false and sends nothing if the station is not permitted to send it.
   bool send(Time now, models::OperatorAction action, const std::string& robot);
@@ -86,9 +86,9 @@ class OrderSender {
   };
   /// Returns the newest status of each vehicle.
   [[nodiscard]] const std::map<std::string, ReceivedStatus>& vehicles() const { return vehicles_; }
-  /// Returns the reason why vehicles will not obey an order in their newest state, such as "no
-  /// effect on Q1: not in operation; arm and take off first"; empty if all will, or if none was
-  /// received recently.
+  /// Returns the reason why vehicles in their newest state will not obey an order, such as "no
+  /// effect on Q1: not in operation; arm and take off first". Returns an empty string if all
+  /// vehicles will obey, or if no status was received recently.
   [[nodiscard]] std::string without_effect(Time now, models::OperatorAction action,
                                            const std::string& robot) const;
   /// True if a process that records reported within kLogReportS that the log cannot be written.

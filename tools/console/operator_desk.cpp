@@ -124,8 +124,8 @@ void OperatorDesk::run() {
 }
 
 std::vector<std::string> OperatorDesk::robots_of(const std::string& robot) const {
-  // OrderQueue sends an emergency stop for an unknown name to all; no other order reaches a
-  // vehicle.
+  // If the name is unknown, OrderQueue sends an emergency stop to all vehicles. Any other order
+  // with this name reaches no vehicle.
   return sender_.vehicles().contains(robot) ? std::vector<std::string>{robot} : sender_.robots();
 }
 

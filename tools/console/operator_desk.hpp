@@ -26,15 +26,15 @@ struct DeskAnswer {
   std::string json;
 };
 
-/// Operator station for a page in a browser. Orders take the console's path: Station, OrderSender
-/// and OrderQueue. One page at a time holds the claim; while none does, the station sends no
-/// heartbeat, and the next claim begins by listening for other stations. A page without the claim,
-/// but with the key, may still send the emergency stop.
+/// Operator station for a page in a browser. As in the console, orders pass through Station,
+/// OrderSender and OrderQueue. One page at a time holds the claim. While no page holds it, the
+/// station sends no heartbeat; after the next claim the station first listens for other stations. A
+/// page without the claim, but with the key, may still send the emergency stop.
 ///
 /// answer() is called on any thread and never waits for the bus. One thread handles the bus.
 class OperatorDesk {
  public:
-  static constexpr std::size_t kPendingMax = 64;  ///< orders that wait for the thread
+  static constexpr std::size_t kPendingMax = 64;  ///< maximum number of waiting orders
   static constexpr std::size_t kJournalMax = 100;
   static constexpr std::size_t kBodyBytesMax = 4096;
 

@@ -14,7 +14,7 @@ namespace vantage::tools {
 /// scenario, the station signs its commands with the scenario's operator key.
 class OperatorLink {
  public:
-  /// @param url       LCM URL; empty: that of the scenario, without a scenario $LCM_DEFAULT_URL
+  /// @param url       LCM URL; empty: the scenario's URL, or $LCM_DEFAULT_URL without one
   /// @param scenario  path of a scenario file; empty: commands are not signed
   /// @throws StartupError if the scenario, its keys or the network cannot be used.
   OperatorLink(const std::string& url, const std::string& scenario);

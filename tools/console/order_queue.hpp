@@ -50,7 +50,7 @@ class OrderQueue {
 
   OrderSender& sender_;
   std::vector<Order> waiting_;
-  std::vector<Order> unknown_;  ///< orders sent during listening, to robots not yet received
+  std::vector<Order> unknown_;  ///< orders sent while listening, to unknown robots
   Time next_{};
   bool was_refused_ = false;
 };

@@ -8,7 +8,8 @@ namespace {
 using models::FlightState;
 using models::OperatorAction;
 
-/// True if a vehicle in `state` obeys `action`. Arming is visible only as the absence of a refusal.
+/// True if `state` shows that the vehicle obeys `action`. For arming, the state shows only that the
+/// vehicle is still idle.
 bool shows(OperatorAction action, FlightState state) {
   switch (action) {
     case OperatorAction::kEmergencyStop:

@@ -11,13 +11,13 @@ namespace vantage::tools {
 
 /// Confirmations of orders by the vehicles' own statuses. An order is confirmed by a vehicle that
 /// reports the state which the order leads to. It is refused if the vehicle reports a refusal, and
-/// unconfirmed if the vehicle reports neither within kPatience. Each vehicle has one receipt: a
-/// later order replaces the earlier one, except that nothing but an emergency stop replaces an
-/// emergency stop that is still awaited.
+/// unconfirmed if the vehicle reports neither within kPatience. Each vehicle has one receipt, which
+/// a later order replaces. While an emergency stop is awaited, only another emergency stop replaces
+/// it.
 class OrderReceipts {
  public:
-  /// Longer than the 0.75 s for which an emergency stop is repeated and than a vehicle's report
-  /// period.
+  /// Longer than a vehicle's report period, and longer than the 0.75 s for which an emergency stop
+  /// is repeated.
   static constexpr Duration kPatience = std::chrono::seconds(2);
   enum class Outcome { kAwaited, kConfirmed, kRefused, kUnconfirmed };
 

@@ -25,7 +25,7 @@ class Station {
  public:
   static constexpr double kFreshS = 2.0;   ///< s; equal to drivers::OperatorAuthority::kFreshS
   static constexpr double kListenS = 0.7;  ///< s; longer than three heartbeat periods
-  /// s; every vehicle holds after this time without a heartbeat
+  /// s; longer than the time without a heartbeat after which every vehicle holds
   static constexpr double kSilentS = 1.5;
 
   enum class Role { kListening, kInCharge, kSecond, kRefused };
