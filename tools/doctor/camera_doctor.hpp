@@ -26,13 +26,13 @@ struct CameraObservation {
   std::int64_t wrong_size = 0;  ///< images of another size than the calibration
   int width = 0;                ///< pixels, of the last image
   int height = 0;
-  double rate_hz = 0.0;     ///< by the times of the exposures
+  double rate_hz = 0.0;     ///< Hz; from the times of the exposures
   double age_mean_s = 0.0;  ///< s; arrival minus middle of the exposure
   double age_max_s = 0.0;
   std::int64_t stamps_not_increasing = 0;
   std::map<int, ObservedTag> tags;
   drivers::camera::SourceCounts counts;
-  std::string status;  ///< of the source
+  std::string status;  ///< status text of the source
 };
 
 /// Settings of an examination.
@@ -40,7 +40,8 @@ struct CameraExamination {
   double size_m = 0.16;  ///< m; side of the black square of all tags
   Duration listen{2'000'000};
   std::int64_t images_max = 1000;
-  bool is_live = true;  ///< false: ages are not meaningful, and it ends when no image is waiting
+  /// false: stored images; their ages are meaningless, and the examination ends after the last one
+  bool is_live = true;
 };
 
 /// Receives the images of `source` and detects tags in them, until the time `listen` has passed.
@@ -56,7 +57,7 @@ CameraObservation examine_camera(drivers::camera::ImageSource& source,
 std::vector<std::string> describe(const models::CameraModel& camera,
                                   const CameraObservation& observed, bool is_live);
 
-/// True if images arrive that the calibration fits.
+/// True if images arrived, their times increase, and the calibration fits them.
 bool is_usable(const CameraObservation& observed);
 
 }  // namespace vantage::tools

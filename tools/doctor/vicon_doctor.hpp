@@ -57,8 +57,8 @@ std::vector<ViconPort> examine_vicon(
     const std::string& host, const std::vector<int>& tcp_ports, int udp_port, Duration listen,
     const std::function<bool()>& stop = [] { return false; });
 
-/// Receives the stream of the server of `row` at `port` (0: default port) for the time `listen`.
-/// After `stop` the function returns within 0.1 s.
+/// Receives the stream of a mocap server of the kind `row` at `port` (0: default port) for the time
+/// `listen`. After `stop` the function returns within 0.1 s.
 /// @throws StartupError if the host is unknown.
 ViconPort examine_server(
     const std::string& host, const drivers::vicon::SessionRow& row, int port, Duration listen,

@@ -11,7 +11,7 @@ namespace vantage::tools {
 
 /// Meaning of a colour.
 enum class Emphasis { kGood, kWarning, kBad, kQuiet };
-/// Returns `text` in a terminal's colour (SGR), with the sequence that ends it.
+/// Returns `text` between the terminal's sequences (SGR) that set and reset its colour.
 std::string coloured(const std::string& text, Emphasis emphasis);
 
 /// Returns the first `columns` characters (code points) of UTF-8 text. Colours of coloured() are
@@ -19,8 +19,8 @@ std::string coloured(const std::string& text, Emphasis emphasis);
 std::string cut_to(const std::string& line, std::size_t columns);
 
 /// Returns the lines that fit on a screen, each cut to the screen's width. If lines are missing,
-/// the last line states their number. (Lines that wrap or scroll could not be replaced.) If `rows`
-/// or `columns` is 0, this number is not limited.
+/// the last line states their number. (Lines that wrap or scroll could not be replaced.) `rows` 0:
+/// any number of lines; `columns` 0: lines of any length.
 std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t rows,
                              std::size_t columns);
 

@@ -37,7 +37,7 @@ struct LocalizeArguments {
   bool is_smoothed = false;
   std::string landmarks = "known";
   bool is_without_ids = false;
-  std::vector<std::string> heading;  ///< robots; empty: all
+  std::vector<std::string> heading;  ///< robots with a trusted true heading; empty: all
   std::string log;                   ///< log to write; empty: none
   std::string table;                 ///< CSV file to write; empty: none
   bool force = false;
@@ -59,7 +59,7 @@ std::vector<std::string> names_of(const TeamRecording& team) {
   return names;
 }
 
-/// Returns for each robot whether its true heading is judged.
+/// Returns for each robot whether its true heading is trusted as a reference.
 std::vector<bool> trusted_of(const LocalizeArguments& arguments, const TeamRecording& team) {
   const std::vector<std::string> names = names_of(team);
   for (const std::string& name : arguments.heading) {

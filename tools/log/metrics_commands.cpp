@@ -28,7 +28,7 @@ namespace {
 
 struct MetricsArguments {
   std::vector<std::string> logs;
-  std::string output;  ///< picture; empty: none
+  std::string output;  ///< path of the picture; empty: none
   bool as_json = false;
   bool is_of_latency = false;
   bool pools = false;

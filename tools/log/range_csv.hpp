@@ -25,7 +25,7 @@ struct ColumnSpec {
 
 struct TableRow {
   std::string name;             ///< text of the column kName; empty if there is none
-  std::vector<double> numbers;  ///< values of the other columns in their order; s and m
+  std::vector<double> numbers;  ///< values of the other columns in their order, in s or m
 };
 
 struct Table {
@@ -43,8 +43,8 @@ struct Table {
 Table parse_table(std::string_view text, const std::string& name,
                   std::span<const ColumnSpec> columns);
 
-/// Reads a table from a file. @throws StartupError also if the file cannot be read or above 256
-/// MiB.
+/// Reads a table from a file. @throws StartupError also if the file cannot be read or exceeds
+/// 256 MiB.
 Table read_table(const std::string& path, std::span<const ColumnSpec> columns);
 
 }  // namespace vantage::tools

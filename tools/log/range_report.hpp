@@ -24,8 +24,8 @@ struct RangeReport {
   estimator::RangeFit fit;
   std::vector<std::optional<SurveyedBeacon>> surveys;  ///< comparison for each beacon
   std::vector<std::string> not_fitted;                 ///< surveyed beacons that were not fitted
-  /// Score of a fit to the first part of the time, on the rest of the time (held out); nullopt if a
-  /// part has too few ranges.
+  /// Score, on the last part of the recording, of a fit to the first part; nullopt if one of the
+  /// parts has too few ranges.
   std::optional<estimator::InnovationScore> held_back;
 };
 

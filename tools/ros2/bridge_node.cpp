@@ -10,7 +10,7 @@
 namespace vantage::tools::ros2 {
 namespace {
 
-constexpr Duration kPollPeriod{1'000};  // adds at most this time to messages from ROS 2
+constexpr Duration kPollPeriod{1'000};  // delays messages from ROS 2 by at most this time
 constexpr Duration kIdlePeriod{50'000};
 
 }  // namespace
@@ -97,7 +97,7 @@ void BridgeNode::write(const logs::ros2::Message& message) {
   refused_ += is_written ? 0 : 1;
 }
 
-// The topics of all ROS 2 nodes, such as /tf, have no prefix.
+// Topics that all ROS 2 nodes share, such as /tf, get no prefix.
 std::string BridgeNode::topic_of(const logs::ros2::Message& message) const {
   const bool is_common = message.topic == "/tf" || message.topic == "/diagnostics";
   return is_common ? message.topic : spec_.prefix + message.topic;

@@ -52,7 +52,7 @@ bool is_position(const Eigen::Vector3d& position_m) {
 
 /// Normalises the rotation; returns false if the position or the rotation is invalid.
 bool normalise(Pose3& pose) {
-  constexpr double kNormError = 0.01;  // senders round to single precision, or not at all
+  constexpr double kNormError = 0.01;  // senders may round numbers
   const double norm = pose.rotation.norm();
   if (!is_position(pose.translation_m) || !(std::abs(norm - 1.0) <= kNormError)) {
     return false;

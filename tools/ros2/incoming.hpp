@@ -13,8 +13,8 @@
 #include "core/time.hpp"
 #include "scenario/ros2_spec.hpp"
 
-// Conversion of ROS 2 messages, as received bytes, to values. A message that is damaged, or that
-// contains numbers that cannot be true, gives nullopt.
+// Conversion of received ROS 2 messages (bytes) to values. A message that is damaged, or that
+// contains impossible numbers, gives nullopt.
 
 namespace vantage::tools::ros2 {
 
@@ -28,7 +28,7 @@ struct StampedPose {
   Pose3 frame_from_body;
 };
 
-/// Returns "geometry_msgs/msg/PoseStamped" and so on.
+/// Returns the ROS 2 name of a type, such as "geometry_msgs/msg/PoseStamped".
 std::string_view type_of(scenario::Ros2PoseType type);
 
 /// Returns the poses of a message: one, or all of kTransforms.

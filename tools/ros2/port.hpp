@@ -15,7 +15,7 @@ namespace vantage::tools::ros2 {
 /// Quality of service of a topic.
 enum class Durability {
   kVolatile,   ///< ROS 2's default: reliable, keeps the last 10 messages
-  kTransient,  ///< reliable; a late reader receives the newest message, for maps
+  kTransient,  ///< for maps: reliable; a late reader gets the newest message
 };
 
 /// Connection to ROS 2 by topics, types and messages in CDR. Not thread-safe.
@@ -32,7 +32,7 @@ class Port {
   /// message was not written. Never waits for readers.
   virtual bool write(const std::string& topic, std::string_view type, Durability durability,
                      std::string_view cdr) = 0;
-  /// Subscribes a topic. take() passes its messages to `handler`.
+  /// Subscribes to a topic. take() passes its messages to `handler`.
   virtual void read(const std::string& topic, std::string_view type,
                     std::function<void(std::span<const std::uint8_t> cdr)> handler) = 0;
   /// Passes all messages that have arrived to their handlers.

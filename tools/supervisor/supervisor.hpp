@@ -70,9 +70,9 @@ class Supervisor {
   /// Reads signs of life, kills processes without them, reaps processes that have ended and
   /// restarts processes when their back-off is over. Returns the events in this order.
   std::vector<SupervisorEvent> poll(Nanoseconds monotonic_ns);
-  /// Requests the vehicle drivers to end; each further call is one more request. A driver that ends
-  /// after a request is restarted only if it failed after a single request while its vehicle may be
-  /// in flight. A restarted driver receives the requests as soon as it has started.
+  /// Asks the vehicle drivers to shut down. Further calls repeat the request. A driver that ends
+  /// after a request is restarted only if it failed, only one request was made, and its vehicle may
+  /// be in flight. A restarted driver receives the requests as soon as it has started.
   void end_drivers();
   [[nodiscard]] bool have_drivers_ended() const;
   /// Sends `signal` to all running processes that give signs of life, i.e. not to firmware.

@@ -12,8 +12,8 @@ using models::OperatorAction;
 
 constexpr Duration kOrderPeriod = std::chrono::milliseconds(500);
 constexpr Duration kHoldPatience = std::chrono::seconds(3);
-// Every 60th ground order is a hold, which clears the order to arm. A driver restarts motors that
-// the autopilot has stopped only after such a hold.
+// On the ground, every 60th order is a hold, which clears the order to arm. If the autopilot has
+// stopped the motors, a driver restarts them only after such a hold.
 constexpr int kOrdersPerHold = 60;
 
 bool is_at_rest(FlightState state) {

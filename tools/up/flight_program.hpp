@@ -32,7 +32,7 @@ class FlightProgram {
   /// Returns the orders to send now. Call about every 100 ms.
   std::vector<Order> due(Time now);
 
-  /// Lands all vehicles from now on.
+  /// Orders all vehicles to land from now on.
   void land_all() { is_over_ = true; }
   /// True if every vehicle with a status is idle or killed and was ordered to land at least once.
   [[nodiscard]] bool is_down() const;

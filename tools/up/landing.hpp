@@ -4,23 +4,23 @@
 
 namespace vantage::tools {
 
-/// Decides how long to wait for the drivers at the end of a trial with vehicles in flight. The
-/// caller requests the drivers to end once before the first step. Pure.
+/// Decides how long to wait for the drivers at the end of a trial with vehicles in flight. Before
+/// the first step, the caller asks the drivers once to shut down. Pure.
 class Landing {
  public:
   static constexpr Duration kPatience = std::chrono::seconds(60);
-  /// Time for the drivers to hand over to the autopilots' own landing after the second request.
+  /// Time after the second request in which the drivers hand over the landing to the autopilots.
   static constexpr Duration kHurriedPatience = std::chrono::seconds(4);
 
   explicit Landing(Time begin) : give_up_(begin + kPatience) {}
 
   enum class Step {
     kWait,
-    kRequestAgain,  ///< request the end of the drivers once more
+    kRequestAgain,  ///< ask the drivers once more to shut down
     kOver,
   };
   /// @param is_at_rest   all drivers have ended and all vehicles have landed
-  /// @param is_urgent    the user has requested the end a second time
+  /// @param is_urgent    the user has asked a second time to end the trial
   Step step(bool is_at_rest, bool is_urgent, Time now);
 
  private:

@@ -318,7 +318,7 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
     if (runs(robot)) {
       const scenario::VehicleKind* kind = scenario::vehicle_kind(*scenario.find_robot(robot));
       const std::string driver(kind != nullptr ? kind->driver : "quadrotor");
-      add_for(driver, robot, kDriverPatienceS).vehicle = robot;  // driver exits without an address
+      add_for(driver, robot, kDriverPatienceS).vehicle = robot;  // a driver without address exits
       give_priority(out.back());
     }
   }

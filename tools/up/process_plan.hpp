@@ -23,7 +23,7 @@ struct ProcessSettings {
   std::string url;
   std::string host;                  ///< host of scenario.hosts to run; empty: everything
   bool has_virtual_targets = false;  ///< targets are simulated although every device is real
-  std::string firmware_folder = {};  ///< contains one working folder per firmware
+  std::string firmware_folder = {};  ///< folder with one working folder per firmware
   std::vector<int> keep_open = {};   ///< descriptors that scenario_path needs
   int driver_priority = 0;           ///< SCHED_FIFO priority of vehicle and mocap drivers; 0: none
 };

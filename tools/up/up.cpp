@@ -73,13 +73,13 @@ std::set<std::string> as_set(const std::vector<std::string>& names) {
   return {names.begin(), names.end()};
 }
 
-/// Makes `bus` sign and verify all messages by the security settings of `scenario`; returns it.
+/// Makes `bus` sign and verify messages by the security settings of `scenario`. Returns `bus`.
 bus::Bus& secured(bus::Bus& bus, const scenario::Scenario& scenario, const bus::Clock& clock) {
   bus.secure(bus::auth::authenticator_for(scenario), clock);
   return bus;
 }
 
-/// Prints claims without a valid signature. They do not prevent the start.
+/// Prints conflicts that messages without a valid signature report. They do not prevent the start.
 void print_unverified(const std::vector<std::string>& claims) {
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(claims.size(), kShown); ++i) {
@@ -145,7 +145,7 @@ class Up {
   std::set<std::string> drives_;  ///< vehicles with a driver on this host
   bool serves_flights_ = false;   ///< the simulator or the mocap driver runs here
   Time next_report_{};
-  int requests_obeyed_ = 1;  ///< number of obeyed requests to end; further requests are urgent
+  int requests_obeyed_ = 1;  ///< requests to end that were obeyed; further ones are urgent
   UpResult result_;
 };
 
@@ -400,7 +400,7 @@ void Up::stop_all() {
   bool is_hurried = false;
   if (!result_.left_flying.empty()) {
     // Processes that vehicles depend on obey the first request only after all landings
-    // (bus::EndAfterFlights), but a second one immediately. Send the first one here.
+    // (bus::EndAfterFlights), but a second one immediately. This is the first request.
     team_.send_to_ours(SIGINT);
   }
   std::vector<std::string> killed = team_.stop_all(kTeamPatience, [&] {

@@ -17,7 +17,7 @@ struct UpOptions {
   std::string log_path;                      ///< path of the log; empty: no log
   int log_sync_ms = 40;                      ///< ms, > 0; pause between two syncs of the log
   std::string host;                          ///< host of scenario.hosts to run; empty: everything
-  std::string firmware_folder = "firmware";  ///< contains the working folders of the firmware
+  std::string firmware_folder = "firmware";  ///< folder with the firmware's working folders
   bool quiet = false;
   bool live_table = false;       ///< redraw a table in place; else print a line every 5 s
   bool fly = false;              ///< arm, take off and follow at the start, land at the end

@@ -58,7 +58,7 @@ class Broker : public logs::foxglove::Sink {
   void write(const std::string& topic, Time time, const logs::foxglove::Json& content) override;
   void name_type(const std::string& topic, const std::string& type) override;
 
-  /// Stores records without sending them until release(): for the records before a seek position.
+  /// Stores records without sending them until release(). Used for records before a seek position.
   void hold();
   /// Sends the newest stored record of each topic to its subscribers and ends hold().
   void release();

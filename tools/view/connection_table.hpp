@@ -40,7 +40,8 @@ class ConnectionTable {
   struct Connection {
     Time since{};
     bool has_request = false;
-    bool counts = true;  ///< towards the limit; viewers and connections returned by update() do not
+    /// true: counts towards the limit; false for viewers and for connections returned by update()
+    bool counts = true;
   };
   Connection& entry(const Peer& peer, Time now) {
     return all_.try_emplace(peer, Connection{now}).first->second;

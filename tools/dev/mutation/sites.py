@@ -49,7 +49,7 @@ OTHER_EXTREME |= {big: small for small, big in OTHER_EXTREME.items()}
 NEIGHBOUR = {"x": "y", "y": "x", "z": "y", "front": "back", "back": "front"}
 RESETS = {"reset", "clear", "fill", "setZero", "erase", "pop_front", "pop_back"}
 SYMMETRIC = {"min", "max", "fmin", "fmax", "hypot", "swap"}
-# Factor by unit suffix of a name: the error if a value has a similar unit instead.
+# By unit suffix of a name: factor by which a value is wrong if it is in a similar unit.
 UNIT_FACTORS = {"s": "1e-3", "ms": "1e3", "us": "1e3", "ns": "1e3", "m": "1e3", "mm": "1e-3",
                 "rad": "57.29577951308232", "deg": "0.017453292519943295", "mps": "3.6",
                 "radps": "57.29577951308232", "share": "100", "hz": "1e-3"}
@@ -149,7 +149,7 @@ def _parsed(path, name, arguments):
         source = file.read()
     read, unsaved = str(path), []
     if read.endswith(".hpp"):
-        # Another file includes the header, as in a build; its own includes may include the header again.
+        # Parses a file that includes the header, as in a build, because a header may include itself indirectly.
         read = f"{path}.cpp"
         unsaved = [(read, f'#include "{path}"\n')]
     unit = cindex.Index.create().parse(

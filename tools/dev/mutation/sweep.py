@@ -13,7 +13,7 @@ from .workshop import UserError
 VARIABLE = "VANTAGE_MUTANT"  # environment variable with the number; without it the original code runs
 CHOICE = "vantage_mutant"  # variable of the program with the same number
 OPTIONS = ("-w", "-D_GLIBCXX_ASSERTIONS")  # assertions detect an index out of range
-# Runs before all other constructors of the program, because those register tests and make their inputs.
+# Runs before all other constructors of the program, because these register tests and create the inputs of tests.
 CHOOSER = f"""#include <cstdlib>
 extern "C" int {CHOICE} = -1;
 __attribute__((constructor(101))) static void choose() {{

@@ -56,7 +56,7 @@ def changed_files(root, but):
 
 
 def changed_lines(root, revision):
-    """Returns {file: set of the present numbers of lines that differ from a revision}."""
+    """Returns {file: set of the numbers of present lines that differ from a revision}."""
     lines = {}
     name = None
     for line in git(root, "diff", "-U0", "--no-ext-diff", revision, "--", "*.cpp", "*.hpp").splitlines():
@@ -281,7 +281,8 @@ class Workshop:
         return seen
 
     def programs_for(self, name):
-        """Returns the test programs that depend on the file, the nearest first, each with its dependent objects."""
+        """Returns the test programs that depend on the file, each with its dependent objects. Programs with tests in
+        the same or a near folder come first."""
         readers = self.readers(name)
         out = []
         near = set(pathlib.PurePath(name).parts)
@@ -295,8 +296,8 @@ class Workshop:
         return [(program, seen) for _, _, program, seen in sorted(out, key=lambda entry: entry[:3])]
 
     def arguments_for(self, name):
-        """Returns libclang's arguments for a file: its own, or for a header those of a file that includes it; None if
-        there is none."""
+        """Returns libclang's arguments for a file, or for a header the arguments for a file that includes it; None if
+        there are none."""
         by_source = {source: self.command_of[made] for made, source in self.source_of.items()}
         folder = os.path.dirname(name)
         if name in by_source:

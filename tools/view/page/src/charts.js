@@ -114,7 +114,7 @@ class Chart {
   constructor(box, spec, source) {
     this.spec = spec;
     this.source = source;
-    this.series = new Map(); // {t, v} by name
+    this.series = new Map(); // {t, v}: times and values, by name of the series
     this.box = document.createElement("figure");
     this.box.dataset.chart = spec.key;
     this.is_off = false; // true: the user has removed the chart
@@ -510,7 +510,7 @@ const kMostShown = 8; // times the expected value: upper limit of the axis; larg
 const kBatch_s = 5; // s; length of a batch, which counts as one sample because its steps are correlated
 
 /** Returns the half width of the 95 % band of a mean in standard errors (Student's t).
-    Source: Abramowitz and Stegun 26.7.5 (for 3 degrees of freedom 0.7 % too little); 1 and 2 exactly. */
+    Source: Abramowitz and Stegun 26.7.5 (0.7 % too small for 3 degrees of freedom); exact for 1 and 2. */
 export function t_95(freedom) {
   if (freedom < 3) return [Infinity, 12.706, 4.303][freedom];
   const z = 1.95996;

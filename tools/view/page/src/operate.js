@@ -106,7 +106,7 @@ export class Operator {
     this.link_error = error ?? "";
     if (state) {
       if (!state.is_operator && this.token && this.was_operator) {
-        // A short delay of the reports ends the claim; the operator is still here.
+        // The server ends the claim if reports are delayed, although the operator is still here.
         this.token = "";
         if (Date.now() - this.operated_at < kReturn_ms) this.claim();
       }

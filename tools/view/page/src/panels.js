@@ -296,8 +296,8 @@ export class Targets {
     };
   }
 
-  /** Sets the discovery of a target from the event in a log: after a jump, the server has not read
-  the log from its start. */
+  /** Sets the discovery of a target from the event in a log. After a jump, the server has not read the log from its
+      start, so it does not know earlier discoveries. */
   on_found(name, found_s, found_by) {
     if (!this.found.has(name)) this.found.set(name, { found_s, found_by });
   }
@@ -355,8 +355,8 @@ export class Results {
     if (this.steps.length === 0) this.team = team;
   }
 
-  /** Adds a step of a log. With steps, the shown one is chosen by show_step(), because after a jump in the log the server's
-      counts begin anew. */
+  /** Adds a step of a log. If steps are known, show_step() chooses the one to show, because the server's counts begin
+      anew after a jump in the log. */
   add_step(time, team) {
     this.steps.push({ time, team });
   }

@@ -93,7 +93,7 @@ export class Timeline {
 
   set_now(since) {
     this.now = since;
-    if (this.length_s !== null && !this.is_playing) this.write(); // live and during playback, the next beat calls write()
+    if (this.length_s !== null && !this.is_playing) this.write(); // otherwise the next beat calls write()
   }
 
   write() {
