@@ -3,9 +3,9 @@
 
 Every command that reads a file gets one that is missing, a folder, empty, incomplete, of another kind and
 huge. Every command that writes gets an output path in a missing folder, below a file, without write
-permission and on a full disk. Output goes into a closed pipe; options and commands are mistyped. Always:
-the exit code of the table, no crash, and with code 2 one line that names the file (or the word) and the
-rule. Files that existed before exist afterwards.
+permission and on a full disk. Output goes into a closed pipe; options and commands are mistyped. Each
+command must end with the exit code in the table and must not crash. With code 2 it must print one line that
+names the file (or the word) and the rule. Files that existed before must exist afterwards.
 """
 import math
 import os

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """mrclam_folder.py FOLDER [SECONDS]: writes a small data set in the format of UTIAS MRCLAM: three simulated
-robots among twelve landmarks. Their cameras report depths, scaled by 1.03 and 0.1 m too large, 0.04 s late;
-they stand 0.08 m before the tracked point. Commands act after 0.15 s, and turns are 4 % too small.
+robots among twelve landmarks. The cameras report 1.03 times the depth plus 0.1 m, with stamps 0.04 s late.
+Each camera is 0.08 m ahead of the robot's tracked point. Commands act after 0.15 s, and turns are 4 % too
+small.
 """
 import math
 import pathlib

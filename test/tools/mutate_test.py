@@ -202,7 +202,7 @@ class Commands(unittest.TestCase):
 
     def test_waiting_commands_end_and_slow_ones_do_not(self):
         busy = "import time\nwhile time.process_time() < 1.0: pass\nprint('done')"
-        # Runs as a child process of a shell, since the command of a test may do the same.
+        # Runs as a child process of a shell, as a test of ctest may do.
         words = ["sh", "-c", f'{sys.executable} -c "$0"; exit $?', busy]
         self.assertEqual(0, self.code_of(words, limit_s=0.2))
         self.assertIsNone(self.code_of(["sleep", "600"], limit_s=1.0))

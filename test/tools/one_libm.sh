@@ -8,8 +8,8 @@ one='sin|cos|tan|sincos|asin|acos|atan|atan2|sinh|cosh|tanh|asinh|acosh|atanh|ex
 one+='|log|log2|log10|log1p|pow|cbrt|hypot|erf|erfc|tgamma|lgamma|lgamma_r|j0|j1|jn|y0|y1|yn'
 status=0
 for program in "$@"; do
-  # Checks functions of double and float. Of those of long double only logl is called, by libstdc++'s
-  # generate_canonical for the number of bits of a generator, where its last digit has no effect.
+  # Checks functions of double and float. The only function of long double in use is logl: libstdc++'s
+  # generate_canonical computes a generator's number of bits with it, where the last digit has no effect.
   if nm --dynamic --undefined-only "$program" | grep --extended-regexp " ($one)f?(@|\$)"; then
     echo "$program asks the C library for these" >&2
     status=1

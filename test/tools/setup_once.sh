@@ -1,6 +1,6 @@
 #!/bin/bash
-# setup_once.sh SOURCE_DIR: checks that `tools/setup --once` calls npm only once for the same
-# package files if npm could not fetch them, and reports what is missing; tools/setup asks again.
+# setup_once.sh SOURCE_DIR: checks that `tools/setup --once` reports what is missing. If npm has failed,
+# `tools/setup --once` calls npm again only after the package files have changed; `tools/setup` always does.
 # Runs on a copy. In place of npm, a script fails each time; in place of dpkg-query, a script reports
 # every package as installed.
 set -euo pipefail

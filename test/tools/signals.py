@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """signals.py VANTAGE SAMPLE.xz SCENARIO PROBLEM: sends SIGINT, SIGTERM and SIGHUP to commands while they work.
 
-Each command soon ends with its results so far and reports this; no output is incomplete. Soon is half a
-second on an idle machine; here it is judged by CPU time, with a limit far below that of the whole work.
+Each command must soon end, keep its results so far and report this; no output may be incomplete. "Soon"
+is half a second on an idle machine. The test limits the CPU time instead, to much less than the
+whole work needs.
 """
 import json
 import math
@@ -72,7 +73,7 @@ def check_log(vantage, path):
 
 
 def descendants(pid):
-    """Returns the ids of its children, of their children, and so on."""
+    """Returns the ids of all descendants of a process."""
     children = {}
     for path in pathlib.Path("/proc").glob("[0-9]*/stat"):
         try:
@@ -107,7 +108,7 @@ else:
 
 
 def check_folder_of_record(vantage, folder):
-    """A browser's children write and recreate their folder until they are ended with it: no file remains."""
+    """No file remains, although a browser's child processes write files into their folder until they are ended."""
     kept = folder / "kept_by_children"
     kept.mkdir()
     browser = folder / "browser"

@@ -73,8 +73,8 @@ run 2 refused --slurm --shards 6  # in_slurm.sh allows numbers up to 4
 says "Slurm rejected the job: .*[Ii]nvalid job array"
 [[ -z "$(squeue --noheader)" ]] || fail "a job was submitted"
 
-# The same applies if Slurm accepts the array but not the collecting job. Nothing is submitted if
-# the queue cannot be queried.
+# If Slurm accepts the array but refuses the collecting job, the refusal is reported and no job
+# remains. Nothing is submitted if the queue cannot be queried.
 mkdir "$work/bin"
 PATH="$work/bin:$PATH"
 # make_fail PROGRAM CASE WORDS: makes PROGRAM fail if CASE is among its arguments.

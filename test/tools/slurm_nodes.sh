@@ -38,7 +38,7 @@ on_node() {  # on_node NODE SIGNAL: sends SIGNAL to the experiment on NODE
     [[ "$(readlink "/proc/$process/ns/net")" != "$network" ]] || kill "-$2" "$process"
   done
 }
-# dies DIRECTORY NODE: emulates a power failure of NODE in the middle of a line; sets $shard to the shard
+# dies DIRECTORY NODE: emulates a power failure of NODE while NODE writes a line; sets $shard to the shard
 # that NODE ran.
 dies() {
   kill -9 "$(cat "$IN_SLURM/$2.pid")"

@@ -9,7 +9,7 @@ run() {
   begin "$directory" "$@"
   ended "$expected"
 }
-# begin DIRECTORY OPTION…: starts the same run in the background; its process is $pid.
+# begin DIRECTORY OPTION…: starts the run in the background, without waiting; its process is $pid.
 begin() {
   what="$*"
   : > "$work/out"  # the previous run may have printed the same

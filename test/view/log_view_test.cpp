@@ -53,7 +53,7 @@ std::map<std::string, std::string> records_for_new_viewer(Broker& broker) {
     if (frame->is_text && frame->head == "{}") {
       break;
     }
-    if (!frame->is_text && frame->head[0] == 1) {  // otherwise status, time or playback
+    if (!frame->is_text && frame->head[0] == 1) {  // other frames: status, time, playback
       content[topics.at(static_cast<unsigned char>(frame->head[1]))] = *frame->body;
     }
   }
@@ -144,7 +144,7 @@ TEST_F(SampleLog, ShowsSameInstantAfterAnySeekPath) {
 TEST_F(SampleLog, SeekShowsStateOfFullReplay) {
   const logs::SeekableLog& log = log_of_sample();
   const logs::TypeLibrary types;
-  for (const int at_s : {3, 15, 45}) {  // for 45 s, the preceding 20 s suffice
+  for (const int at_s : {3, 15, 45}) {  // 20 s before the instant suffice, also for 45 s
     const Time instant = log.range().first + std::chrono::seconds(at_s);
     Broker broker({"test", "s", log.range()});
     const LogView view(log, types, broker, instant);

@@ -178,7 +178,7 @@ TEST(CheckPreflight, NotesPlansThatArriveAfterTheirFirstTurn) {
   scenario.planner.separation_m = 0.9;
   scenario.planner.separation_from_above = true;
   scenario.planner.obstacle_margin_m = 0.4;
-  scenario.planner.publish_margin_s = 0.35;  // s; lead 0.1, half window 0.25
+  scenario.planner.publish_margin_s = 0.35;  // s; set-point lead 0.1 + half window 0.25
   EXPECT_TRUE(check_preflight(scenario).notes.empty());
   scenario.planner.publish_margin_s = 0.34;
   EXPECT_NE(all_of(check_preflight(scenario).notes).find("planner.publish_margin_s to 0.35"),

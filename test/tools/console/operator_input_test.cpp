@@ -182,7 +182,7 @@ TEST(Keys, AnEmergencyStopAfterAPartialSequenceIsKept) {
   EXPECT_EQ(keys_of(""), Keys{});
 }
 
-// Every order and state: an order without effect has a reason, an order that is obeyed has none.
+// Checks every order in every state: only an order that the vehicle ignores has a reason.
 TEST(ReasonWithoutEffect, ExistsForEveryOrderThatAVehicleIgnores) {
   using models::FlightState;
   const std::string not_flying = "not in operation; arm and take off first";

@@ -112,7 +112,7 @@ TEST(OrderSender, StampsOrdersByVehicleClock) {
   }
 }
 
-// An operator page that leaves ends the heartbeat, as the end of a console does.
+// When the operator page is closed, the heartbeat ends, as at the end of a console.
 TEST(OrderSender, SendsNoHeartbeatWithoutAnOperator) {
   test::BusPair net(11, 13);
   int beats = 0;

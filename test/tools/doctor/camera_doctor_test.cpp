@@ -97,7 +97,7 @@ TEST_F(CameraDoctor, RefusesACalibrationOfAnotherSize) {
             std::string::npos);
 }
 
-// fy is wrong by a half: no square has the corners of the tag.
+// With the wrong focal length fy, the corners of a tag do not fit any square.
 TEST_F(CameraDoctor, RefusesACalibrationThatDoesNotFitTheTags) {
   models::CameraModel wrong = camera_;
   wrong.focal_y_pixels *= 1.5;

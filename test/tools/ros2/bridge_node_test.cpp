@@ -164,7 +164,7 @@ TEST_F(BridgeNodeTest, CountsMessagesThatDdsDoesNotAccept) {
   for (const models::NamedCount& each : node_->counters()) {
     counts[each.name] = each.count;
   }
-  EXPECT_EQ(counts["ros2.messages_refused"], 2);  // on /tf and of the pose
+  EXPECT_EQ(counts["ros2.messages_refused"], 2);  // the transforms on /tf, and the pose
 }
 
 }  // namespace

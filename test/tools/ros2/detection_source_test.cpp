@@ -42,9 +42,9 @@ class DetectionSourceTest : public testing::Test {
   DetectionSource source_{scenario_, "Q1", "world"};
 };
 
-// Both frames of a message give the same measurement, that of the sensor model.
+// A message in the world frame or in the robot's frame gives the measurement of the sensor model.
 TEST_F(DetectionSourceTest, GivesTheMeasurementOfTheSensorModel) {
-  const models::Viewpoint viewpoint{{0.1, 1.0, kPi / 2}, 2.0};  // between both frames
+  const models::Viewpoint viewpoint{{0.1, 1.0, kPi / 2}, 2.0};  // between both mocap frames
   const Eigen::Vector3d target_m(1.0, 3.0, 0.0);
   const Eigen::Vector3d in_body = inverse(lift(viewpoint.world_from_body, 2.0)) * target_m;
   for (const bool is_world : {true, false}) {

@@ -71,7 +71,7 @@ TEST_F(PoseSourceTest, UsesOnlyTransformsFromTheWorldFrame) {
   EXPECT_EQ(source_.counts().wrong_frame, 0);
 }
 
-// The gate of a mocap server also protects vehicles from jumps of a pose estimator.
+// The check that detects jumps of mocap poses also detects jumps of poses from ROS 2.
 TEST_F(PoseSourceTest, OccludesABodyThatJumps) {
   for (int i = 0; i < 20; ++i, now_ += Duration{10'000}) {
     send("Q1", i == 15 ? 3.0 : 0.001 * i, Duration{0});

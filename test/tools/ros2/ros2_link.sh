@@ -1,6 +1,6 @@
 #!/bin/sh
-# ros2_link.sh VANTAGE READER CONFIG_DIR: `vantage ros2` and a DDS program without its code exchange
-# messages in a network namespace (in_network.sh). Prints one line per topic.
+# ros2_link.sh VANTAGE READER CONFIG_DIR: checks that `vantage ros2` and a DDS program that does not
+# share its code exchange messages in a network namespace (in_network.sh). Prints one line per topic.
 set -eu
 vantage=$1 reader=$2 config=$3
 folder=$(mktemp -d)

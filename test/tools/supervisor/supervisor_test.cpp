@@ -338,7 +338,7 @@ TEST(Supervisor, WaitsForALandingDriverWithoutRestart) {
   EXPECT_EQ(watched.count(Kind::kStarted), 0);
 }
 
-// The restarted driver, which reports on its own pipe, is requested to end immediately after its
+// The restarted driver, which reports on its own pipe, is asked to shut down immediately after its
 // start.
 TEST(Supervisor, RestartsDriverThatFailsInFlightDuringShutdown) {
   const test::TemporaryFolder folder;

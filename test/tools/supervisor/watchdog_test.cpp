@@ -10,7 +10,7 @@ namespace {
 constexpr Time at(double s) { return from_utime(static_cast<std::int64_t>(s * 1e6)); }
 using Names = std::vector<std::string>;
 
-/// Returns the processes that checks every 0.1 s from `begin_s` to `end_s` find overdue.
+/// Checks every 0.1 s from `begin_s` to `end_s`. Returns all overdue processes.
 Names overdue_between(Watchdog& dog, double begin_s, double end_s) {
   Names out;
   for (double now_s = begin_s; now_s < end_s + 0.05; now_s += 0.1) {

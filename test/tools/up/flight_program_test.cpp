@@ -15,8 +15,8 @@ using models::OperatorAction;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// A vehicle that obeys like one with flight safety: it arms on request and flies once its motors
-/// run.
+/// A vehicle that obeys orders like a vehicle with a driver: it arms on request and takes off once
+/// its motors run.
 struct Vehicle {
   std::string name = "Q1";
   FlightState state = FlightState::kIdle;

@@ -1,7 +1,7 @@
 // channels.mjs ws://HOST:PORT [MIN_CHANNELS]: reads the viewer server's channels with Foxglove's own client.
-// Subscribes to all advertised channels, by each subprotocol in turn; plays the log, if it is one. Prints one line
-// per channel. Fails unless each channel sends data (/events need not), and each message is an object of its
-// channel's schema.
+// Subscribes to all advertised channels, by each subprotocol in turn. If the server shows a log, plays it. Prints
+// one line per channel. Fails unless each channel sends data (/events need not), and each message is an object of
+// its channel's schema.
 
 import assert from "node:assert";
 import { get } from "node:http";

@@ -21,7 +21,7 @@ const browser = spawn(process.env.CHROMIUM ?? "/usr/bin/chromium", [
   "--window-size=1280,800", ...flags, "about:blank",
 ]);
 
-const gone = new Promise((resolve) => browser.on("close", resolve)); // after all its processes
+const gone = new Promise((resolve) => browser.on("close", resolve)); // when all its processes have ended
 process.on("uncaughtExceptionMonitor", () => browser.kill());
 
 /** A connection to a debugging address, for calls. */

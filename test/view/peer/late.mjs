@@ -29,8 +29,8 @@ const heard = (page) =>
     return { first: vantage.state.start + times[0], times, trail: vantage.trail("Q1"), events };
   });
 
-/** Returns the records that the page has received twice. (A count would not do: the trial continues during the
-    query.) */
+/** Returns the records that the page has received twice. (A comparison of counts would fail, because the trial
+    continues during the query.) */
 const twice = ({ times, events }) => [
   ...times.filter((time, i) => i > 0 && time <= times[i - 1]),
   ...events.filter((event, i) => events.indexOf(event) < i),

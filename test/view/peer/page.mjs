@@ -164,7 +164,8 @@ async function seek(page, since) {
 const proposals_shown = (page, count) =>
   until(page, (count) => (count === 0 ? proposals() === 0 : proposals() >= count), count);
 
-/** Returns each robot's colour; checks that the robot has it in the world and in every chart, and nothing else. */
+/** Returns each robot's colour. Checks that the world and every chart show the robot in its colour, and that nothing
+    else has this colour. */
 async function colours_of(page) {
   await until(page, () => vantage.state.has_history);
   await until(page, () => // each chart is drawn; this planner proves no bound, so the gap has no chart
@@ -190,7 +191,8 @@ const turn_history = (page) =>
     await route.fulfill({ json: records });
   });
 
-/** Checks a team of three that publishes proposals in the first half of each round's budget, from x.455 s on. */
+/** Checks the proposals of a team of three. They are published from 0.455 s after each full second of the log, in the
+    first half of each round's budget. */
 async function check_proposals(page) {
   await seek(page, 4.6);
   await proposals_shown(page, 3);

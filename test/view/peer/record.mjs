@@ -6,7 +6,7 @@ import assert from "node:assert";
 import { readFileSync, writeFileSync } from "node:fs";
 import { browser, finish, folder as video_path, open, until, url } from "./drive.mjs";
 
-const kLike = 5; // of 255; largest mean colour difference by coding
+const kLike = 5; // of 255; largest mean colour difference that video coding causes
 const shots = process.argv[5];
 
 /** Opens a video; returns {duration, width, height, page, picture_at()}; picture_at(time_s) returns the pixels at
@@ -63,8 +63,8 @@ function difference(a, b) {
   return sum / (0.75 * a.length);
 }
 
-/** Returns the mean differences from both pictures in the pixels in which these differ, so that only moving parts
-    count. */
+/** Returns the mean differences of `seen` from `own` and from `other`. Only moving parts count, i.e. the pixels in
+    which `own` and `other` differ. */
 function of_what_moves(seen, own, other) {
   let [to_own, to_other, count] = [0, 0, 0];
   for (let i = 0; i < own.length; i += 1) {

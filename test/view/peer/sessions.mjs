@@ -48,7 +48,7 @@ await until(page, () => vantage.state.now < 15 && Object.values(vantage.series("
 assert((await page.evaluate(() => Math.min(...vantage.series("entropy").team.t))) < 12, "the charts do not start again");
 await shot(page, "second");
 
-// The first session can be chosen, and the present one again.
+// The user can choose the first session, and then the present session again.
 await page.selectOption("#session", "0");
 await until(page, (facts) => document.querySelector('[data-fact="found"]')?.innerText === facts, first);
 assert.equal(await badge(page), "earlier trial");
