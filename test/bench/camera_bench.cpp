@@ -1,6 +1,6 @@
-// camera_bench: CPU and wall time from the bytes of an image to the belief of the robot: decoding,
-// detection of tags, poses, MEASUREMENT_Q1, and the estimator's step with it. Images of 640 x 480
-// pixels with all five rovers of the scenario in view.
+// camera_bench: measures CPU and wall time from the bytes of an image to the robot's belief. This
+// includes decoding, detection of tags, poses, MEASUREMENT_Q1, and the estimator's step with this
+// measurement. The images have 640 x 480 pixels and show all five rovers of the scenario.
 //
 //   camera_bench config/lab-camera.yaml [IMAGES] [NOISE, grey levels]
 

@@ -22,7 +22,7 @@
 #include "wire/mavlink/parser.hpp"
 #include "wire/vicon/object_stream.hpp"
 
-/// Function in which instructions are counted. Source of the name: tools/dev/count.
+/// Function in which instructions are counted. tools/dev/count selects it by its name.
 extern "C" [[gnu::noinline]] std::int64_t vantage_counted(
     const std::function<std::int64_t()>& work) {
   const std::int64_t units = work();
@@ -33,7 +33,7 @@ extern "C" [[gnu::noinline]] std::int64_t vantage_counted(
 namespace vantage::bench {
 namespace {
 
-/// Returns the number of units of work that it did.
+/// Function that works and returns the number of completed units of work.
 using Work = std::function<std::int64_t()>;
 
 struct Case {
@@ -235,7 +235,7 @@ int run(std::string_view name) {
   for (const Case& each : cases()) {
     if (each.name == name) {
       const Work work = each.prepare();
-      work();  // reserves memory
+      work();  // this first run reserves memory
       std::printf("%lld\n", static_cast<long long>(vantage_counted(work)));
       return 0;
     }

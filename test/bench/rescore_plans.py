@@ -38,7 +38,7 @@ def plus(a, b):
 
 
 def determinant_and_inverse(a):
-    """Gauss-Jordan elimination with pivots on the diagonal of a positive definite matrix."""
+    """Returns determinant and inverse of a positive definite matrix, by Gauss-Jordan elimination."""
     n = len(a)
     rows = [list(row) + [float(i == j) for j in range(n)] for i, row in enumerate(a)]
     det = 1.0

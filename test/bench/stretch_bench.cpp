@@ -159,7 +159,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 }  // namespace bench
 
-// Replaces core/deadline.cpp's function, which is not linked here: the clock that searches check.
+// Clock that searches check. Replaces the function in core/deadline.cpp, which is not linked here.
 std::int64_t monotonic_ns() { return bench::clock_checks().check(); }
 
 }  // namespace vantage

@@ -19,8 +19,8 @@ struct StudyMethod {
 };
 
 /// Returns the method `name` of planner::all_algorithms(); "beam" takes its options from `beam`.
-/// RVI is one pass at δ = 0.663 m on position alone and ε = ∞, which is equivalent to δ = 1.2 in
-/// the metric of the reference.
+/// "rvi" searches once with ε = ∞ and δ = 0.663 m on the position only, which is equivalent to δ =
+/// 1.2 in the metric of the reference.
 StudyMethod make_method(const std::string& name, const planner::BeamOptions& beam,
                         const planner::SearchCapacity& capacity);
 

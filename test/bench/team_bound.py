@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""team_bound.py P_M9_s0.json … [--teams 10] [--nodes 100000] [--work 4e6]: compares the decision of a
-team of searches (`rain`, with and without attacks) with an upper bound over all paths of the team. The
+"""team_bound.py P_M9_s0.json … [--teams 10] [--nodes 100000] [--work 4e6]: compares the value of
+the team decision `rain` (with and without attacks) with an upper bound over all paths of the team. The
 result is the median over teams with random starts."""
 import argparse
 import json

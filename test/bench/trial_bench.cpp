@@ -17,8 +17,8 @@
 // Measures the cost of a trial in virtual time. Prints one line per scenario with wall and CPU
 // time, memory, and the CPU time per robot and planning round. --csv prints a line of a table
 // (header: --csv-head). --log FILE writes a new log and prints the bytes that each robot published
-// per second. --json prints the trial's summary instead, to compare two builds bit for bit,
-// and the bytes that robots sent to each other.
+// per second. --json instead prints the trial's summary and the bytes that robots sent to each
+// other, to compare two builds bit for bit.
 
 namespace {
 

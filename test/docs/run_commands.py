@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """run_commands.py PROGRAMS SOURCE_DIR: checks that the commands in README.md and docs/*.md work after
-tools/demo. PROGRAMS lists the files that the target built by that script leaves, one per line; no other
-programs are available.
+tools/demo. PROGRAMS lists the programs that tools/demo builds, one per line; no other programs are
+available.
 
 Every line of a fenced block that begins with `vantage` must name a program and a command that exist,
 with flags that its --help lists. Every block below the line `<!-- run -->` is run as it is by `sh -e`.
-Each line of a block below `<!-- run 4 s -->` is run separately in its own network; after that time, if it
-has not ended, it receives Ctrl-C's signal. In either case it must end, and successfully.
+Each line of a block below `<!-- run 4 s -->` is run separately in its own network. If the line still runs
+after this time, it receives the signal of Ctrl-C. Every command must succeed.
 
-They run in a folder that contains config/ and logs/, flight.lcmlog (the sample log, also as
+Commands run in a folder that contains config/ and logs/, flight.lcmlog (the sample log, also as
 demo-out/lab.lcmlog) and torn.lcmlog (a part of it that ends within an event), with the programs'
 folder in PATH.
 """

@@ -280,7 +280,7 @@ class Baselines(unittest.TestCase):
 
 
 class SecondOpinion(unittest.TestCase):
-    """Independent versions of the tasks in plain numpy give the same rewards up to chance."""
+    """Independent versions of the tasks in plain numpy give the same rewards up to random differences."""
 
     def compare(self, env, task, episodes, steps):
         means = []

@@ -44,7 +44,8 @@ class Log(unittest.TestCase):
             for field in columns:
                 values, of_list = columns[field], columns._lists[field]
                 names = [field] if values.ndim == 1 else [f"{field}_{i}" for i in range(values.shape[1])]
-                # Skips lists that are written into one cell of the table, and the second list of a message.
+                # Skips lists that are written into one cell, lists within lists, matrices, and fields that
+                # the table lacks.
                 if of_list == field or (of_list or "").count(".") or names[0] not in rows[0] or values.ndim > 2:
                     continue
                 for i, column in enumerate(names):

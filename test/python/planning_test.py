@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plans in Python equal those of `vantage plan` bit for bit, and errors have the same words."""
+"""Plans in Python equal those of `vantage plan` bit for bit, and error texts are equal."""
 import json
 import os
 import signal

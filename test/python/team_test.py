@@ -58,7 +58,8 @@ class Reference:
         return numpy.array(out)
 
     def value(self, choice):
-        """Returns ½ Σ (log det predicted − log det updated), or with the prediction without any measurement."""
+        """Returns ½ Σ (log det reference − log det updated). The reference covariance is the prediction just before the
+        update (measure "mutual"), or otherwise the prediction without any measurement."""
         if choice not in self.known:
             looks = sum((self.looks[robot][row] for robot, row in enumerate(choice) if row is not None),
                         numpy.zeros((self.T, len(self.means[0]), 2, 2)))
@@ -75,18 +76,18 @@ class Reference:
         return self.known[choice]
 
     def choices(self, may_rest=True, robots=range(len(STARTS))):
-        """Returns every choice of `robots`; the others do nothing."""
+        """Returns every choice of `robots`; all other robots do nothing."""
         return itertools.product(*([*range(count)] + [None] * may_rest if robot in robots else [None]
                                    for robot, count in enumerate(self.counts)))
 
     def left(self, choice, attacks):
-        """Returns the least value after an attack on up to that number of robots."""
+        """Returns the smallest value of `choice` after an attack on at most `attacks` robots."""
         return min(self.value(tuple(None if robot in attacked else row for robot, row in enumerate(choice)))
                    for count in range(attacks + 1)
                    for attacked in itertools.combinations(range(len(choice)), count))
 
     def gains(self, choice, robot):
-        """Returns the value of `choice` with each of the robot's candidates in place of its own."""
+        """Returns, for each candidate of `robot`, the value of `choice` if the robot takes this candidate."""
         return [self.value(choice[:robot] + (row,) + choice[robot + 1:]) for row in range(self.counts[robot])]
 
 

@@ -1,7 +1,8 @@
 #!/bin/bash
-# air.sh [OUT [ROBOTS…]]: measures the tracking error of teams in config/field.yaml against the network budget,
-# with a loss of 20 % of the frames, and of the same teams without budget: with an unlimited network and with
-# links of the same rate. Writes OUT/air.csv and OUT/air.png. Defaults: build/air; 3 10 30.
+# air.sh [OUT [ROBOTS…]]: measures the tracking error of teams in config/field.yaml as a function of the network
+# budget, with a loss of 20 % of the frames. For comparison, the teams also fly without a budget: over links
+# with the same rate and loss, and over an unlimited network. Writes OUT/air.csv and OUT/air.png.
+# Defaults: build/air; 3 10 30.
 # BIN: the folder of the programs, build/release/bin unless set. SEEDS ("1 2 3"), SECONDS_FLOWN (60),
 # BUDGETS ("8 16 33 64", kbit/s per robot).
 set -euo pipefail

@@ -14,7 +14,7 @@ namespace vantage::test {
 void fuzz_mavlink(std::span<const std::uint8_t> input);
 std::vector<std::vector<std::uint8_t>> mavlink_samples();
 
-/// Reads `input` as one CRTP packet, as a Crazyflie and as its driver.
+/// Reads `input` as a link URI, and as one CRTP packet with the decoders of both ends.
 void fuzz_crtp(std::span<const std::uint8_t> input);
 std::vector<std::vector<std::uint8_t>> crtp_samples();
 
