@@ -58,8 +58,8 @@ class Reference:
         return numpy.array(out)
 
     def value(self, choice):
-        """Returns ½ Σ (log det reference − log det updated). The reference covariance is the prediction just before the
-        update (measure "mutual"), or otherwise the prediction without any measurement."""
+        """Returns ½ Σ (log det reference − log det updated). The reference covariance is predicted just before the
+        update (measure "mutual"), or otherwise without any measurement."""
         if choice not in self.known:
             looks = sum((self.looks[robot][row] for robot, row in enumerate(choice) if row is not None),
                         numpy.zeros((self.T, len(self.means[0]), 2, 2)))

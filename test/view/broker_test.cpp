@@ -35,7 +35,7 @@ TEST(Outbox, DropsOldDataButNoControlMessages) {
   EXPECT_EQ(outbox.bytes(), 0U);
 }
 
-TEST(Outbox, KeepsOnlyTheNewestOfAState) {
+TEST(Outbox, KeepsOnlyTheNewestFrameOfAState) {
   Outbox outbox(100);
   for (int i = 0; i < 1000; ++i) {
     outbox.push(state(1, "old"));
@@ -82,7 +82,7 @@ TEST(Broker, SendsTopicsAndStatesToNewViewer) {
   EXPECT_FALSE(client->wait_pop());
 }
 
-TEST(Broker, RequestsFlowOnlyWithSubscribers) {
+TEST(Broker, WantsFlowRecordsOnlyWithSubscribers) {
   Broker broker({"test", "s", std::nullopt});
   EXPECT_FALSE(broker.wants("/flow", Schema::kTeam, false));
   EXPECT_TRUE(broker.wants("/state", Schema::kTeam, true));

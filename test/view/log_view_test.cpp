@@ -109,7 +109,7 @@ class SampleLog : public ::testing::Test {
   std::optional<logs::SeekableLog> log_;
 };
 
-TEST_F(SampleLog, ShowsSameInstantAfterAnySeekPath) {
+TEST_F(SampleLog, ShowsSameSceneAfterDirectAndIndirectSeek) {
   const logs::SeekableLog& log = log_of_sample();
   const Time instant = log.range().first + std::chrono::seconds(40);
   const auto newest = [&](bool goes_back_first) {
@@ -198,7 +198,7 @@ struct PlayingViewer {
   std::shared_ptr<Client> client;
 };
 
-TEST_F(SampleLog, StepsWithoutJumpAndRepeatsRequestedInstant) {
+TEST_F(SampleLog, StepsShortSeeksForwardAndJumpsOtherwise) {
   PlayingViewer viewer(log_of_sample());
   pop_text(*viewer.client);
   subscribe(viewer.broker, *viewer.client, pop_text(*viewer.client), "/transforms");
@@ -224,7 +224,7 @@ TEST_F(SampleLog, StepsWithoutJumpAndRepeatsRequestedInstant) {
 }
 
 // The rate is twenty poses per second anywhere in the log. Data that a seek reads is not included.
-TEST_F(SampleLog, RateUsesCountsAndTimeOfOneMessage) {
+TEST_F(SampleLog, PoseRateIsTheSameAnywhereInTheLog) {
   PlayingViewer viewer(log_of_sample());
   const auto go = [&](Time to) {
     viewer.go_to(to);
@@ -250,7 +250,7 @@ TEST_F(SampleLog, RateUsesCountsAndTimeOfOneMessage) {
   }
 }
 
-TEST_F(SampleLog, ContainsTheWholeLogsNumbersInOrder) {
+TEST_F(SampleLog, HistoryContainsTheWholeLogInOrder) {
   const logs::SeekableLog& log = log_of_sample();
   Broker broker({"test", "s", log.range()});
   const json history = json::parse(log_history(log, {}, broker));

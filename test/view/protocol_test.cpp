@@ -62,7 +62,7 @@ TEST(AdvertiseText, IsUtf8ForAnyChannelName) {
   EXPECT_EQ(nlohmann::json::parse(advertised)["channels"][0]["topic"], "/K\xef\xbf\xbdRPER");
 }
 
-TEST(MessageHead, IsOpcodeSubscriptionAndNanosecondsLittleEndian) {
+TEST(MessageHead, HasOpcodeSubscriptionAndNanoseconds) {
   const std::string head = message_head(0x01020304, from_utime(1));
   EXPECT_EQ(head, std::string("\x01\x04\x03\x02\x01\xE8\x03\0\0\0\0\0\0", 13));
 }

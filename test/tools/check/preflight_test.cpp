@@ -44,7 +44,7 @@ TEST(CheckPreflight, ReportsWhetherDetectionsHaveIds) {
                           "5 targets, detected without ids; communication"));
 }
 
-TEST(CheckPreflight, RefusesAStartInsideItsMarginOfAWall) {
+TEST(CheckPreflight, RefusesAStartTooCloseToAWall) {
   scenario::Scenario scenario = lab();
   scenario.robots[0].start.x_m = scenario.world.bounds.min_m.x() + 0.3;  // m; less than 0.25 + 0.1
   EXPECT_NE(only_fault(scenario).find("robot Q1"), std::string::npos);
@@ -52,7 +52,7 @@ TEST(CheckPreflight, RefusesAStartInsideItsMarginOfAWall) {
   EXPECT_TRUE(check_preflight(scenario).is_ready());
 }
 
-TEST(CheckPreflight, MeasuresTheSeparationOfStartsInSpace) {
+TEST(CheckPreflight, IncludesHeightInTheSeparationOfStarts) {
   scenario::Scenario scenario = lab();
   scenario.robots[1].start = scenario.robots[0].start;
   scenario.robots[1].height_m = scenario.robots[0].height_m + 0.5;  // less than the 0.6 m required
@@ -106,7 +106,7 @@ TEST(CheckPreflight, RefusesANonMulticastAddressWithItsLine) {
   EXPECT_TRUE(check_preflight(scenario).is_ready());
 }
 
-TEST(RoomForPlanners, IsThatOfTheHostWithMostPlanners) {
+TEST(PlannerMemory, IsCheckedForTheHostWithMostPlanners) {
   scenario::Scenario scenario = lab();
   EXPECT_TRUE(check_planner_memory(scenario, 400'000'000).is_enough);
   const MemoryCheck little = check_planner_memory(scenario, 300'000'000);
@@ -173,7 +173,7 @@ TEST(CheckPreflight, NotesTheStoppingDistanceOfAFailedDriver) {
   EXPECT_TRUE(check_preflight(scenario).notes.empty()) << "simulated vehicles have no driver";
 }
 
-TEST(CheckPreflight, NotesPlansThatArriveAfterTheirFirstTurn) {
+TEST(CheckPreflight, NotesPlansPublishedAfterVehiclesStartToTurn) {
   scenario::Scenario scenario = lab_hil();
   scenario.planner.separation_m = 0.9;
   scenario.planner.separation_from_above = true;

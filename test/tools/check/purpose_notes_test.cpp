@@ -35,7 +35,7 @@ const Row kRows[] = {
     {"SeesOnlyItself",
      {{"range_max_m: 1 ", "range_max_m: 0.11 "}},
      "sensor.range_max_m 0.11: not more than the robot's radius_m 0.25"},
-    {"TargetsInSpaceBelowTheRange",
+    {"FliesHigherThanItsSensorRange",
      {{"kind: damped_oscillator", "kind: random_walk"}, {"position_dim: 2", "position_dim: 3"}},
      "robot Q2: sensor.range_max_m 1: not more than height_m 1.5"},
     {"ThinRing", {{"range_min_m: 0.1", "range_min_m: 0.95"}}, "seen in a thin ring only"},
@@ -66,7 +66,7 @@ const Row kRows[] = {
      {{"speed_max_mps: 1.4", "speed_max_mps: 14"}},
      "target_truth.speed_max_mps 14: targets are more than twice as fast as the fastest robot, 1 "
      "m/s"},
-    {"TargetsPauseForTheTrial",
+    {"TargetsPauseForTheWholeTrial",
      {{"pause_max_s: 2 ", "pause_max_s: 3000 "}},
      "most pauses are longer than the trial"},
     {"UnusedNoise", {{"q: 0.3", "q: 3000"}}, "q 3000: kind damped_oscillator does not use it"},
@@ -161,7 +161,7 @@ TEST(PurposeNotes, StateThatThereIsNothingToTrack) {
   EXPECT_EQ(notes[0].find("targets: the scenario has none"), 0U);
 }
 
-TEST(DiscoveryObstacle, NeedsOneSensorThatDeterminesAPositionInSpace) {
+TEST(DiscoveryObstacle, IsAbsentIfASensorDeterminesThePosition) {
   scenario::Scenario lab = scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab.yaml");
   EXPECT_FALSE(discovery_obstacle(lab));
   for (scenario::RobotSpec& robot : lab.robots) {

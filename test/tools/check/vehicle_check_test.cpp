@@ -133,7 +133,7 @@ TEST_P(CheckVehicles, WritesNothingToAnArmedVehicle) {
   EXPECT_EQ(bench.vehicle.parameter(loss_name()), 3.0);
 }
 
-TEST_P(CheckVehicles, ReportsThatNoVehicleIsReceived) {
+TEST_P(CheckVehicles, ReportsThatNoMessageArrives) {
   bench.is_wire_cut = true;
   ASSERT_TRUE(bench.run(20.0));
   EXPECT_FALSE(bench.check.is_ready(bench.now));

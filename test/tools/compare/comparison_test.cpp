@@ -57,7 +57,7 @@ TEST(Comparison, LeavesOutTrialsWithoutAValue) {
   EXPECT_NE(comparison_figure({base}, "title").find("</svg>"), std::string::npos);
 }
 
-TEST(Comparison, ShowsMoreGroupsThanFitSideBySideInBlocks) {
+TEST(Comparison, ShowsManyGroupsInSeveralBlocks) {
   std::vector<TrialGroup> groups;
   for (int g = 0; g < 14; ++g) {
     groups.push_back(group("planner" + std::to_string(g), {{1, g + 0.25}, {2, g + 0.25}}));

@@ -156,7 +156,7 @@ std::vector<std::string> keys_of(std::string typed) {
 using Keys = std::vector<std::string>;
 
 // Each sequence ends in a letter or digit that would, as a single key, arm, follow, quit or select.
-TEST(Keys, AnEscapeSequenceIsOneKeyWithoutAnOrder) {
+TEST(KeyBytes, TreatsAnEscapeSequenceAsOneKey) {
   for (const char* key :
        {"\x1b[A",   "\x1b[B",    "\x1b[F",    "\x1b[H",  "\x1bOA",    "\x1bOF",  "\x1bOH",
         "\x1bOP",   "\x1bOQ",    "\x1b[[A",   "\x1b[[E", "\x1b[3~",   "\x1b[5~", "\x1b[15~",
@@ -171,7 +171,7 @@ TEST(Keys, AnEscapeSequenceIsOneKeyWithoutAnOrder) {
   }
 }
 
-TEST(Keys, AnEmergencyStopAfterAPartialSequenceIsKept) {
+TEST(KeyBytes, KeepsAnEmergencyStopAfterAPartialSequence) {
   EXPECT_EQ(keys_of("\x1b "), (Keys{"\x1b", " "})) << "after the key ESC";
   EXPECT_EQ(keys_of("\x1b[ "), (Keys{"\x1b[", " "}));
   EXPECT_EQ(keys_of("\x1bO "), (Keys{"\x1bO", " "}));
@@ -183,7 +183,7 @@ TEST(Keys, AnEmergencyStopAfterAPartialSequenceIsKept) {
 }
 
 // Checks every order in every state: only an order that the vehicle ignores has a reason.
-TEST(ReasonWithoutEffect, ExistsForEveryOrderThatAVehicleIgnores) {
+TEST(ReasonForNoEffect, IsGivenForEveryOrderThatAVehicleIgnores) {
   using models::FlightState;
   const std::string not_flying = "not in operation; arm and take off first";
   const std::string in_operation = "already in operation";

@@ -431,7 +431,7 @@ TEST(OrderSender, IgnoresRobotsOfAPlayedLog) {
 
 // A station with a wrong clock refuses the vehicles' messages, but can still make the vehicles
 // safer.
-TEST(OrderSender, StampsStopByClockOfRefusedVehicles) {
+TEST(OrderSender, StampsStopInTheClockOfRefusedStatuses) {
   const Duration off = std::chrono::hours(1);
   SecuredConsole console(kStart + off);
   bus::VirtualClock true_clock(kStart);

@@ -123,7 +123,7 @@ TEST_F(OrderQueueTest, SaferOrderCancelsPendingOrders) {
   EXPECT_EQ(received, (Words{"hold", "hold Q1", "land", "land Q1", "estop", "estop Q1"}));
 }
 
-TEST_F(OrderQueueTest, PendingBroadcastDoesNotUndoSaferOrderOfOneVehicle) {
+TEST_F(OrderQueueTest, PendingOrderToAllDoesNotUndoSaferOrderToOne) {
   add(OperatorAction::kFollow);
   add(OperatorAction::kLand, "Q1");
   add(OperatorAction::kFollow, "Q2");
@@ -156,7 +156,7 @@ TEST_F(OrderQueueTest, SendsOneOrderPerTenthOfASecond) {
   }
 }
 
-TEST_F(OrderQueueTest, SendsOrderToRobotNotYetReceived) {
+TEST_F(OrderQueueTest, SendsOrderToRobotThatPublishesLater) {
   add(OperatorAction::kEmergencyStop, "Q1");
   add(OperatorAction::kHold, "Q2");
   add(OperatorAction::kArm, "Q2");
@@ -183,7 +183,7 @@ TEST_F(OrderQueueTest, RefusesUnknownRobotButStopsAllOnEmergencyStop) {
   EXPECT_EQ(received, Words{"estop"}) << "immediately";
 }
 
-TEST_F(OrderQueueTest, SendsOrderWithoutKnownVehicles) {
+TEST_F(OrderQueueTest, SendsOrderBeforeAnyVehicleIsKnown) {
   add(OperatorAction::kLand);
   pass(1.0, {});
   add(OperatorAction::kArm, "Q1");

@@ -64,7 +64,7 @@ TEST(Station, IgnoresOutdatedHeartbeat) {
   EXPECT_EQ(station.role(), Role::kInCharge);
 }
 
-TEST(Station, MayAlwaysStop) {
+TEST(Station, MayAlwaysSendAnEmergencyStop) {
   for (const bool allowed : {false, true}) {
     Station station(5, allowed, kStart);
     EXPECT_TRUE(station.may_send(OperatorAction::kEmergencyStop));
@@ -75,7 +75,7 @@ TEST(Station, MayAlwaysStop) {
   }
 }
 
-TEST(Station, WaitsAndTakesOverAfterSilence) {
+TEST(Station, SecondStationTakesOverAfterSilence) {
   Station station(5, true, kStart);
   pass(station, 0.0, 10.0, 9);
   EXPECT_EQ(station.role(), Role::kSecond);

@@ -76,7 +76,7 @@ TEST(DescribeVicon, ExplainsMissingPoses) {
   EXPECT_TRUE(has_line(describe("h", ports), "no motion capture found"));
 }
 
-TEST(DescribeVicon, ReportsATrackersOwnRate) {
+TEST(DescribeVicon, ReportsTheRateOfEachVrpnTracker) {
   std::vector<ViconPort> ports{stream_of(MocapProtocol::kVrpn, ServerType::kVrpn, 3883)};
   ports[0].observed->bodies["QUAD"].rate_hz = 50.0;
   EXPECT_TRUE(has_line(describe("h", ports), "QUAD: 50.0 Hz, seen in 50 % of the frames"));

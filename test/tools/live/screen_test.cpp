@@ -102,14 +102,14 @@ TEST(PrintLine, WritesNoEscapeSequence) {
   }
 }
 
-TEST(Fit, LeavesSpaceForTheCursorAndReportsOmissions) {
+TEST(FitToScreen, LeavesSpaceForTheCursorAndReportsOmissions) {
   const Lines five{"1", "2", "3", "4", "5"};
   EXPECT_EQ(fit(five, 6, 80), five);
   EXPECT_EQ(fit(five, 5, 80), (Lines{"1", "2", "3", "... 2 more lines"}));
   EXPECT_EQ(fit(five, 3, 80), (Lines{"1", "... 4 more lines"}));
 }
 
-TEST(Fit, DoesNotLimitWithoutTerminal) {
+TEST(FitToScreen, DoesNotLimitWithoutTerminal) {
   const Lines lines(100, std::string(500, 'x'));
   EXPECT_EQ(fit(lines, 0, 0), lines);
 }

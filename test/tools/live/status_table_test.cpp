@@ -37,7 +37,7 @@ models::RobotBelief belief(std::int64_t step, std::vector<int> ids) {
   return out;
 }
 
-TEST(StatusTable, DistinguishesKnownFromEverFound) {
+TEST(StatusTable, DistinguishesEstimatedFoundAndUnknownTargets) {
   logs::TrialMetrics metrics(lab(), from_utime(1'000'000));
   metrics.on_belief(belief(0, {0}));
   metrics.on_belief(belief(1, {0}));

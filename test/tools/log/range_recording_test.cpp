@@ -35,7 +35,7 @@ Rows ranges_of(const std::string& beacon, int count) {
   return out;
 }
 
-TEST(PlaceRanges, InterpolatesPosesAndCountsTheRest) {
+TEST(PlaceRanges, InterpolatesPosesAndCountsOmittedRanges) {
   Rows rows = ranges_of("A", 12);
   rows.push_back({"A", {-0.5, 5.0}});  // before the first pose
   rows.push_back({"A", {10.5, 5.0}});  // after the last pose
@@ -119,7 +119,7 @@ TEST(ReportOf, ExplainsDroppedRangesWhenNoneRemain) {
   }
 }
 
-TEST(ReadSurvey, RefusesABeaconTwice) {
+TEST(ReadSurvey, RefusesADuplicateBeacon) {
   const test::TemporaryFolder folder;
   write_file(folder.file("s.csv"), "beacon_id,x_m,y_m\n1,0,0\n1,2,3\n");
   EXPECT_THROW(read_survey(folder.file("s.csv")), StartupError);

@@ -127,7 +127,7 @@ TEST(TeamRecording, ScenarioOfImportedLogIsValid) {
   EXPECT_TRUE(scenario.world.bounds.contains({0.5, -4.25}));
 }
 
-TEST(TeamRecording, UsesFittedParametersAndOwnLandmarks) {
+TEST(TeamRecording, ReplacesParametersButKeepsLandmarks) {
   const SmallSet set;
   TeamRecording team = read_team(set.folder.path());
   std::string yaml = team.yaml;

@@ -65,7 +65,7 @@ void expect_same(const Value& value, const json& oracle) {
   }
 }
 
-TEST(ParseJson, AgreesWithTheLibrarysParser) {
+TEST(ParseJson, AgreesWithTheParserOfTheJsonLibrary) {
   int files = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(VANTAGE_SOURCE_DIR "/test/tools/problems")) {

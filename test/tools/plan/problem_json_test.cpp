@@ -84,7 +84,7 @@ TEST(ParseProblem, ReadsTheFieldOfViewAsFullAngle) {
 }
 
 // The only target is 70° off the heading: outside a field of view of 94°, inside one of 188°.
-TEST(ParseProblem, CostUsesTheFullAngle) {
+TEST(ParseProblem, CostUsesTheFieldOfViewAsFullAngle) {
   json document = file("tracking.json");
   document["map"].erase("obstacles");
   document["robot"] = {{"x", 0.0}, {"y", 0.0}, {"yaw", 0.0}};
@@ -102,7 +102,7 @@ TEST(ParseProblem, CostUsesTheFullAngle) {
   EXPECT_LT(cost_at(188.0), unseen - 1.0);
 }
 
-TEST(ParseProblem, HasAFullViewOnlyForAFieldOfViewOfAFullTurn) {
+TEST(ParseProblem, SensorSeesBehindOnlyWith360DegreesFieldOfView) {
   json document = file("tracking.json");
   const auto sees_behind = [&] {
     return models::in_view(parse(document).problem.sensors[0], {{0, 0, 0}, 0.0},

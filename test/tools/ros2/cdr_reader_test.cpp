@@ -11,7 +11,7 @@
 namespace vantage::tools::ros2 {
 namespace {
 
-TEST(CdrReader, ReadsWhatTheBuilderWrote) {
+TEST(CdrReader, ReadsMessagesWrittenByTheBuilder) {
   logs::Cdr out;
   out.number(std::uint8_t{1}).number(-2.5).text("ab").number(std::uint16_t{3}).text("").count(2);
   out.number(std::int32_t{-4}).number(std::int32_t{5});

@@ -72,7 +72,7 @@ TEST_F(PoseSourceTest, UsesOnlyTransformsFromTheWorldFrame) {
 }
 
 // The check that detects jumps of mocap poses also detects jumps of poses from ROS 2.
-TEST_F(PoseSourceTest, OccludesABodyThatJumps) {
+TEST_F(PoseSourceTest, MarksABodyThatJumpsAsOccluded) {
   for (int i = 0; i < 20; ++i, now_ += Duration{10'000}) {
     send("Q1", i == 15 ? 3.0 : 0.001 * i, Duration{0});
   }

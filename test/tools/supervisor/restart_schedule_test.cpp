@@ -63,7 +63,7 @@ TEST(RestartSchedule, AbandonsAProcessThatFailsImmediately) {
   EXPECT_EQ(now_ns, seconds(0.2 + 0.4 + 0.8 + 1.6 + 3.2)) << "time until the process is abandoned";
 }
 
-TEST(RestartSchedule, KeepsRestartingRareFailures) {
+TEST(RestartSchedule, KeepsRestartingAProcessThatFailsRarely) {
   RestartSchedule schedule;  // allows 5 restarts in 60 s
   schedule.on_start(0);
   std::int64_t now_ns = 0;

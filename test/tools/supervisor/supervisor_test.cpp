@@ -151,7 +151,7 @@ TEST(Supervisor, ReportsLastLineOfOutputFile) {
           spec.folder + "/output.txt)");
 }
 
-TEST(Supervisor, AbandonsAProcessAfterTheStatedRestarts) {
+TEST(Supervisor, AbandonsAProcessAfterTheMaximumRestarts) {
   Supervisor supervisor(RestartPolicy{.restarts_max = 2});
   supervisor.start({"brief", {"false"}, true}, 0);
   std::int64_t now_ns = 0;
@@ -290,7 +290,7 @@ TEST(Supervisor, KillsAProcessWithoutHeartbeats) {
   EXPECT_EQ(watched.status().last_end, "signal 9");
 }
 
-TEST(Supervisor, FindsAStoppedProcess) {
+TEST(Supervisor, DetectsAProcessStoppedBySignal) {
   Watched watched;
   watched.supervisor.start(ours("planner Q1", "while True:\n  sign(b'g')\n  time.sleep(0.005)"),
                            watched.now_ns);

@@ -109,7 +109,7 @@ TEST(Watchdog, DoesNotCountPausesOfTheSupervisorAsSilence) {
 }
 
 // The heartbeat is handled at the end of the pause, before the check that detects the pause.
-TEST(Watchdog, ClampsHeartbeatsToNow) {
+TEST(Watchdog, TreatsHeartbeatsFromTheFutureAsPresent) {
   Watchdog dog;
   dog.watch("a", 1.0);
   EXPECT_EQ(dog.overdue(at(0.0)), Names{});
@@ -118,7 +118,7 @@ TEST(Watchdog, ClampsHeartbeatsToNow) {
   EXPECT_EQ(dog.overdue(at(6.01)), Names{"a"});
 }
 
-TEST(Watchdog, CountsTimeOnlyWhileChecked) {
+TEST(Watchdog, CountsNoTimeBetweenDistantChecks) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.on_sign("a", at(0.0));

@@ -125,7 +125,7 @@ TEST(HostBoard, ShowsEveryProcessAndMissingHosts) {
   EXPECT_EQ(board.line(at_s(2.0)), "AIR silent for 2 s, LAB 1/2");
 }
 
-TEST(HostBoard, IsSilentForOneHealthyHost) {
+TEST(HostBoard, LineIsEmptyForOneHealthyHost) {
   HostBoard board({}, kOnlyHost, 1, at_s(0.0));
   EXPECT_EQ(board.line(at_s(0.0)), "");
   board.on_report(report_of(kOnlyHost, 1), at_s(1.0));

@@ -24,7 +24,7 @@ TEST(ProcessorTimes, RefuseInvalidText) {
   }
 }
 
-TEST(FreeProcessors, IsTheFreeShareOfAll) {
+TEST(FreeProcessors, EqualsFreeTimeOverElapsedTime) {
   const ProcessorTimes before{100, 1'000};
   EXPECT_NEAR(free_processors(before, {150, 1'200}, 8).value_or(-1.0), 2.0, 1e-12);
   EXPECT_NEAR(free_processors(before, {100, 1'200}, 8).value_or(-1.0), 0.0, 1e-12);

@@ -16,7 +16,7 @@ TEST(Landing, EndsWhenAllVehiclesAreDown) {
   EXPECT_EQ(landing.step(true, false, kStart + seconds(20)), Step::kOver);
 }
 
-TEST(Landing, SpeedsUpOnFirstRequestOnly) {
+TEST(Landing, HurriesOnceWhenTheUserRepeatsTheRequest) {
   Landing landing(kStart);
   EXPECT_EQ(landing.step(false, true, kStart + seconds(1)), Step::kRequestAgain);
   EXPECT_EQ(landing.step(false, true, kStart + seconds(2)), Step::kWait);

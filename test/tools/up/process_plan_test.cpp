@@ -99,7 +99,7 @@ TEST(ProcessPlan, StartsNoSimulatorWhenEveryDeviceIsReal) {
                            [](const ProcessSpec& process) { return process.name == "sim"; }));
 }
 
-TEST(ProcessPlan, RunsContactsNextToMocapForRealRobots) {
+TEST(ProcessPlan, RunsContactJudgeOnMocapHostForRealRobots) {
   scenario::Scenario scenario = two_robots();
   scenario.mocap.device = scenario::DeviceSource::kReal;
   const auto judges_at = [&scenario](const std::string& host) {
@@ -262,7 +262,7 @@ TEST(ProcessPlan, TreatsSimulatorAndMocapDriverAsEssential) {
   }
 }
 
-TEST(ProcessPlan, StartsARoversOwnDriver) {
+TEST(ProcessPlan, StartsTheRoverDriverForARover) {
   scenario::Scenario scenario = on_the_wire();
   scenario.mocap.device = scenario::DeviceSource::kReal;
   scenario.robots[0].device = scenario::DeviceSource::kReal;

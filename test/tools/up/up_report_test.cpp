@@ -57,7 +57,7 @@ TEST(UpReport, ReportsForgedContactsWithoutCountingThem) {
   EXPECT_EQ(to_json(result)["contacts_unverified"], 30'002);
 }
 
-TEST(UpReport, IsNotGoodWhenTheFlightProgramFailed) {
+TEST(UpReport, IsNotGoodAfterAnInternalError) {
   UpResult result;
   result.broken = "out of memory";
   EXPECT_FALSE(is_good(result));
@@ -88,7 +88,7 @@ TEST(UpReport, IsNotGoodWithAnAbandonedProcess) {
   EXPECT_EQ(to_json(result)["given_up"][0], "sensor Q1");
 }
 
-TEST(UpReport, IsNotGoodWithASecondSimulatorOrLog) {
+TEST(UpReport, IsNotGoodAfterRestartOrIncompleteLog) {
   UpResult result;
   result.world_restarts = 1;
   EXPECT_FALSE(is_good(result));
