@@ -23,9 +23,9 @@
 // late it returns in wall time. If wall time and CPU time of a plan agree, the thread was not
 // preempted, and its lateness is its work after the deadline. Preempted plans are counted
 // separately, since their work after the deadline is unknown. With --timer, a signal reads the
-// thread's CPU clock at the deadline: every plan is measured, but the signal costs and hides about
-// 50 µs. At the end, a thread that only reads the clock measures the lateness that the machine
-// causes.
+// thread's CPU clock at the deadline, so that every plan is measured. The signal takes about 50 µs
+// and hides lateness of this size. At the end, a thread that only reads the clock measures the
+// lateness that the machine causes.
 
 namespace vantage::bench {
 namespace {

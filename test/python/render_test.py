@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The pictures of the environments: PNG decoder, modes, and content."""
+"""Tests the pictures of the environments: PNG decoder, modes, and content."""
 import pathlib
 import shutil
 import struct

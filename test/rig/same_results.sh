@@ -1,6 +1,6 @@
 #!/bin/bash
-# same_results.sh [--quick] [OTHER [BIN]]: two builds decide alike to the last bit. OTHER and BIN are
-# the folders of their programs: build/arm64/bin and build/release/bin by default. Programs for arm64
+# same_results.sh [--quick] [OTHER [BIN]]: checks that two builds decide alike to the last bit. OTHER and
+# BIN are the folders of their programs: build/arm64/bin and build/release/bin by default. Programs for arm64
 # run under qemu's user mode (tools/setup --arm64).
 #   1. Each build flies the same trial in virtual time: the logs have the same bytes.
 #   2. Each build repeats every plan and belief of the other's log, and of the sample log.

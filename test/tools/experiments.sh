@@ -37,7 +37,7 @@ done
 [[ $(find "$work/shards/rows" -type f | wc -l) == 3 ]] || fail "collecting ran units"
 same "$work/dls-objective" "$work/shards"
 
-# Kills the run as soon as one row exists. The same command must continue it, to the same bytes.
+# Kills the run as soon as one row exists. The same command must continue the run and give the same bytes.
 "$vantage" experiment dls-objective --smoke --out "$work/killed" > "$work/out" &
 pid=$!
 until [[ $(cat "$work"/killed/rows/*.jsonl 2> /dev/null | wc -l) -ge 2 ]]; do

@@ -6,7 +6,7 @@ extent=(--smoke)
 
 run 0 whole
 
-# With waiting: each shard runs once, and the bytes are the same.
+# With waiting: each shard runs once, and the output has the same bytes as one complete run.
 run 0 waited --slurm --shards 3
 says "^submitted: job [0-9]* for shards 1-3 of 3, "
 [[ $(row_files waited) == 3 ]] || fail "$(row_files waited) processes wrote rows"

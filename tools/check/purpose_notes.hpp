@@ -9,7 +9,8 @@
 namespace vantage::tools {
 
 /// Returns the reason why no target can be found although the scenario has targets; nullopt if a
-/// target can be found. A target is found by a sensor whose measurement determines a position.
+/// target can be found. In a plane, any sensor can find a target. In space, a robot needs a sensor
+/// whose measurement determines a position.
 std::optional<std::string> discovery_obstacle(const scenario::Scenario& scenario);
 
 /// Returns notes about valid settings with which a trial cannot fulfil its purpose: settings that

@@ -168,7 +168,7 @@ int run(ExperimentArguments arguments) {
       experiments::run_sweep(sweep, identity, experiment->what, arguments.options));
 }
 
-// Adds --slurm and its options. `others` cannot be combined with --slurm.
+// Adds --slurm and its options. --slurm cannot be combined with the options `others`.
 void add_slurm_options(CLI::App& command, ExperimentArguments& arguments,
                        std::initializer_list<CLI::Option*> others) {
   CLI::Option* slurm = command.add_flag(

@@ -113,7 +113,7 @@ int record(logs::SeekableLog& log, const logs::TypeLibrary& types, const ViewArg
   return is_whole ? 0 : 1;
 }
 
-/// Returns the error that ended the work behind a view; empty while it goes on.
+/// Function that returns the error that ended the work behind a view; empty while the work goes on.
 using Failure = std::function<std::string()>;
 
 /// Serves a live view until a stop is requested. `announce` is called once with the server.

@@ -8,16 +8,16 @@
 
 namespace vantage::tools {
 
-/// Right of one page to command, held by a token. The page must report its presence; after
-/// kPresence without a report the claim ends, so that the heartbeat ends as if a console had ended.
+/// Right of one operator page to command the vehicles. The page is identified by a token. It must
+/// report its presence: after kPresence without a report the claim ends, and with it the heartbeat.
 class OperatorClaim {
  public:
-  /// Reports come four times per second. The vehicles hold 1 s after the heartbeat ends.
+  /// Reports come four times per second. 1 s after the heartbeat has ended, the vehicles hold.
   static constexpr Duration kPresence = std::chrono::milliseconds(1'200);
 
   /// Gives the claim to `token`. Returns false if another page holds it.
   bool claim(std::string token, Time now);
-  /// Notes the presence of a page. Returns false if it does not hold the claim.
+  /// Notes the presence of a page. Returns false if the page does not hold the claim.
   bool touch(std::string_view token, Time now);
   /// Ends the claim of a page that leaves.
   void release(std::string_view token);

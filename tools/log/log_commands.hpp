@@ -27,8 +27,8 @@ void add_log_fit_sensor_command(CLI::App& log, Runner& run);
 void add_log_play_command(CLI::App& log, Runner& run);
 void add_log_record_command(CLI::App& log, Runner& run);
 
-/// Bytes; largest message of `record` and `play` unless the URL sets another limit: twice LCM's
-/// buffer for incomplete messages. The other processes accept 4 MiB.
+/// Bytes; maximum message size of `record` and `play` unless the URL sets another one. It is twice
+/// the size of LCM's buffer for incomplete messages. All other processes accept 4 MiB.
 inline constexpr int kLogMessageBytesMax = 32 << 20;
 /// Returns `url`, or the default URL if `url` is empty, with max_message_size=kLogMessageBytesMax.
 std::string url_for_log(const std::string& url);

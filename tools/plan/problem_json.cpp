@@ -28,9 +28,9 @@ constexpr double kFar_m = 1e6;
 constexpr double kFastest_mps = 1e3;
 constexpr double kLongest_s = 3600.0;
 constexpr double kLeastSigma = 1e-6;
-// m; closer targets are not observed. The information of a bearing, and that of a range rate about
-// the position, grow without limit towards zero distance. This minimum keeps the information
-// finite, and therefore also the lower bound.
+// m; closer targets are not observed. Towards zero distance, the information of a bearing or a
+// range rate about the position grows without limit. This minimum distance keeps the information
+// and therefore the lower bound finite.
 constexpr double kLeastRange_m = 1e-3;
 // The distance field only accelerates exact tests; 10⁶ cells are enough.
 constexpr double kFieldCellsMax = 1e6;

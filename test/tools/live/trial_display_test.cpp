@@ -28,8 +28,8 @@ TEST(TrialDisplay, PrintsALineEveryFiveSeconds) {
   EXPECT_TRUE(display.is_due(from_utime(6'000'000)));
 }
 
-// An exception here would end `vantage up` and every driver in flight. The terminal may have been
-// closed.
+// The terminal may have been closed. An exception would then end `vantage up` and every driver in
+// flight.
 TEST(TrialDisplay, SurvivesClosedTerminal) {
   const int kept = dup(STDERR_FILENO);
   const int full = open("/dev/full", O_WRONLY);

@@ -52,8 +52,8 @@ async function discoveries(page) {
     .map(([, utime, { message }]) => [message.split(" ")[0], [utime * 1e-6 - start, message.split(" ").at(-1)]]));
 }
 
-/** Checks the strip and the table of the result, at an instant to which the log has jumped, and the present in the list of
-    events. */
+/** After a jump in the log, checks the strip and the table of the result, and the line that marks the present in the
+    list of events. */
 async function check_result(page) {
   const fact = (key) => page.locator(`[data-fact="${key}"]`).innerText();
   await page.evaluate(() => vantage.seek_and_wait(40));
