@@ -111,7 +111,7 @@ struct Lateness {
   std::size_t missing = 0;
   std::size_t early = 0;
   std::size_t preempted = 0;
-  Spread cpu;  ///< CPU time, of plans that were not preempted
+  Spread cpu;  ///< CPU time of plans that were not preempted
   Spread wall;
 };
 

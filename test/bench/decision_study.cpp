@@ -40,7 +40,7 @@ class RatioTable {
 
   void add(InformationMeasure measure, const std::string& method, std::uint64_t seed, double value,
            double best) {
-    constexpr double kNothing_nats = 1e-9;  // nats; a best value below it gives no ratio
+    constexpr double kNothing_nats = 1e-9;  // nats; no ratio is computed for smaller best values
     if (best < kNothing_nats) {
       return;
     }

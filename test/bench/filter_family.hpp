@@ -12,10 +12,10 @@ namespace vantage::bench {
 struct FilterCase {
   const char* name;
   int targets;
-  Eigen::Vector2d half_m;  ///< half side lengths of the room
-  double range_max_m;      ///< range of the sensor
-  bool is_oscillator;      ///< target model: damped oscillator, otherwise random walk
-  bool has_samples;        ///< targets that are not seen are kept as samples
+  Eigen::Vector2d half_m;  ///< m; half side lengths of the room
+  double range_max_m;      ///< m; range of the sensor
+  bool is_oscillator;      ///< target model; true: damped oscillator, false: random walk
+  bool has_samples;        ///< true: beliefs of unseen targets are stored as samples
 };
 
 /// Returns all cases: 5 targets in the lab's room and 100 in the field's.

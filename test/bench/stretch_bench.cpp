@@ -87,9 +87,9 @@ std::vector<std::int64_t> stretches_of(planner::Search& search,
 }
 
 struct Stretches {
-  std::vector<std::int64_t> set_up_ns;   ///< until the first check
-  std::vector<std::int64_t> between_ns;  ///< between two checks
-  std::vector<std::int64_t> closing_ns;  ///< from the last check to the return
+  std::vector<std::int64_t> set_up_ns;   ///< ns; until the first check
+  std::vector<std::int64_t> between_ns;  ///< ns; between two checks
+  std::vector<std::int64_t> closing_ns;  ///< ns; from the last check to the return
 };
 
 double us_at(std::vector<std::int64_t>& ns, double share) {

@@ -17,7 +17,7 @@ struct StudyRow {
   std::size_t problems = 0;
   std::size_t without_plan = 0;
   std::size_t within_a_hundredth = 0;  ///< number of problems with an excess ≤ 0.01
-  double mean_excess = 0.0;            ///< cost minus the best known, mean over runs with a plan
+  double mean_excess = 0.0;            ///< cost minus best known cost; mean over runs with a plan
   double p90_excess = 0.0;
   double max_excess = 0.0;
   double mean_cost = 0.0;

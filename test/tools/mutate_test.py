@@ -241,7 +241,7 @@ class Sweeping(unittest.TestCase):
         self.text, self.owners = sweep.text_of(self.SOURCE, self.bodies, list(enumerate(self.found)))
 
     def result(self, chosen):
-        """Returns the program's exit codes: f of 5, then g of the result, plus 10."""
+        """Runs f(n), then g(n) + 10, with n = 5 and each chosen mutation. Returns the exit codes."""
         with tempfile.TemporaryDirectory() as folder:
             source = pathlib.Path(folder) / "a.cpp"
             source.write_bytes(self.text + b"int main() { int n = 5; f(n); return g(n) + 10; }\n" +

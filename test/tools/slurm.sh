@@ -24,8 +24,8 @@ until_queue_is_empty
 [[ $(row_files alone) == 2 ]] || fail "$(row_files alone) processes wrote rows"
 same alone
 
-# While jobs are in the queue, the command submits none a second time. Ctrl-C ends only the waiting; the
-# jobs are named.
+# While jobs are in the queue, the command names them and submits none again. Ctrl-C ends only the
+# waiting.
 run 0 held --slurm --shards 3 --no-wait --sbatch=--hold
 array=$(array) collector=$(collector)
 run 0 held --slurm --no-wait

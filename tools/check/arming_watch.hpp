@@ -50,7 +50,7 @@ class ArmingWatch {
   std::map<std::string, int> frames_with_;  ///< number of frames in which the body is not occluded
   int frames_ = 0;
   int heartbeats_ = 0;
-  std::map<std::string, bool> processes_;  ///< by name; true once a message was received
+  std::map<std::string, bool> processes_;  ///< by process; true: a message was received
   std::map<std::string, std::map<std::string, Growth>>
       refusals_;  ///< refused messages, by process and counter
 };

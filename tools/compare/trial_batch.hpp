@@ -27,7 +27,7 @@ std::vector<std::uint64_t> parse_seeds(const std::string& text);
 
 /// Result of a batch.
 struct BatchResult {
-  std::vector<TrialGroup> groups;  ///< one per planner, with the complete trials only
+  std::vector<TrialGroup> groups;  ///< one group per planner; complete trials only
   std::vector<std::string> log_errors;
   std::int64_t collisions = 0;
   bool was_stopped = false;

@@ -47,7 +47,8 @@ class OrderSender {
  public:
   static constexpr double kHeartbeatPeriod_s = 0.2;
   static constexpr double kApartMaxS = 1.0;
-  static constexpr double kSilentAfterS = 1.0;  ///< s; a vehicle is silent this long after a status
+  /// s; a vehicle without a status for this time is silent
+  static constexpr double kSilentAfterS = 1.0;
   static constexpr double kLogReportS = 3.0;
   static constexpr std::size_t kVehiclesMax = 1024;
   /// s; vehicles with a status within this time are not evicted
@@ -103,7 +104,7 @@ class OrderSender {
     models::OperatorAction action = models::OperatorAction::kHold;
     std::string robot;
     Time given{};
-    std::optional<Duration> ahead;  ///< offset of the vehicles' clock; nullopt: none received
+    std::optional<Duration> ahead;  ///< offset of the vehicles' clock; nullopt: unknown
     int sent = 0;
     Time next{};
   };

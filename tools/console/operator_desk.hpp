@@ -84,7 +84,7 @@ class OperatorDesk {
   mutable std::mutex mutex_;  ///< guards all members below
   OperatorClaim claim_;
   std::vector<OrderQueue::Order> pending_;
-  std::string state_ = "{}";  ///< state without the members that depend on the page
+  std::string state_ = "{}";  ///< JSON of the state, without members that depend on the page
   std::string failure_;
   std::thread thread_;  ///< last member, because it uses the others
 };

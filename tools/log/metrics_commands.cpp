@@ -99,7 +99,7 @@ void print_hops(const logs::LogAnalysis& analysis) {
 /// Logs in groups. Within a group, all scenarios have equal values of the keys in `keys`.
 struct LogGroups {
   std::vector<std::string> keys;  ///< keys whose values differ between the logs, except the seed
-  std::vector<std::vector<std::string>> values;  ///< by group and key
+  std::vector<std::vector<std::string>> values;  ///< values of these keys, by group and key
   std::vector<TrialGroup> groups;
 };
 

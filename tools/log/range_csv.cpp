@@ -42,7 +42,7 @@ std::string small_letters(std::string_view text) {
 
 struct Unit {
   std::string_view word;
-  double factor;  ///< conversion to seconds or metres
+  double factor;  ///< factor that converts to seconds or metres
 };
 constexpr std::array kTimes = {Unit{"s", 1.0},   Unit{"sec", 1.0},  Unit{"seconds", 1.0},
                                Unit{"ms", 1e-3}, Unit{"us", 1e-6},  Unit{"µs", 1e-6},

@@ -17,7 +17,7 @@ struct PlanRequest {
   std::string algorithm =
       "default";  ///< name in planner::all_algorithms(), or "default": chosen for the problem
   double budget_s = 1.0;              ///< s; time limit of the search alone
-  std::optional<std::int64_t> nodes;  ///< node limit instead of time: reproducible result
+  std::optional<std::int64_t> nodes;  ///< replaces budget_s by a node limit: reproducible
   planner::AlgorithmOptions options;
   std::size_t memory_mb = 512;  ///< MiB; maximum memory of the search
 };

@@ -8,7 +8,7 @@ namespace vantage::tools {
 
 /// Rules for restarting a process that has ended.
 struct RestartPolicy {
-  double backoff_first_s = 0.2;  ///< s; doubled at each end of the process
+  double backoff_first_s = 0.2;  ///< s; first pause; doubled after each further end
   double backoff_max_s = 5.0;
   double settled_s = 10.0;  ///< s; a run at least this long resets the back-off
   /// maximum number of restarts within window_s; after one more end the process is given up
@@ -45,7 +45,7 @@ class RestartSchedule {
   int streak_ = 0;  ///< ends since the process last ran for settled_s
   Nanoseconds started_ns_ = 0;
   std::optional<Nanoseconds> ended_ns_;  ///< last end; nullopt while the process is running
-  Nanoseconds down_ns_ = 0;              ///< excludes the time since ended_ns_
+  Nanoseconds down_ns_ = 0;              ///< time not running, without the time since ended_ns_
   std::deque<Nanoseconds> recent_ns_;    ///< times of the restarts within the window
 };
 

@@ -26,7 +26,7 @@ struct ProcessSpec {
   /// Working folder, created if missing; the output of the process is appended to its `output.txt`.
   /// Empty: working folder and output of the supervisor.
   std::string folder = {};
-  std::map<std::string, std::string> files = {};  ///< content by name, written to `folder`
+  std::map<std::string, std::string> files = {};  ///< content by file name, written to `folder`
   int end_signal = SIGTERM;                       ///< signal that ends the process
   /// s; longest time without a sign of life (core/liveness) before the process is killed and
   /// restarted. 0: a foreign program, which gives no signs of life and is not watched.
@@ -39,7 +39,7 @@ struct SupervisedStatus {
   std::string name;
   models::SupervisedPhase phase = models::SupervisedPhase::kRunning;
   int restarts = 0;
-  double down_s = 0.0;        ///< s; time without the process since its first start
+  double down_s = 0.0;        ///< s; time since the first start in which it did not run
   std::string last_end = {};  ///< last end, such as "exit 1"; empty: it never ended
   pid_t pid = 0;              ///< 0 while the process is not running
   bool is_essential = false;

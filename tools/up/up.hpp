@@ -45,7 +45,7 @@ struct UpResult {
   double stop_s = 0.0;                   ///< s; from the last landing to the end of all processes
   std::vector<std::string> killed;       ///< processes that did not end in time
   std::vector<std::string> cut_short;    ///< processes killed because of a further request to end
-  std::vector<std::string> ended_badly;  ///< crashed or failed while ending: "sim (signal 6)"
+  std::vector<std::string> ended_badly;  ///< processes that failed while ending: "sim (signal 6)"
   std::vector<std::string> never_flown;  ///< with `fly`: vehicles that have never followed a plan
   std::vector<std::string> left_flying;  ///< vehicles that were in flight at the end
   std::int64_t contacts_unverified = 0;  ///< COLLISION messages refused because of their signature

@@ -8,7 +8,7 @@
 namespace vantage::tools {
 namespace {
 
-constexpr std::size_t kSubscriptionsMax = 10'000;  // maximum number per viewer
+constexpr std::size_t kSubscriptionsMax = 10'000;  // maximum number of subscriptions per viewer
 constexpr std::size_t kControlsMax = 1000;         // maximum number of waiting playback requests
 /// Subscription id of time frames in the Outbox; viewers must not use it.
 constexpr std::uint32_t kNoSubscription = 0xFFFFFFFFU;

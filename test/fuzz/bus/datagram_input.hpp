@@ -11,7 +11,7 @@ namespace vantage::test {
 
 /// One datagram of a fuzzed input.
 struct FuzzedDatagram {
-  std::uint8_t control = 0;         ///< sender and elapsed time
+  std::uint8_t control = 0;         ///< encodes sender and elapsed time
   std::vector<std::uint8_t> bytes;  ///< exactly sized, so that a read beyond the end is detected
 };
 

@@ -109,7 +109,7 @@ void fuzz_client(MocapProtocol protocol, Bytes input) {
     driver.on_time(client.now);
     promise(driver.outgoing().size() <= kOutgoingMax, "answers are bounded");
     if (protocol.transport() == scenario::MocapTransport::kUdpRequested) {
-      driver.outgoing().clear();  // discards the bytes, as if sent
+      driver.outgoing().clear();  // discards the bytes as if they had been sent
     }
   });
   client.pass(Duration{5'000});

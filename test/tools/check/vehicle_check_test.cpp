@@ -121,7 +121,7 @@ TEST_P(CheckVehicles, WritesNothingToAnArmedVehicle) {
     bench.step();
   }
   ASSERT_TRUE(bench.vehicle.controller().is_armed());
-  const Time soon = bench.now + from_seconds(1.5);  // until a heartbeat reports it as armed
+  const Time soon = bench.now + from_seconds(1.5);  // a heartbeat reports it as armed by then
   for (; bench.now < soon; bench.now += Duration{5'000}) {
     bench.step();
   }

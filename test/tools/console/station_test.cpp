@@ -31,7 +31,7 @@ void pass(Station& station, double from_s, double to_s, std::int64_t other) {
 
 TEST(Station, TakesChargeWithoutOtherHeartbeat) {
   Station station(5, false, kStart);
-  station.on_command(beat(5, kStart), kStart);  // its own heartbeat
+  station.on_command(beat(5, kStart), kStart);  // the station's own heartbeat
   pass(station, 0.0, 0.6, 0);
   EXPECT_EQ(station.role(), Role::kListening);
   EXPECT_FALSE(station.sends_heartbeat());

@@ -37,7 +37,7 @@ TEST(Watchdog, WaitsForTheFirstHeartbeatWithoutLimit) {
   Watchdog dog;
   dog.watch("a", 1.0);
   EXPECT_EQ(overdue_between(dog, 0.0, 100.0), Names{});
-  dog.on_start("a", at(100.0));  // it may be a process without heartbeats
+  dog.on_start("a", at(100.0));  // `a` may be a process that sends no heartbeats
   EXPECT_EQ(overdue_between(dog, 100.0, 200.0), Names{});
 }
 

@@ -17,7 +17,7 @@ function read(index) {
   const heard = { messages: 0, bytes: 0, channels: 0, warnings: [], is_open: false };
   client.on("open", () => (heard.is_open = true));
   client.on("close", () => (heard.is_open = false));
-  client.on("error", () => {}); // a frame of the newer subprotocol only
+  client.on("error", () => {}); // the client does not know one frame of the newer subprotocol
   client.on("status", (event) => heard.warnings.push(event.message));
   client.on("advertise", (channels) => {
     heard.channels += channels.length;

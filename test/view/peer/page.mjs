@@ -494,7 +494,7 @@ async function check_layouts(page) {
   await page.click('[data-chart="battery"] figcaption button');
   await page.locator('[data-chart="battery"]').waitFor({ state: "hidden" });
   await page.keyboard.press("1");
-  await page.keyboard.press("g"); // the map off
+  await page.keyboard.press("g"); // switches the map off
   await page.keyboard.press("n");
   await page.fill("#layouts input", "plan only");
   await page.keyboard.press("Enter");
@@ -546,8 +546,8 @@ async function check_layouts(page) {
 /** Checks that a page opened by a link shows the same as the page that made the link. */
 async function check_link(page) {
   await page.keyboard.press("3");
-  await page.keyboard.press("b"); // beliefs on
-  await page.keyboard.press("f"); // views off
+  await page.keyboard.press("b"); // switches beliefs on
+  await page.keyboard.press("f"); // switches views off
   await page.selectOption("#trail", "5");
   await seek(page, 41);
   const area = await page.locator("#space-area").boundingBox();

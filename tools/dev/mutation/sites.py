@@ -49,7 +49,7 @@ OTHER_EXTREME |= {big: small for small, big in OTHER_EXTREME.items()}
 NEIGHBOUR = {"x": "y", "y": "x", "z": "y", "front": "back", "back": "front"}
 RESETS = {"reset", "clear", "fill", "setZero", "erase", "pop_front", "pop_back"}
 SYMMETRIC = {"min", "max", "fmin", "fmax", "hypot", "swap"}
-# By unit suffix of a name: factor by which a value is wrong if it is in a similar unit.
+# For each unit suffix of a name: the factor between this unit and a similar unit that a bug may use.
 UNIT_FACTORS = {"s": "1e-3", "ms": "1e3", "us": "1e3", "ns": "1e3", "m": "1e3", "mm": "1e-3",
                 "rad": "57.29577951308232", "deg": "0.017453292519943295", "mps": "3.6",
                 "radps": "57.29577951308232", "share": "100", "hz": "1e-3"}

@@ -56,7 +56,7 @@ def changed_files(root, but):
 
 
 def changed_lines(root, revision):
-    """Returns {file: set of the numbers of present lines that differ from a revision}."""
+    """Returns {file: set of the numbers of the lines that differ from a revision}."""
     lines = {}
     name = None
     for line in git(root, "diff", "-U0", "--no-ext-diff", revision, "--", "*.cpp", "*.hpp").splitlines():

@@ -341,13 +341,13 @@ export class Targets {
   }
 }
 
-/** Strip of the trial's result in numbers. */
+/** Strip that shows the trial's result in numbers. */
 export class Results {
   constructor(box) {
     this.box = box;
     this.team = null;
-    this.targets = null; // counts of Targets
-    this.steps = []; // {time, team} of a log
+    this.targets = null; // numbers of targets, from Targets
+    this.steps = []; // {time, team} of each step of a log
     on_refresh(() => this.write());
   }
 
