@@ -139,7 +139,7 @@ TEST(Broker, SendsOnlyLastRecordAfterHold) {
   put(broker, "/flow", 3, false);
   broker.release();
   EXPECT_EQ(client->wait_pop()->head, message_head(1, from_utime(3)));
-  // A viewer that subscribes during a hold does not receive the skipped instants either.
+  // A viewer that subscribes between hold() and release() also receives only the last record.
   broker.hold();
   put(broker, "/flow", 4, false);
   const auto newcomer = broker.connect(true);

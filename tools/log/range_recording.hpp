@@ -20,7 +20,7 @@ struct RangeRecording {
   std::vector<estimator::TakenRange> ranges;
 
   // Numbers of rows left out, by reason. Each row counts once.
-  std::int64_t not_finite = 0;       ///< a number or the beacon is missing
+  std::int64_t not_finite = 0;       ///< rows without a number or a beacon
   std::int64_t doubled = 0;          ///< repetitions of the same time, beacon and range
   std::int64_t outside_poses = 0;    ///< ranges before the first pose or after the last
   std::int64_t in_gaps = 0;          ///< ranges between poses that are too far apart in time

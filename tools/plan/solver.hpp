@@ -34,7 +34,7 @@ struct PlanOutcome {
 };
 
 /// Solver of planning problems for `vantage plan` and Python. It reuses its memory for several
-/// problems. One thread at a time.
+/// problems. Not thread-safe.
 class Solver {
  public:
   /// @throws UsageError if a value of `request` is invalid.

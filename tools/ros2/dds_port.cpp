@@ -16,7 +16,7 @@
 namespace vantage::tools::ros2 {
 namespace {
 
-constexpr std::int32_t kDepth = 10;  // ROS 2's default
+constexpr std::int32_t kDepth = 10;  // history depth; ROS 2's default
 constexpr std::size_t kTakenMax = 32;
 
 [[noreturn]] void fail(const std::string& what, dds_return_t code) {

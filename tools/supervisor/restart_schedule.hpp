@@ -42,7 +42,7 @@ class RestartSchedule {
   RestartPolicy policy_;
   bool was_started_ = false;
   int restarts_ = 0;
-  int streak_ = 0;  ///< ends since the process last ran for settled_s
+  int streak_ = 0;  ///< number of ends since it last ran for settled_s
   Nanoseconds started_ns_ = 0;
   std::optional<Nanoseconds> ended_ns_;  ///< last end; nullopt while the process is running
   Nanoseconds down_ns_ = 0;              ///< time not running, without the time since ended_ns_

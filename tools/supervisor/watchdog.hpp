@@ -19,7 +19,8 @@ class Watchdog {
   /// s; time limit for the first sign of a restarted process, if it gave signs before the restart.
   static constexpr double kFirstSignS = 15.0;
 
-  /// Starts to watch `process`. After its first sign it must give one at least every `patience_s`.
+  /// Starts to watch `process`. After its first sign of life, at most `patience_s` may pass between
+  /// two signs.
   void watch(const std::string& process, double patience_s) {
     watched_[process] = Watched{};
     watched_[process].patience_s = patience_s;

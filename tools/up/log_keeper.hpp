@@ -27,7 +27,8 @@ ProcessSpec recorder_process(const ProcessSettings& settings, const std::string&
 struct LogOutcome {
   std::string path;  ///< empty: no recording was requested
   int restarts = 0;
-  /// s; sum of the gaps from the last event before each death of the recorder to the next event.
+  /// s; total length of all gaps. A gap is the time from the last event before the recorder died
+  /// to the next event.
   double unrecorded_s = 0.0;
   std::uint64_t bytes_dropped = 0;  ///< bytes of events that were incomplete when the recorder died
   bool is_to_the_end = true;        ///< the log contains the last published message

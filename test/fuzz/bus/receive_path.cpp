@@ -124,7 +124,7 @@ struct Vehicle {
   bus::Bus bus;
   scenario::Scenario scenario = lab();
   drivers::FlightGuard guard;
-  bus::auth::Authenticator trial{keys, {}};  ///< signs as the processes that the harness emulates
+  bus::auth::Authenticator trial{keys, {}};  ///< signs for the emulated processes of the trial
   bus::udpm::Reassembler reassembler{{.message_bytes_max = 4'096,
                                       .source_bytes_max = 16'384,
                                       .total_bytes_max = 65'536,

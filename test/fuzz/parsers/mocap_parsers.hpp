@@ -8,13 +8,13 @@
 
 namespace vantage::test {
 
-/// Reads `input` after its first byte as a NatNet datagram and as the payload of each packet. The
-/// first byte selects the version. Frames that are read are written and read again.
+/// Decodes `input` after its first byte as a NatNet datagram, and its payload as every kind of
+/// packet. The first byte selects the version. Decoded frames are encoded and decoded again.
 void fuzz_natnet(std::span<const std::uint8_t> input);
 std::vector<std::vector<std::uint8_t>> natnet_samples();
 
-/// Reads `input` as a QTM stream, as a data packet and as an XML document. Frames that are read are
-/// written and read again.
+/// Decodes `input` as a QTM stream, as a data packet and as an XML document. Decoded frames are
+/// encoded and decoded again.
 void fuzz_qtm(std::span<const std::uint8_t> input);
 std::vector<std::vector<std::uint8_t>> qtm_samples();
 

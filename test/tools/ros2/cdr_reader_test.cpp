@@ -41,7 +41,7 @@ TEST(CdrReader, ReadsBigEndianMessages) {
 TEST(CdrReader, RefusesOtherEncodings) {
   for (const std::uint8_t encoding : std::vector<std::uint8_t>{2, 3, 6, 7, 10}) {
     const std::vector<std::uint8_t> bytes{0, encoding, 0, 0, 1, 2, 3, 4};
-    EXPECT_FALSE(CdrReader(bytes).ok()) << int{encoding};  // parameter lists, encoding 2
+    EXPECT_FALSE(CdrReader(bytes).ok()) << int{encoding};  // parameter lists; version 2
   }
   EXPECT_FALSE(CdrReader(std::span<const std::uint8_t>()).ok());
 }

@@ -81,7 +81,7 @@ async function check_result(page) {
   assert.equal(await page.locator('#marks [data-kind="found"]').count(), 5);
   assert((await page.locator("#ticks span").count()) >= 6);
   assert.equal(await page.locator("#lanes span").count(), 4);
-  // Processes without trouble are one line.
+  // All processes without a problem share one line.
   assert.match(await page.locator("#processes .fold").innerText(), /^\d+ running$/);
   assert.equal(await page.locator("#processes .row:visible").count(), 0);
   // A target has one name in the plan: at its true position.

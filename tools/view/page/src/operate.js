@@ -7,7 +7,7 @@ const kKey = "vantage.operate";
 const kOrders = [
   ["arm", "Arm"], ["take-off", "Take off"], ["follow", "Follow"], ["hold", "Hold"], ["land", "Land"], ["estop", "E-stop"],
 ];
-const kReturn_ms = 10_000; // a page that was silent for longer, as on a sleeping computer, does not take charge by itself
+const kReturn_ms = 10_000; // ms; a page that was silent for longer (on a sleeping computer) does not take charge again
 const kOutcome = { awaited: "calm", confirmed: "good", refused: "bad", unconfirmed: "warn" };
 
 /** Returns the key that the address contains after "#operate=", and removes it from the address, so that no shared link has it.
