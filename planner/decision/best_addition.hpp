@@ -21,8 +21,8 @@ class BestAddition {
 
   /// Returns the candidate with the greatest gain for `team`, even if the gain is not positive; no
   /// proposal if no candidate exists. `excluded` marks candidates to skip, by id; empty: none.
-  /// Of equal gains, prefers the lowest id. Precondition: the robot has no candidate in `team`, and
-  /// `team` contains the sets of all earlier calls.
+  /// If gains are equal, prefers the lowest id. Precondition: the robot has no candidate in `team`,
+  /// and `team` contains the sets of all earlier calls.
   Proposal find(TeamSet& team, std::span<const char> excluded);
 
  private:

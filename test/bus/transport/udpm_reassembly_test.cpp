@@ -273,8 +273,8 @@ TEST(Reassembler, LimitsEachSenderToItsShare) {
 }
 
 // Up to 16 incomplete messages are stored. When another arrives, the two that grew last are kept.
-// Of the other 14, the one with the fewest bytes is dropped; of equal ones, the oldest. The result
-// is compared with a plain list.
+// The one with the fewest bytes among the other 14 is dropped; if several have equally few, the
+// oldest of them. The result is compared with a plain list.
 TEST(Reassembler, DropsTheLeastCompleteMessageExceptTheNewestEighth) {
   struct Held {
     std::uint32_t sequence;

@@ -107,13 +107,13 @@ class Forgery : public VehicleTrust {
   std::int64_t forged_ = 0;
 };
 
-TEST_F(Forgery, OfPosesSucceedsWithoutSignatures) {
+TEST_F(Forgery, SucceedsForPosesWithoutSignatures) {
   take_off();
   forge_poses();
   EXPECT_FALSE(only_hovered());
 }
 
-TEST_F(Forgery, OfPosesIsRefusedWithSignatures) {
+TEST_F(Forgery, IsRefusedForPosesWithSignatures) {
   bench.secure(test::keys_of_a_trial(), {});
   take_off();
   forge_poses();
@@ -123,13 +123,13 @@ TEST_F(Forgery, OfPosesIsRefusedWithSignatures) {
   EXPECT_GT(bench.count("VICON.replayed"), 200);
 }
 
-TEST_F(Forgery, OfCommandsSucceedsWithoutSignatures) {
+TEST_F(Forgery, SucceedsForCommandsWithoutSignatures) {
   take_off();
   forge_order(OperatorAction::kEmergencyStop);
   EXPECT_EQ(bench.state(), FlightState::kKilled);
 }
 
-TEST_F(Forgery, OfCommandsIsRefusedWithSignatures) {
+TEST_F(Forgery, IsRefusedForCommandsWithSignatures) {
   bench.secure(test::keys_of_a_trial(), {});
   take_off();
   for (const OperatorAction action :
@@ -145,7 +145,7 @@ TEST_F(Forgery, OfCommandsIsRefusedWithSignatures) {
   EXPECT_EQ(bench.state(), FlightState::kKilled) << "the genuine command is accepted";
 }
 
-TEST_F(Forgery, OfPlansIsRefusedWithSignatures) {
+TEST_F(Forgery, IsRefusedForPlansWithSignatures) {
   const std::string channel = bus::plan_channel(bench.robot()).name;
   take_off();
   send(channel, bytes_of(plan()));
@@ -160,7 +160,7 @@ TEST_F(Forgery, OfPlansIsRefusedWithSignatures) {
   EXPECT_EQ(bench.count(channel + ".unsigned"), 1);
 }
 
-TEST_F(Forgery, OfSimulationMessagesIsRefusedByALiveVehicle) {
+TEST_F(Forgery, IsRefusedForSimulationMessagesByALiveVehicle) {
   const auto keys = test::keys_of_a_trial();
   bench.secure(keys, {});
   take_off();

@@ -191,8 +191,8 @@ TEST_P(ViconFlights, ErrorsMatchTheFiltersCovariance) {
             << *lowest << " to " << *highest << " standard errors off, " << in_band << " of "
             << kSeeds << " in their 95 % band; inside the 95 % ellipse " << inside / samples
             << "\n";
-  // By chance, the mean differs from 2 by more than 3.7 standard errors once in a thousand tests.
-  // By chance, six of forty seeds are outside their bands once in seventy tests.
+  // Expected by chance: the mean differs from 2 by more than 3.7 standard errors once in a thousand
+  // tests; six of forty seeds are outside their bands once in seventy tests.
   EXPECT_NEAR(whole.mean, 2.0, 3.7 * whole.error);
   EXPECT_LT(whole.error, 0.1);  // otherwise the test is too weak
   EXPECT_GT(*lowest, -3.7);

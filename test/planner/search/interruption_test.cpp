@@ -63,7 +63,7 @@ TEST(Interruption, HasAPlanThatImprovesWithTheBudget) {
   }
 }
 
-TEST(Interruption, ByTheClockIsReproducedByNodeBudget) {
+TEST(Interruption, IsReproducedByANodeBudgetIfTheClockCausedIt) {
   ReducedValueIteration search(small_capacity());
   int stopped = 0;
   for (const std::uint64_t seed : {4U, 5U, 6U, 7U}) {
