@@ -25,7 +25,8 @@ class MapPublisher {
  public:
   MapPublisher(bus::Bus& bus, const scenario::Scenario& scenario, const std::string& robot);
 
-  /// Publishes the map of the step of `belief`, as published by the same bus.
+  /// Publishes the map of the step that produced `belief`. Precondition: `belief` has the stamp
+  /// with which this bus published it.
   void step(const models::RobotBelief& belief);
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
 
@@ -41,7 +42,7 @@ class MapPublisher {
   std::string robot_;
   TeamMap map_;
   std::deque<NamedMessage<models::RangeScan>> scans_;             ///< scans not used in a step yet
-  std::map<std::string, NamedMessage<models::RobotMap>> newest_;  ///< newest map by teammate
+  std::map<std::string, NamedMessage<models::RobotMap>> newest_;  ///< newest map of each teammate
   std::map<Run, NamedMessage<models::RobotMap>>
       in_range_;  ///< newest map of a teammate in range, by run of its estimator
   std::optional<NamedMessage<models::RobotMap>> own_;

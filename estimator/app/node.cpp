@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kMeasurementsWaitingPerRobot = 64;
 constexpr std::size_t kPosesKept = 256;
 constexpr std::size_t kPartialBeliefsPerRobot = 8;
-/// Cells by which a teammate's grid may exceed the own grid: windows of a neighbourhood differ.
+/// Maximum number of cells by which a teammate's grid may exceed this robot's grid. With a
+/// neighbourhood, the grids of robots differ in size.
 constexpr int kGridCellsMore = 10'000;
 
 /// Returns the last instant kτ ≤ `t`.

@@ -23,11 +23,11 @@
 namespace vantage::estimator {
 
 /// Bus node of a DistributedFilter. Inputs are the team's MEASUREMENT_*, VICON and the teammates'
-/// BELIEF_*; with network.budget_kbitps the teammates' COMPACT_BELIEF_* instead, and it also
-/// publishes COMPACT_BELIEF_R with the parts that a BeliefSender selects. It publishes MIXTURE_R
-/// for beliefs that are not Gaussian, then BELIEF_R and, in a mapping scenario, MAP_R. The filter
-/// decides which teammates' observations are in range. If neighbourhoods are used, the node
-/// subscribes only to teammates in the robot's neighbourhood.
+/// BELIEF_*. With network.budget_kbitps, the node receives COMPACT_BELIEF_* instead of BELIEF_* and
+/// also publishes COMPACT_BELIEF_R, with the parts that a BeliefSender selects. The node publishes
+/// MIXTURE_R for beliefs that are not Gaussian, then BELIEF_R and, in a mapping scenario, MAP_R.
+/// The filter decides which teammates' observations are in range. If neighbourhoods are used, the
+/// node subscribes only to teammates in the robot's neighbourhood.
 ///
 /// A step belongs to the instant t = kτ of absolute time and is computed τ/10 later, so that the
 /// measurement of t has arrived. The robot's own observation may arrive later, because it is
@@ -43,8 +43,8 @@ class EstimatorNode : public bus::Node {
   using BeliefOverride = std::function<std::vector<models::TargetBelief>(
       Time t, const std::vector<NamedMessage<models::RobotMeasurement>>& measurements)>;
 
-  /// @param belief_override if not empty, the node publishes its beliefs of the targets instead of
-  /// the filter's
+  /// @param belief_override if not empty, the node publishes the beliefs that this function returns
+  /// instead of the filter's
   /// @throws UsageError when `scenario` has no such robot.
   EstimatorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                 const std::string& robot, BeliefOverride belief_override = {});
@@ -52,10 +52,11 @@ class EstimatorNode : public bus::Node {
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] Time next_tick() const override;
   void tick(Time now) override;
-  /// Returns the filter's counters and more. looks_overflowed, beliefs_overflowed: observations and
-  /// compact beliefs dropped from a full queue. grids_too_large: compact beliefs for a larger
-  /// world. misaddressed: messages with a robot name that differs from that of their channel.
-  /// viewpoint_unknown: steps that used the robot's last known viewpoint.
+  /// Returns the filter's counters and those of the node. looks_overflowed: observations dropped
+  /// from a full queue. beliefs_overflowed: compact beliefs dropped from a full queue.
+  /// grids_too_large: compact beliefs whose grid is too large. misaddressed: messages with a robot
+  /// name that differs from that of their channel. viewpoint_unknown: steps that used the robot's
+  /// last known viewpoint.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   /// Returns the number of instants kτ without a step.
   [[nodiscard]] std::int64_t deadlines_missed() const override { return instants_missed_; }
@@ -86,7 +87,7 @@ class EstimatorNode : public bus::Node {
   Duration lag_max_;
   Time next_instant_{};
   Time last_own_measurement_{};           ///< instant of the robot's newest own observation
-  Time last_own_measurement_received_{};  ///< time at which this observation was received
+  Time last_own_measurement_received_{};  ///< time at which the newest own observation was received
   std::int64_t steps_ = 0;
   std::deque<NamedMessage<models::RobotMeasurement>> measurements_;  ///< observations not yet used
   std::deque<NamedMessage<OwnPose>> poses_;  ///< robot's mocap poses, newest last

@@ -17,17 +17,18 @@ namespace {
 /// teammate that sent a received message.
 constexpr double kMissed = 0.3;
 constexpr double kOutOfRange = 0.3;
-/// Duration after which a teammate must receive a sign of life, for its list of neighbours.
+/// Maximum time without a message. Teammates must receive messages at least this often to list this
+/// robot as a neighbour.
 constexpr Duration kPresencePeriod{2'000'000};
-/// Share of a message that targets may use while there are cells to send.
+/// Share of a message that targets may use if there are also cells to send.
 constexpr double kTargetShare = 0.6;
-/// Bytes of a run in most cases: skip of up to two bytes, length, age. Longer runs are rare, and
-/// the bucket may be exceeded a little.
+/// Bytes of one encoded run of cells in most cases: up to two bytes of skip, one of length and one
+/// of age. Longer runs are rare, and may exceed the budget slightly.
 constexpr std::size_t kRunBytes = 4;
 
 bool is_set(const models::Information& information) { return information.matrix.size() > 0; }
 
-/// Bytes of the parts of compact_belief_t.
+/// Bytes of the fixed fields of compact_belief_t, without the robot's name.
 constexpr std::size_t kHeadBytes = 8 + 24 + 5 + 8 + 32 + 4 + 24 + 8 + 4;
 std::size_t target_bytes(int dim) {
   const auto n = static_cast<std::size_t>(dim);
@@ -100,7 +101,7 @@ double BeliefSender::gain_over(const models::Gaussian& own,
       return 0.0;
     }
     other = gaussian->covariance;
-  } else {  // unknown to them: the prior of an undiscovered target
+  } else {  // teammates do not know the target: use the prior of an undiscovered target
     const double undiscovered = spec_.estimator.undiscovered_position_sigma_m;
     const Eigen::Vector2d half = 0.5 * (spec_.world.bounds.max_m - spec_.world.bounds.min_m);
     const double sigma_m = undiscovered > 0.0 ? undiscovered : half.norm();
@@ -183,7 +184,7 @@ void BeliefSender::add_cells(const models::RobotBelief& own, std::size_t bytes_m
     int length = 0;
     std::uint8_t code = 0;
   };
-  // Whole rows in turn, from the row after the last one that was sent.
+  // Selects whole rows, starting with the row after the last one that was sent.
   std::vector<Run> runs;
   std::size_t bytes = 0;
   int done = 0;

@@ -19,14 +19,15 @@ namespace vantage::estimator {
 ///
 /// For each target, the sender keeps the beliefs that teammates can be assumed to have: the last
 /// two beliefs that it sent and the best belief that it received, all predicted to the present. The
-/// expected information gain of a target weighs its gain against these beliefs, because each
-/// message may have been lost, and a teammate's message may not have reached all others. Targets
-/// are sent in the order of this gain. A target that was not sent for kWholePeriod is sent next, so
-/// a teammate that missed messages has all targets after that time. When a teammate appears
-/// (again), all targets are sent again.
+/// expected information gain of a target is the weighted mean of its gains over these beliefs. The
+/// weights are the probabilities that teammates have each of them. Targets are sent in the order of
+/// this gain. A target that was not sent for kWholePeriod is sent next, so a teammate that missed
+/// messages knows all targets after that time. When a teammate comes into range, all targets are
+/// sent again.
 ///
-/// Cells of the visibility grid are sent if they were seen kCellStep later than teammates know. The
-/// grid is forgotten part by part and thus sent again within kGridPeriodSteps calls.
+/// A cell of the visibility grid is sent if it was seen at least kCellStep after the time that
+/// teammates know. The record of what teammates know is deleted row by row, so that every cell is
+/// sent again within kGridPeriodSteps calls.
 ///
 /// Copies are independent. The same calls give the same result. The cost of a call is linear in the
 /// number of targets, of cells, and of received messages.
@@ -37,12 +38,12 @@ class BeliefSender {
   static constexpr Duration kCellStep{2'000'000};
   static constexpr int kGridPeriodSteps = 60;
   static constexpr double kGainMin_nats = 0.1;  ///< smaller gains are not sent
-  /// Bytes below which nothing is sent: the fixed part of a message would be most of it.
+  /// Smallest payload that is used. The fixed fields would be most of a smaller message.
   static constexpr std::size_t kPayloadMin = 256;
 
   explicit BeliefSender(const FilterSpec& spec) : spec_(spec) {}
 
-  /// Considers a teammate's belief, of a robot in range.
+  /// Uses a belief received from a teammate in range.
   void receive(const models::RobotBelief& belief);
   /// Returns the message to send at the step of `own`, with at most `payload_max` bytes; nullopt if
   /// nothing is worth sending. The result is considered sent. Stamp: only the time is set.
@@ -51,25 +52,26 @@ class BeliefSender {
   std::optional<models::CompactBelief> select(const models::RobotBelief& own,
                                               std::span<const int> observed,
                                               std::size_t payload_max);
-  /// Returns the number of targets that could not be rounded.
+  /// Returns the number of targets whose beliefs could not be rounded to the compact format.
   [[nodiscard]] std::int64_t unsendable() const { return unsendable_; }
 
  private:
   /// Beliefs of one target that teammates can be assumed to have.
   struct Known {
     models::Information sent;      ///< last sent belief; empty matrix: none
-    models::Information previous;  ///< belief sent before; empty matrix: none
+    models::Information previous;  ///< belief sent before `sent`; empty matrix: none
     models::Information received;  ///< best received belief; empty matrix: none
-    Time last_seen{};              ///< newest measurement in any of these
+    Time last_seen{};              ///< time of the newest measurement in these beliefs
     Time sent_at{};
-    bool is_present = false;  ///< in the own belief of the present call
+    bool is_present = false;  ///< true: the robot's current belief contains the target
   };
   struct Candidate {
     double gain = 0.0;
-    std::size_t index = 0;  ///< in the own belief
+    std::size_t index = 0;  ///< index of the target in the robot's belief
   };
   void predict(Time now);
-  /// Moves the cells that teammates know to the grid of `own`, and forgets some rows.
+  /// Moves the record of the cells that teammates know to the grid of `own`, and deletes some rows
+  /// of the record.
   void follow_grid(const models::RobotBelief& own);
   /// Returns the targets that are worth sending, by descending gain.
   std::vector<Candidate> candidates(const models::RobotBelief& own, std::span<const int> observed);
@@ -86,7 +88,7 @@ class BeliefSender {
   std::map<std::string, Time> heard_;  ///< time of the newest message, by teammate
   Time now_{};                         ///< time of the beliefs in known_
   models::GridGeometry grid_;
-  std::vector<std::int64_t> cells_utime_;  ///< stamps that teammates can be assumed to know
+  std::vector<std::int64_t> cells_utime_;  ///< observation time that teammates know, by cell
   int next_row_ = 0;                       ///< row at which the next message's cells begin
   int forget_row_ = 0;
   Time sent_at_{};

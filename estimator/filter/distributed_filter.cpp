@@ -212,7 +212,7 @@ int DistributedFilter::file(const models::RobotMeasurement& look, Time now) {
     return age;
   }
   const models::SensorModel& sensor = source_at(source).sensor;
-  if (is_self(source)) {  // the grids of teammates contain the cells that they scanned
+  if (is_self(source)) {  // a teammate's belief contains a grid with the cells that it scanned
     grid_.see(sensor, look.viewpoint, spec_.world, look.stamp.time);
   }
   Observation& filed = record(age).insert(look.stamp.time, source);
@@ -231,7 +231,8 @@ void DistributedFilter::run(StepRecord& record) {
   Time at = step.from;
   int next = 0;
   const auto look = [&](int i) -> Observation& { return record.observations[index(i)]; };
-  // The fusion is first, so that the prediction acts on the received beliefs too.
+  // The fusion precedes the prediction, so that the prediction also applies to the received
+  // beliefs.
   tracks_->fuse(step, FusionPoint::kStart, counters_);
   for (; next < record.observation_count && look(next).time < step.to; ++next) {
     tracks_->propagate(at, look(next).time, counters_);

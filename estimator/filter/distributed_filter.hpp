@@ -44,33 +44,33 @@ struct StepInput {
 /// is used unchanged. Then all tracks are predicted to t, so that walls and collisions act on the
 /// received information too. Then the measurements of t are added. A belief of an instant after the
 /// previous step is fused in the same way at t. Observations between two steps are used at their
-/// own time: after the fusion of the earlier step and before that of the later step. A late
-/// observation is inserted at its instant. All steps after it are repeated with the beliefs that
-/// they used, and the result equals that of timely arrival. For missed detections see
-/// missed_detection(), for the free space see confine(). With gate_sigma, a detection outside its
-/// target's gate is not used but doubted, see doubt(). Only sensors that measure position have a
-/// gate. A swapped or false id thus does not change a mean. After an unexpected motion, or if a
+/// own time: after the fusion of the earlier step and before the fusion of the later step. A late
+/// observation is inserted at its instant. All later steps are repeated with the beliefs that they
+/// used, so the result is the same as if the observation had arrived in time. For missed detections
+/// see missed_detection(), for the free space see confine(). With gate_sigma, a detection outside
+/// its target's gate is not used but doubted, see doubt(). Only sensors that measure position have
+/// a gate. A swapped or false id thus does not change a mean. After an unexpected motion, or if a
 /// false id started the track, the track follows its target from the next consistent detection on.
 ///
 /// A convex combination of conservative beliefs is conservative, whatever information they share.
-/// Observations are never added to a belief that contains them. Observations of t are used after
-/// the fusion only if no received belief is of t, and a repeated observation is dropped. Thus no
-/// observation is counted twice, even if the network repeats, reorders or loses messages. The
+/// Observations are never added to a belief that contains them: if a received belief belongs to t,
+/// the observations made at t are used before the fusion. A repeated observation is dropped. Thus
+/// no observation is counted twice, even if the network repeats, reorders or loses messages. The
 /// covariance of an unseen target grows to the stationary covariance of the damped oscillator. With
 /// other models it grows until the world's bounds limit it, or without limit if targets_stay_inside
 /// is off.
 ///
 /// A TrackStore represents the beliefs: GaussianTracks, SampleTracks (EstimatorSpec::samples) or
 /// LabelledTracks (sensors without ids, FilterSpec::detection). The formulas above are those of
-/// GaussianTracks. After rebase(), each target is a single Gaussian, so later results of the other
-/// two differ from those of the filter that published the belief.
+/// GaussianTracks. After rebase(), each target is a single Gaussian, so later results of
+/// SampleTracks and LabelledTracks differ from those of the filter that published the belief.
 ///
 /// With a neighbourhood, targets beyond it are deleted and not published. A published belief thus
 /// contains all tracks, and another filter can continue from it (rebase()).
 ///
 /// Copies are independent. The same inputs give the same result.
-/// Source: dissertation, sections 3.3 and 3.4, theorem 9. Source of the
-/// covariance intersection: Julier, Uhlmann (1997).
+/// Source: dissertation, sections 3.3 and 3.4, theorem 9. Source of the covariance intersection:
+/// Julier, Uhlmann (1997).
 class DistributedFilter {
  public:
   /// @throws UsageError for an invalid spec.
@@ -89,11 +89,11 @@ class DistributedFilter {
   /// inputs.
   [[nodiscard]] models::RobotBelief belief() const;
   /// Continues from `belief` as if this filter had computed it, and deletes the history of steps.
-  /// This function also sets a prior.
+  /// Can also be used to set a prior.
   void rebase(const models::RobotBelief& belief);
 
   /// Returns a copy of the track, because tracks move in memory when another target is discovered.
-  /// For an unknown target, and without ids, it returns a default Track.
+  /// Returns a default Track if the target is unknown, or if detections have no ids.
   [[nodiscard]] Track track(int target_id) const {
     const Track* const known = tracks_->find(target_id);
     return known == nullptr ? Track{} : *known;
@@ -113,7 +113,7 @@ class DistributedFilter {
   /// Returns the number of records after the step to which an observation belongs. If the
   /// observation cannot be used, counts it and returns −1.
   int age_of(const models::RobotMeasurement& look, int source, Time now);
-  /// Stores an observation in the record of its step; returns age_of().
+  /// Stores an observation in the record of its step. Returns the result of age_of().
   int file(const models::RobotMeasurement& look, Time now);
   void run(StepRecord& record);
   void apply(Observation& look);

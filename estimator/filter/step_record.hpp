@@ -10,8 +10,8 @@
 namespace vantage::estimator {
 
 /// The observations of a step, stored so that the step can be repeated with an additional one. The
-/// store of tracks has the received beliefs. Storage is reused; it grows only beyond the number of
-/// observations given to the constructor.
+/// received beliefs are kept by the store of tracks. Storage is reused; it grows only if there are
+/// more observations than the constructor reserved.
 struct StepRecord {
   Step step;
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< m; the robot's position at Step::to

@@ -23,13 +23,13 @@ struct ScanCounts {
 
 /// Fusion of range scans into an occupancy belief by log-odds.
 ///
-/// A range z marks the cell at range z + 2 σ along the beam as hit. With z itself, noise would move
-/// half of the hits one cell too near, because a surface is at the near side of its cell. The cells
-/// between the sensor and the hit cell are marked as missed if their centres are nearer than z. The
-/// sensor's own cell is marked as missed. A scan changes a cell only once, and a hit overrides a
-/// miss; otherwise beams almost parallel to a wall would erase the wall.
-/// Source: log-odds of the inverse sensor model: Moravec and Elfes (1985); once a scan, hits first:
-/// Hornung et al., OctoMap (2013), IV-B.
+/// A range z marks the cell at range z + 2 σ along the beam as hit. If z itself were used, noise
+/// would move half of the hits one cell too near, because a surface is at the near side of its
+/// cell. The cells between the sensor and the hit cell are marked as missed if their centres are
+/// nearer than z. The sensor's own cell is marked as missed. A scan changes a cell only once, and a
+/// hit overrides a miss; otherwise beams almost parallel to a wall would erase the wall.
+/// Source: log-odds of the inverse sensor model: Moravec and Elfes (1985); one change per cell and
+/// scan, hits before misses: Hornung et al., OctoMap (2013), IV-B.
 class OccupancyFusion {
  public:
   /// @throws UsageError for an invalid sensor, a hit that does not raise the odds, or a miss that

@@ -51,8 +51,8 @@ class TeamMap {
   /// malformed_maps.
   bool is_of_this_grid(const models::RobotMap& theirs);
 
-  /// True if a robot with belief `own` uses `theirs`: the map has this grid, is at most three steps
-  /// old, and was sent within the communication range.
+  /// True if a robot with belief `own` uses `theirs`: the map has the same grid as this map, is at
+  /// most three steps old, and was sent within the communication range.
   [[nodiscard]] bool accepts(const models::RobotBelief& own, const models::RobotMap& theirs) const;
 
   [[nodiscard]] const MapCounters& counters() const { return counters_; }

@@ -70,7 +70,7 @@ models::Gaussian reflect(const models::Gaussian& belief, const models::Rectangle
     return belief;
   }
   const Eigen::Matrix2d P_pv = belief.covariance.topRightCorner<2, 2>();
-  const Eigen::Matrix2d G = root.matrixL().solve(P_pv).transpose();  // velocity from u
+  const Eigen::Matrix2d G = root.matrixL().solve(P_pv).transpose();  // velocity per unit of u
   const Eigen::Matrix2d C = belief.covariance.bottomRightCorner<2, 2>() - G * G.transpose();
 
   // Plain arrays let the compiler vectorise over four rows.

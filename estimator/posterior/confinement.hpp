@@ -34,8 +34,8 @@ models::Gaussian confine(const models::Gaussian& belief, const models::World& wo
 /// Returns the Gaussian with the mean and covariance of the belief after reflection at `bounds`. A
 /// position beyond a wall is mirrored to the inside and its velocity across the wall is reversed,
 /// as often as needed. A confident belief that crosses a wall thus loses the direction of the
-/// target until the next detection. Conditioning on the inside instead would conclude, with
-/// confidence, that the target stopped at the wall.
+/// target until the next detection. If the belief were instead conditioned on the inside, it would
+/// state with too much confidence that the target stopped at the wall.
 ///
 /// The moments come from the product rule of moment_matching.hpp on the position, with the exact
 /// Gaussian of the velocity at each of its points. The belief is returned unchanged when its

@@ -18,7 +18,7 @@ namespace vantage::estimator {
 /// Moments of the product p of prior, measurement likelihood and view probability.
 struct IntegratedMoments {
   models::PositionVector
-      mean_m;  ///< relative to the sensor; the mean of a GroundGrid is in the world frame
+      mean_m;  ///< relative to the sensor if computed by Rays; in the world frame if by GroundGrid
   models::PositionMatrix covariance_m2;
   double mahalanobis2 = 0.0;
   double share_in_view = 1.0;

@@ -33,18 +33,19 @@ bool can_integrate(const models::SensorModel& sensor, Eigen::Index position_dim)
 /// view). If less than a thousandth of the mass of prior and measurement is in view, the limits are
 /// assumed to be wrong and are ignored.
 ///
-/// Along each ray from the sensor, the product of prior and range likelihood is a Gaussian, and
-/// bearings (and a camera's image) are constant. So p is integrated along each ray by 12
-/// Gauss-Legendre nodes over the interval where p is not negligible. This interval ends a few σ
-/// beyond the limits of range and depth. The midpoint rule is used over the rays: 64 bearings in
-/// the plane, 32 × 32 directions in space. The fan of rays starts as wide as view and bearing noise
-/// allow and is narrowed (at most 10 times) to the relevant directions. Thus neither a distant
-/// beacon nor a target under the robot is missed. The image of a target on the ground varies along
-/// the rays, and other kinds of measurement may vary too. For these, p is integrated on 31 × 31
-/// points along the axes of the linearised posterior.
+/// Along each ray from the sensor, the product of prior and range likelihood is a Gaussian, and the
+/// likelihood of a bearing is constant. For a target in space, the likelihood of a camera's image
+/// is constant too. So p is integrated along each ray by 12 Gauss-Legendre nodes over the interval
+/// where p is not negligible. This interval ends a few σ beyond the limits of range and depth. The
+/// midpoint rule is used over the rays: 64 bearings in the plane, 32 × 32 directions in space. The
+/// fan of rays starts as wide as view and bearing noise allow and is narrowed (at most 10 times) to
+/// the relevant directions. Thus neither a distant beacon nor a target under the robot is missed.
+/// The likelihood of the image of a target on the ground varies along the rays, as that of other
+/// kinds of measurement may. For such sensors, p is integrated on 31 × 31 points along the axes of
+/// the linearised posterior.
 ///
 /// Returns nullopt if !can_integrate(), V is not positive definite, no position is compatible with
-/// z, or y is unbounded.
+/// z, or the posterior is unbounded.
 /// Cost: about 20 to 40 µs in the plane (camera 150 µs), 1 ms in space; no allocation. Pure
 /// function.
 std::optional<PositionMoments> posterior_moments(const PositionPrior& prior,

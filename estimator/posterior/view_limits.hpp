@@ -29,9 +29,8 @@ LimitSoftness limit_softness(const models::SensorModel& sensor, const models::Me
 /// limits, it is 1 or 0 as given by models::in_view(). No allocation.
 double view_probability(const models::SensorModel& sensor, const LimitSoftness& softness,
                         const models::Viewpoint& from, const models::PositionVector& target_m);
-/// Returns the same probability for a target at distance `range_m`, horizontal distance
-/// `horizontal_m` and bearing `bearing_rad` from body x. `depth_m` is +∞ for a sensor without a
-/// minimum depth.
+/// Returns view_probability() of a target at distance `range_m`, horizontal distance `horizontal_m`
+/// and bearing `bearing_rad` from body x. `depth_m` is +∞ for a sensor without a minimum depth.
 double view_probability(const models::SensorModel& sensor, const LimitSoftness& softness,
                         double range_m, double horizontal_m, double bearing_rad, double depth_m);
 

@@ -17,7 +17,7 @@
 namespace vantage::estimator {
 namespace {
 
-/// Number of evenly spaced ranges per beacon from which starts are computed.
+/// Number of evenly spaced ranges per beacon from which initial values are computed.
 constexpr std::size_t kDrawn = 300;
 constexpr std::array kScales = {0.8, 0.9, 1.0, 1.12, 1.25};
 constexpr std::array kBiases_m = {-1.5, 0.0, 1.5};
@@ -140,8 +140,8 @@ class Search {
   RangeState start(const models::RangeCalibration& calibration, double wider) {
     RangeOnlySpec spec;
     spec.calibration = calibration;
-    // Every calibration in the range of the grid is within 6 % of a scale and 0.75 m of a bias of
-    // the grid.
+    // Every calibration within the bounds of the grid is within 6 % of the scale and within 0.75 m
+    // of the bias of a grid point.
     spec.range_sigma_m = wider * std::hypot(0.04 * median_m_, 0.4);
     spec.outlier_share = 0.2;
     spec.outlier_span_m = whole_.outlier_span_m;
@@ -217,15 +217,15 @@ class Search {
     return moved;
   }
 
-  /// Computes the probabilities of the alternative positions from the drawn ranges. Positions that
-  /// coincide are counted once.
+  /// Computes the probabilities of the alternative positions from the subset of the ranges.
+  /// Positions that coincide are counted once.
   void weigh_others(const RangeState& state, int beacon, RangeFit& fit) const {
     const std::vector<Alone> all = tops(state, index(beacon));
     FittedBeacon& of = fit.beacons[index(beacon)];
     const double thinner = static_cast<double>(by_beacon_[index(beacon)].size()) /
                            static_cast<double>(drawn_[index(beacon)].size());
     double others = 0.0;
-    double likeliest = 1e-3;  // least odds of an alternative position
+    double likeliest = 1e-3;  // smallest odds of an alternative position that is reported
     for (std::size_t k = 1; k < all.size(); ++k) {
       const double nats = thinner * (all[k].nats - all.front().nats) / fit.correlation;
       const double odds = std::exp(std::min(nats, 50.0));

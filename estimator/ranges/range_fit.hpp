@@ -16,7 +16,7 @@ namespace vantage::estimator {
 
 /// One range measurement, r = range_scale ‖y − p‖ + range_bias_m + v.
 struct TakenRange {
-  Eigen::Vector2d robot_m = Eigen::Vector2d::Zero();  ///< p
+  Eigen::Vector2d robot_m = Eigen::Vector2d::Zero();  ///< position p of the robot
   double range_m = 0.0;
   int beacon = 0;  ///< index of the beacon at y, from 0
 };
@@ -67,13 +67,13 @@ inline constexpr int kRangesOfBeaconMin = 10;
 /// freedom with a separate width per beacon. Outliers are uniform over a span given by the 95 %
 /// quantile of the ranges, with a separate share per beacon. RangeOnlyFilter gives one start for
 /// each calibration of a grid. The best start is refined by expectation maximisation with
-/// Gauss-Newton steps, and every beacon is tried at each position found by any start. The
+/// Gauss-Newton steps. Every beacon is also tried at each of its positions in the other starts. The
 /// covariances are valid for any noise distribution: A⁻¹ B A⁻¹, with A from the slopes and B from
 /// the squares of the residuals' scores; B is multiplied by `correlation`. The ranges of one beacon
 /// must be sorted by time. Deterministic.
 /// Cost: O(beacons · 300) for the starts, then O(ranges) per step and O(beacons³).
 /// @throws UsageError for a range that is not within the bound, a beacon out of range or one with
-/// fewer than kRangesOfBeaconMin ranges, and when no start has a likelihood.
+/// fewer than kRangesOfBeaconMin ranges, and when no start has a finite likelihood.
 /// Source: Lange, Little, Taylor (1989), t by EM; Huber (1967), A⁻¹ B A⁻¹; Geyer (1992), initial
 /// positive sequences, for `correlation`.
 RangeFit fit_ranges(std::span<const TakenRange> ranges, int beacons, const RangeFitSpec& spec = {});

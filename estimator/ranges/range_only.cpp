@@ -76,8 +76,8 @@ double RangeOnlyFilter::update(BeaconHypothesis& hypothesis, const Eigen::Vector
   const double scale = spec_.calibration.range_scale;
   const Eigen::RowVector2d H = scale * away_m.transpose() / distance_m;
   const Eigen::Matrix2d& P = hypothesis.covariance_m2;
-  // Second-order correction for the curvature of the range along the tangent. It is negligible for
-  // a narrow hypothesis, but metres for a hypothesis of a new ring.
+  // Second-order correction for the curvature of the range along the tangent. The correction is
+  // negligible for a narrow hypothesis, but amounts to metres for a hypothesis of a new ring.
   const Eigen::Vector2d across(-away_m.y() / distance_m, away_m.x() / distance_m);
   const double curve_m = 0.5 * scale * across.dot(P * across) / distance_m;
   const double S =

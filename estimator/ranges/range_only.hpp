@@ -41,8 +41,8 @@ struct BeaconHypothesis {
 /// updates each Gaussian by an EKF. A range is either an outlier (uniform) or an inlier with
 /// innovation N(0, S). With β the posterior probability of an inlier, the update is that of
 /// probabilistic data association: x + βKν, P − βKSKᵀ + β(1 − β) KννᵀKᵀ. Each weight is multiplied
-/// by the likelihood of the range, outliers included. Hypotheses of small weight are dropped and
-/// similar ones are merged until one remains. Each range is used once, in sequence.
+/// by the likelihood of the range as an inlier or an outlier. Hypotheses of small weight are
+/// dropped and similar ones are merged until one remains. Each range is used once, in sequence.
 /// Cost: O(hypotheses) per range, and O(hypotheses²) while there are several.
 /// Source: Alspach, Sorenson (1972), Gaussian sums; Bar-Shalom, Li, Kirubarajan (2001), 3.4 PDA;
 /// Djugash, Hamner, Roth (2009) for rings of range-only hypotheses.
@@ -55,7 +55,7 @@ class RangeOnlyFilter {
   /// maps to zero or below, are counted and dropped.
   void update(const Eigen::Vector2d& robot_m, double range_m);
 
-  /// Returns the hypothesis of the largest weight. Its weight is 0 before the first range.
+  /// Returns the hypothesis with the largest weight. Its weight is 0 before the first range.
   [[nodiscard]] BeaconHypothesis best() const;
   /// Returns all hypotheses, sorted by decreasing weight; weights sum to 1.
   [[nodiscard]] const std::vector<BeaconHypothesis>& hypotheses() const { return hypotheses_; }

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kFreedom = 5.0;              ///< degrees of freedom of Student's t
 constexpr double kPeak = 0.3796066898224944;  ///< density of Student's t at 0: Γ(3)/(Γ(5/2) √(5π))
-/// Weight of the noise pooled over all beacons in the noise of each beacon, as a number of ranges.
-/// It matters for a beacon with few ranges.
+/// Weight of the noise of all beacons together in the noise estimate of one beacon, as a number of
+/// ranges. It matters only for a beacon with few ranges.
 constexpr double kBorrowed = 20.0;
 
 Eigen::Index row_of(int beacon) { return 2 + 2 * Eigen::Index{beacon}; }
@@ -189,7 +189,7 @@ double correlation_in_space(const std::vector<ScoreSeries>& series, double squar
   struct Bin {
     double pairs = 0.0;
     double products = 0.0;
-    double all_products = 0.0;  ///< sum extrapolated from the drawn to all ranges
+    double all_products = 0.0;  ///< sum extrapolated from the subset of ranges to all ranges
   };
   std::vector<Bin> bins(kBins);
   const double bin_m = std::max(median_spacing_m(series), kRangeNearest_m);
@@ -374,7 +374,7 @@ RangeFit fit_at(const RangeProblem& problem, const RangeState& state) {
   std::vector<double> square(state.beacons_m.size());
   for (int b = 0; b < beacons; ++b) {
     Shape shape = residuals.shapes[index(b)];
-    const double spent = 2.0 + 2.0 / beacons;  // number of parameters fitted to these ranges
+    const double spent = 2.0 + 2.0 / beacons;  // fitted parameters per beacon, calibration included
     const double effective_count = shape.inliers / fit.correlation;
     const double small = effective_count / std::max(effective_count - spent, 1.0);
     shape.add(all, kBorrowed / all.ranges);

@@ -66,7 +66,7 @@ struct FilterCounters {
   std::int64_t future_beliefs = 0;        ///< beliefs of an instant after t
   std::int64_t out_of_range_beliefs = 0;  ///< beliefs of teammates beyond communication_range_m
   std::int64_t out_of_range_looks = 0;  ///< observations of teammates beyond communication_range_m
-  /// observations of a robot and an instant of which an observation was already used
+  /// observations by a robot at an instant for which one was already used
   std::int64_t repeated_looks = 0;
   /// beliefs in which a target's block has the wrong dimension
   std::int64_t malformed_beliefs = 0;

@@ -45,14 +45,14 @@ class TrackStore {
 
   /// Returns the number of detections for which an observation reserves storage.
   [[nodiscard]] virtual int detections_reserved() const = 0;
-  /// True if a second observation by a robot at one instant is assumed to be a repetition, even if
-  /// the robot is this one.
+  /// True if a second observation by a robot at one instant is assumed to be a repetition, also for
+  /// this robot's own observations.
   [[nodiscard]] virtual bool has_one_observation_per_instant() const = 0;
   /// Appends a detection to `observation` if the store can use it; otherwise counts it.
   virtual void file(const models::Detection& detection, bool has_right_dimension,
                     Observation& observation, FilterCounters& count) const = 0;
 
-  /// Begins a step: forgets the beliefs received in the step that had its slot.
+  /// Begins a step. Deletes the beliefs received in the previous step that used the same slot.
   virtual void start(const Step& step) = 0;
   /// Stores a teammate's belief, for fuse().
   virtual void receive(const models::RobotBelief& belief, const Step& step,
@@ -80,7 +80,7 @@ class TrackStore {
   [[nodiscard]] virtual std::vector<models::TargetMixture> mixtures() const = 0;
   /// Replaces all tracks by received beliefs.
   virtual void rebase(std::span<const models::TargetBelief> targets, FilterCounters& count) = 0;
-  /// Returns the track of a target, null for an unknown target and without ids.
+  /// Returns the track of a target; null if the target is unknown or detections have no ids.
   [[nodiscard]] virtual const Track* find(int target_id) const = 0;
 
  protected:

@@ -41,11 +41,11 @@ double intersection_weight(const models::StateMatrix& A, const models::StateMatr
   return 0.5 * (low + high);
 }
 
-/// Largest position σ at which a target counts as located, as a share of the sensor's range.
+/// Largest position σ with which a target becomes a track, as a share of the sensor's range.
 constexpr double kLocatedShare = 0.5;
 
-/// Returns the number of targets that may be pending: 0 if one detection of any robot locates a
-/// target.
+/// Returns the maximum number of pending targets: 0 if one detection by any robot determines the
+/// position of a target.
 int pending_max(const FilterSpec& spec) {
   const bool all_locate =
       can_discover(spec.sensor) &&
@@ -59,7 +59,7 @@ bool is_reported(const Observation& observation, int target_id) {
                      [&](const auto& detection) { return detection.target_id == target_id; });
 }
 
-/// Adds a belief to the weighted sum of the beliefs received of its target.
+/// Adds a belief to the weighted sum of the beliefs received about its target.
 void add_weighted(ReceivedTable& all_received, const models::TargetBelief& target,
                   const models::Information& now, double weight) {
   ReceivedTrack* const received = all_received.find(target.target_id);
@@ -152,8 +152,8 @@ void GaussianTracks::receive(const models::RobotBelief& belief, const Step& step
                              FilterCounters& count) {
   Record& record = this->record(step.slot);
   record.has_belief_of_end = record.has_belief_of_end || belief.stamp.time == step.to;
-  // The first step starts without tracks, and the belief may contain observations made since the
-  // start of the step.
+  // In the first step, beliefs are fused at the end of the step: there are no tracks at its start,
+  // and the belief may contain observations made since then.
   const bool is_of_start = !step.is_first && belief.stamp.time <= step.from;
   const int dim = spec_.estimator.target_model.dim();
   for (const models::TargetBelief& target : belief.targets) {
@@ -179,7 +179,7 @@ void GaussianTracks::receive(const models::RobotBelief& belief, const Step& step
 
 void GaussianTracks::fuse(const Step& step, FusionPoint point, FilterCounters& /*count*/) {
   const Record& record = this->record(step.slot);
-  // A belief of instant `to` contains the observations of `to`.
+  // A belief that belongs to instant `to` contains the observations made at `to`.
   const FusionPoint end = record.has_belief_of_end ? FusionPoint::kFinish : FusionPoint::kEnd;
   if (point == FusionPoint::kStart) {
     fuse_all(record.received_at_start);

@@ -19,9 +19,9 @@ namespace vantage::estimator {
 /// Tracks are kept in information form, because a detection and a fusion then add matrices without
 /// an inversion, and a published belief is exactly the track (docs/decisions/0027).
 ///
-/// A target that a detection does not locate, such as one seen by a range finder, is not a track
-/// until several detections of any robot locate it (PositionHypotheses). rebase() forgets these
-/// detections.
+/// If one detection does not determine a target's position, for example a single range, the target
+/// is not a track until several detections by any robots determine it (PositionHypotheses).
+/// rebase() forgets these detections.
 class GaussianTracks : public TrackStore {
  public:
   explicit GaussianTracks(const FilterSpec& spec);
@@ -73,22 +73,22 @@ class GaussianTracks : public TrackStore {
   virtual bool fuse_track(KnownTrack& known, const Track& received);
 
  private:
-  /// Detections of a target that is not yet located.
+  /// A target whose position the detections so far do not determine.
   struct PendingTarget {
     int target_id = 0;
     PositionHypotheses hypotheses;
   };
   using PendingTable = TargetTable<PendingTarget>;
 
-  /// Beliefs of this robot and of teammates in one step. Received beliefs of instants ≤ `from` are
-  /// predicted to `from`, others to `to`.
+  /// Beliefs of this robot and of teammates in one step. A received belief is predicted to `from`
+  /// if its instant is ≤ `from`, otherwise to `to`.
   struct Record {
     TrackTable before;
     PendingTable pending;
     ReceivedTable received_at_start;
     ReceivedTable received_at_end;
-    /// True if a received belief is of instant `to`. Such a belief contains the observations of
-    /// `to`.
+    /// True if a received belief belongs to instant `to`. Such a belief contains the observations
+    /// made at `to`.
     bool has_belief_of_end = false;
   };
 
@@ -101,8 +101,8 @@ class GaussianTracks : public TrackStore {
       const models::Information& information) const;
   void fuse_all(const ReceivedTable& all_received);
   void add_track(int target_id, const Track& track);
-  /// Uses the detection of a target that it does not locate; returns the belief if all detections
-  /// so far locate the target.
+  /// Uses a detection that alone does not determine the target's position. Returns the belief once
+  /// all detections so far together determine the position; nullopt before.
   std::optional<models::Information> locate(int target_id, const Observation& observation,
                                             const models::SensorModel& sensor,
                                             const models::Measurement& measurement);

@@ -21,7 +21,7 @@ using models::PositionVector;
 constexpr int kBearings = 36;            ///< cells of the first grid around a full circle
 constexpr int kRanges = 16;              ///< cells of the first grid along the range
 constexpr double kCellOverlap = 1.2;     ///< σ of a cell, relative to that of a uniform density
-constexpr double kWeightMin = 1e-4;      ///< share below which a hypothesis is dropped
+constexpr double kWeightMin = 1e-4;      ///< weight below which a hypothesis is dropped
 constexpr double kMergeDistance = 0.7;   ///< σ; hypotheses whose means are nearer are merged
 constexpr double kContradiction = 1e-6;  ///< likelihood, relative to that of a perfect match
 

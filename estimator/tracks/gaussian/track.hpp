@@ -27,9 +27,10 @@ bool is_same(const models::Gaussian& a, const models::Gaussian& b);
 
 /// Predicts the belief from `from` to `to` ≥ `from`, exactly, for any interval:
 ///   Ω ← (A Ω⁻¹ Aᵀ + W)⁻¹, ω ← Ω (c + A (ŷ − c))
-/// with A and W of the complete interval. Predicting in two parts gives the same result. A model of
-/// growing uncertainty adds its grown_noise() with k = (t − last_seen)/τ; at multiples of the step
-/// this is Σ q k, the sum of the noise of the steps. Returns nullopt when Ω cannot be inverted.
+/// with A and W of the complete interval. Predicting in two parts gives the same result. A model
+/// whose uncertainty grows while the target is unseen adds its grown_noise() with k = (t −
+/// last_seen)/τ; at multiples of the step this is Σ q k, the sum of the noise of the steps. Returns
+/// nullopt when Ω cannot be inverted.
 std::optional<models::Information> propagate(const models::TargetModel& model, double step_s,
                                              const models::Information& information, Time last_seen,
                                              Time from, Time to);

@@ -66,8 +66,8 @@ void LabelledTracks::receive(const models::RobotBelief& belief, const Step& step
   if (belief_at < step.from) {
     return;  // belief of a step that was reconciled already, or too old
   }
-  // A belief of instant `from` contains no observation of this step and is used before them. A
-  // later belief is used after all of them.
+  // A belief of instant `from` contains no observation of this step and is used before all
+  // observations. A later belief is used after them.
   const Time at = belief_at == step.from && step.from < step.to ? step.from : step.to;
   const models::TargetModel& model = filter_.spec().estimator.target_model;
   std::vector<ReceivedLabel>& received = record(step.slot).received;

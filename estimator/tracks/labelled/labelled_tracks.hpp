@@ -15,8 +15,8 @@ namespace vantage::estimator {
 
 /// Store of targets without ids: tracks of a MultiTargetFilter, named by labels from kTrackLabelMin
 /// on (track_labels.hpp). Robots that have used the same observations have the same tracks, bit for
-/// bit. A teammate's belief of the previous or of this step's instant, or between them, is
-/// reconciled with the robot's tracks; an older belief is not used.
+/// bit. A teammate's belief is reconciled with the robot's tracks, unless it is older than the
+/// previous step.
 class LabelledTracks : public TrackStore {
  public:
   /// @throws UsageError for a team of more than kLabelledRobots, a neighbourhood, or a model that
@@ -34,7 +34,7 @@ class LabelledTracks : public TrackStore {
   void save(int slot) override;
   void restore(int slot) override;
 
-  /// Reconciles the tracks with the received beliefs of their instant.
+  /// Reconciles the tracks with the beliefs received for the same instant.
   void fuse(const Step& step, FusionPoint point, FilterCounters& count) override;
   void propagate(Time from, Time to, FilterCounters& count) override;
   void confine(FilterCounters& count) override;
@@ -43,7 +43,7 @@ class LabelledTracks : public TrackStore {
   void forget_far(const Eigen::Vector2d& /*position_m*/) override {}
 
   [[nodiscard]] std::vector<models::TargetBelief> beliefs() const override;
-  /// Includes all confirmed tracks.
+  /// Returns the mixtures of all confirmed tracks.
   [[nodiscard]] std::vector<models::TargetMixture> mixtures() const override;
   void rebase(std::span<const models::TargetBelief> targets, FilterCounters& count) override;
   [[nodiscard]] const Track* find(int /*target_id*/) const override { return nullptr; }

@@ -19,7 +19,7 @@ models::Gaussian moments(const Mixture& mixture);
 /// moments of its parts. Allocates nothing.
 /// Cost: O(n²) distances.
 /// Source: Vo, Ma, The Gaussian mixture probability hypothesis density filter (2006), table II;
-/// without its loss of weight.
+/// unlike there, no weight is lost.
 void reduce(Mixture& mixture, int count, double merge_sigma, double weight_min);
 
 }  // namespace vantage::estimator

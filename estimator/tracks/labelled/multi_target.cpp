@@ -28,16 +28,12 @@ constexpr double kUntrackedMin = 0.05;
 /// start a confirmed track.
 constexpr double kClutterMin = 1e-3;
 constexpr double kDetectionMax = 0.99;
-// Mixture reduction: merge distance, least weight of a component, and least weight for which a
-// posterior is computed by quadrature.
-constexpr double kMerge_sigma = 1.0;
-constexpr double kWeightMin = 1e-3;
-constexpr double kExactFrom = 0.02;
-// Number of hits that confirm a track, and numbers of consecutive missed detections that delete a
-// tentative or a confirmed track.
-constexpr int kHitsToConfirm = 3;
-constexpr int kMissesOfTentative = 2;
-constexpr int kMissesOfConfirmed = 5;
+constexpr double kMerge_sigma = 1.0;   // distance within which components are merged
+constexpr double kWeightMin = 1e-3;    // components of smaller weight are dropped
+constexpr double kExactFrom = 0.02;    // smallest weight of a posterior computed by quadrature
+constexpr int kHitsToConfirm = 3;      // number of hits that confirm a track
+constexpr int kMissesOfTentative = 2;  // consecutive misses that delete a tentative track
+constexpr int kMissesOfConfirmed = 5;  // consecutive misses that delete a confirmed track
 
 PositionPrior nothing_known(const models::Viewpoint& from) {
   PositionPrior prior{models::PositionVector::Zero(2), models::PositionMatrix::Zero(2, 2)};

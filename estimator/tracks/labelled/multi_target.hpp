@@ -31,7 +31,7 @@ inline constexpr double kConfirmed = 0.5;
 struct MultiTargetSpec {
   scenario::EstimatorSpec estimator;
   models::World world;
-  models::DetectionModel detection;  ///< default of update()
+  models::DetectionModel detection;  ///< detection model of update() without this argument
   double step_s = 0.5;
   int targets = 5;  ///< number of targets in the world, found or not
   /// maximum number of tracks, greater than `targets` because some tracks are false
@@ -48,7 +48,7 @@ struct MultiTargetSpec {
 struct LabelledTrack {
   double existence = 0.0;  ///< probability of existence; 0: unused slot
   Mixture mixture;         ///< state if the target exists; weights sum to 1, the heaviest first
-  Time last_seen{};        ///< newest observation that detected the target with probability > 0.5
+  Time last_seen{};        ///< time of the newest observation that detected it with p > 0.5
   int label = 0;           ///< label of the detection that started the track, see first_label()
   int hits = 0;            ///< number of observations that detected the target
   /// Number of observations since the last hit in which a detection was expected but missing.
@@ -101,7 +101,7 @@ class MultiTargetFilter {
   /// Precondition: the size of `tracks` is that of no_tracks().
   void update(std::vector<LabelledTrack>& tracks, const Observation& observation,
               const models::SensorModel& sensor, const models::DetectionModel& detection);
-  /// As above, with the detection model of the spec.
+  /// Calls update() above with the detection model of the spec.
   void update(std::vector<LabelledTrack>& tracks, const Observation& observation,
               const models::SensorModel& sensor) {
     update(tracks, observation, sensor, spec_.detection);

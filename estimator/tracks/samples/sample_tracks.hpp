@@ -14,7 +14,7 @@ namespace vantage::estimator {
 /// Store of targets with ids and a velocity. A target is represented by samples after its belief
 /// was changed by a wall, a collision with another target or a missed detection. A detection, or
 /// the belief of a teammate with a newer detection, makes it a Gaussian again. The Gaussian of a
-/// track with samples has their moments.
+/// track with samples has the moments of the samples.
 class SampleTracks : public GaussianTracks {
  public:
   explicit SampleTracks(const FilterSpec& spec);

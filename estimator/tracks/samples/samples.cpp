@@ -124,7 +124,7 @@ std::optional<Contact> contact(const State& one, const State& other, double dist
   }
   const double at_s = (closing - std::sqrt(discriminant)) / square;
   const Eigen::Vector2d away = (apart_m + at_s * change_mps).normalized();
-  // The contact is too late, or the partner runs into this sample.
+  // Ignores a contact that is too late, or in which only the partner moves towards the other.
   if (at_s > dt_s || one.tail<2>().dot(away) >= 0.0) {
     return std::nullopt;
   }

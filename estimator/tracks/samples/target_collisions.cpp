@@ -38,7 +38,7 @@ void TargetCollisions::apply(const TrackTable& tracks, SampleTable& sampled, dou
     disc.target_id = each.target_id;
     const auto belief = models::to_gaussian(each.track.information);
     if (!belief) {
-      disc.radius_m = -std::numeric_limits<double>::infinity();  // near no other target
+      disc.radius_m = -std::numeric_limits<double>::infinity();  // no other target is near
       continue;
     }
     const double speed_max_mps = belief->mean.segment<2>(2).norm() + reach_of(*belief, 2);
