@@ -48,9 +48,9 @@ struct MultiTargetSpec {
 struct LabelledTrack {
   double existence = 0.0;  ///< probability of existence; 0: unused slot
   Mixture mixture;         ///< state if the target exists; weights sum to 1, the heaviest first
-  Time last_seen{};        ///< time of the newest observation that detected it with p > 0.5
-  int label = 0;           ///< label of the detection that started the track, see first_label()
-  int hits = 0;            ///< number of observations that detected the target
+  Time last_seen{};  ///< time of the newest observation that detected it with probability > 0.5
+  int label = 0;     ///< label of the detection that started the track, see first_label()
+  int hits = 0;      ///< number of observations that detected the target
   /// Number of observations since the last hit in which a detection was expected but missing.
   int misses = 0;
 };
