@@ -14,13 +14,13 @@ namespace vantage::localizer {
 namespace {
 
 constexpr std::size_t kHypothesesMax = 12;
-constexpr double kMatchSigma = 4.0;      // σ; a body beyond does not fit a sighting
-constexpr double kUnmatchedCost = 14.0;  // −2 ln of the density of sightings of no body
-constexpr double kAmbiguousCost = 1.0;   // hypotheses within this cost of the best are as likely
+constexpr double kMatchSigma = 4.0;      // σ; a sighting with a larger error does not fit a body
+constexpr double kUnmatchedCost = 14.0;  // cost of a sighting that shows no body
+constexpr double kAmbiguousCost = 1.0;   // hypotheses are equally likely within this difference
 
 /// Assignment of one sighting to one body.
 struct Match {
-  double cost = std::numeric_limits<double>::infinity();  ///< −2 ln of the density; ∞: no fit
+  double cost = std::numeric_limits<double>::infinity();  ///< −2 ln of the density; ∞: does not fit
   Eigen::Vector2d residual;
   Eigen::Matrix<double, 2, 3> by_pose;
   Eigen::Matrix2d by_point;
@@ -42,7 +42,7 @@ Match match(const FrameScene& scene, const ObserverView& view, const models::Sig
           out.by_point * body.covariance * out.by_point.transpose();
   const double squared = out.residual.dot(out.S.inverse() * out.residual);
   if (squared < kMatchSigma * kMatchSigma) {
-    // Relative to the density with a certain pose, so that a good match costs about 2.
+    // The density is relative to that for a certain pose, so that a good match costs about 2.
     out.cost = squared + std::log(out.S.determinant() / (R(0, 0) * R(1, 1)));
   }
   return out;
@@ -78,7 +78,7 @@ struct Hypothesis {
   std::array<int, kFrameSightingsMax> ids{};
 };
 
-/// Returns the view after the sighting of `seed`.
+/// Returns the observer's view, corrected by the sighting of `seed`.
 ObserverView corrected(const FrameScene& scene, const ObserverView& view, const Seed& seed) {
   const CandidateBody& body = scene.bodies[seed.body];
   const Match first = match(scene, view, scene.sightings[seed.sighting], body);

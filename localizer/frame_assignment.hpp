@@ -41,8 +41,8 @@ struct ObserverView {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
-/// Replaces kNoBodyId in `ids` (one per sighting) by the ids of the bodies that the sightings show;
-/// by kAmbiguousId if several bodies fit; a sighting that fits no body keeps kNoBodyId.
+/// Replaces each kNoBodyId in `ids` (one per sighting) by the id of the body that the sighting
+/// shows, or by kAmbiguousId if several bodies fit. A sighting that fits no body keeps kNoBodyId.
 ///
 /// Each of the at most 12 hypotheses assigns one sighting, corrects the observer's pose by it, and
 /// then assigns the other sightings to the bodies that fit best. An assignment is used only if all

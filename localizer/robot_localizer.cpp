@@ -9,7 +9,7 @@
 namespace vantage::localizer {
 namespace {
 
-/// Maximum delay of a sighting after its corrected time, cells.
+/// Maximum delay of a sighting after its corrected time, in increments (kIncrement).
 constexpr std::int64_t kLatencyCells = 2;
 /// Factor of the variances of a motion that is guessed from the previous one.
 constexpr double kGuessNoiseScale = 30.0;
@@ -314,7 +314,8 @@ void RobotLocalizer::advance_to(Time now) {
   }
   now_ = start_of(cell);
 
-  // The base filter waits for the robots that have sent something in the last steps.
+  // The base filter waits for the data of each robot that sent any in the last kMessageIncrements
+  // steps.
   own().complete_until = cell - kLatencyCells;
   const std::int64_t oldest = cell - kMessageIncrements;
   std::int64_t complete = cell - kLatencyCells;
@@ -353,7 +354,7 @@ void RobotLocalizer::write_message(models::PoseEstimate& message) const {
     const Cell& known = own().cells[static_cast<std::size_t>(cell % kCells)];
     if (known.index == cell) {
       message.increments.push_back(known.increment);
-    } else {  // before the start: begin after the gap
+    } else {  // no increment yet, or a gap: begin after it
       message.increments.clear();
       message.increments_from = start_of(cell + 1);
     }

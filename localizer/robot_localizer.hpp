@@ -32,14 +32,14 @@ struct InputCounts {
 };
 
 /// Localiser of one robot: the joint filter of the whole team, computed by each robot from what it
-/// received. Robots exchange bounded pieces of their motion and sightings (PoseEstimate), so that
-/// no error is counted twice and cross-correlations are exact; a message repeats the last
+/// received. Robots exchange their motion and sightings (PoseEstimate), but no estimates, so
+/// that no error is counted twice and cross-correlations are exact. A message repeats the last
 /// kMessageIncrements increments, so that single losses lose no data.
 ///
 /// Time is divided into steps of kIncrement. A base filter contains all data up to the time until
-/// which all teammates are complete, at most kMessageIncrements steps ago. advance_to() copies the
-/// base filter and adds the newer data. No function allocates memory after construction, except
-/// write_message().
+/// which the data of all teammates are complete. This time is at most kMessageIncrements steps ago.
+/// advance_to() copies the base filter and adds the newer data. No function allocates memory after
+/// construction, except write_message().
 class RobotLocalizer {
  public:
   /// `robot`: index in the specification. @throws UsageError for an unknown index
@@ -102,7 +102,7 @@ class RobotLocalizer {
   void add_sighting(Track& track, const models::Sighting& sighting);
   /// Sets increments_ and noise_scale_ for the part [from, to) of grid cell `cell`.
   void set_increments(std::int64_t cell, Time from, Time to, bool is_base);
-  /// A frame of sightings or a fix of one robot; robot = number of robots: none.
+  /// A frame of sightings or a fix of one robot. If there is none, `robot` is the number of robots.
   struct Event {
     Time time{};
     std::size_t robot = 0;

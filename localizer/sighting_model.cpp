@@ -56,7 +56,7 @@ Eigen::Matrix2d sighting_covariance(const scenario::SightingNoiseSpec& noise,
 
 Eigen::Vector2d sighted_point_m(const scenario::SightingSpec& spec, double range_m,
                                 double bearing_rad) {
-  // limit, since a depth does not determine the distance across the axis
+  // lower limit of the cosine: a depth does not determine the distance across the axis
   constexpr double kAlongMin = 0.1;
   const double b = bearing_rad - spec.bearing_offset_rad;
   const double along = spec.range_is_depth ? std::max(std::cos(b - spec.axis_rad), kAlongMin) : 1.0;

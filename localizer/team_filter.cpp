@@ -27,8 +27,8 @@ constexpr double kRejectSigma = 5.0;  // σ; a sighting with a larger error is r
 // 1σ that is added to the pose after a slip of the wheels.
 constexpr double kSlipYawSigmaRad = 0.2;
 constexpr double kSlipPositionSigmaM = 0.05;
-constexpr int kSlipLandmarksMin = 2;  // rejected sightings of landmarks that indicate a slip
-constexpr int kSureUses = 4;          // sightings after which a mapped landmark is not mapped again
+constexpr int kSlipLandmarksMin = 2;  // number of rejected landmark sightings that indicates a slip
+constexpr int kSureUses = 4;          // number of sightings after which a landmark stays mapped
 
 }  // namespace
 

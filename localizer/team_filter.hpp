@@ -91,12 +91,12 @@ class TeamFilter {
   struct Body {
     bool is_known = false;  ///< false: there is no such body, or it has no position yet
     bool is_mate = false;
-    int column = -1;  ///< of the position in the state; −1: landmark at a known position
+    int column = -1;  ///< index of the position in the state; −1: landmark at a known position
     Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   };
   /// One usable sighting, linearised.
   struct Row {
-    int column = -1;  ///< of the sighted body's position in the state; −1: landmark of the map
+    int column = -1;  ///< index of the body's position in the state; −1: known landmark
     bool is_mate = false;
     int id = kNoBodyId;
     Eigen::Vector2d residual;
@@ -136,10 +136,10 @@ class TeamFilter {
   Eigen::MatrixXd block_row_;  ///< kRobotDim × n, workspace
   Eigen::MatrixXd gain_;       ///< rows of S^{-1/2} H P, 2 · kFrameSightingsMax × n, workspace
   std::vector<Row> rows_;
-  std::vector<int> ids_;                   ///< of the frame's sightings, workspace
+  std::vector<int> ids_;                   ///< ids of the frame's sightings, workspace
   std::vector<CandidateBody> candidates_;  ///< workspace
   std::vector<int> mapped_;                ///< ids of the landmarks in the state
-  std::vector<int> uses_;                  ///< number of sightings used of each of them
+  std::vector<int> uses_;                  ///< number of used sightings of each landmark in mapped_
   FilterCounts counts_;
 };
 

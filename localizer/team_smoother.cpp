@@ -28,7 +28,7 @@ void TeamSmoother::forget_before(Time time) {
 
 void TeamSmoother::smooth(const TeamFilter& filter, const Use& use) const {
   constexpr int kDim = TeamFilter::kRobotDim;
-  constexpr double kVarianceMin = 1e-12;  // lower limit, for robots without a pose
+  constexpr double kVarianceMin = 1e-12;  // lower limit; needed for robots without a pose
   Eigen::VectorXd state = filter.state();
   Eigen::MatrixXd covariance = filter.joint_covariance();
   const Eigen::Index n = state.size();
@@ -42,7 +42,7 @@ void TeamSmoother::smooth(const TeamFilter& filter, const Use& use) const {
           F * step->covariance.middleRows<kDim>(robot * kDim);
     }
     const Eigen::Index landmarks = n - Eigen::Index{kDim} * filter.robots();
-    cross.bottomRows(landmarks) = step->covariance.bottomRows(landmarks);  // they do not move
+    cross.bottomRows(landmarks) = step->covariance.bottomRows(landmarks);  // landmarks do not move
     for (int robot = 0; robot < filter.robots(); ++robot) {
       const auto& F = step->transition[static_cast<std::size_t>(robot)];
       predicted.middleCols<kDim>(robot * kDim).noalias() =

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kInputsWaitingPerRobot = 64;
 
-/// Returns the newest instant of the grid of kIncrement at or before `time`.
+/// Returns the newest multiple of kIncrement that is not after `time`.
 Time grid_at_or_before(Time time) {
   return from_utime(to_utime(time) / kIncrement.count() * kIncrement.count());
 }
@@ -59,7 +59,7 @@ void LocalizerNode::on_mocap(const std::shared_ptr<const models::MocapFrame>& fr
     return;
   }
   last_mocap_ = frame->stamp.time;
-  // A frame after the instant of the next step waits for the step after it.
+  // A frame that is later than the next step is not used. A later step uses a newer frame.
   if (frame->stamp.time <= next_instant_ && steps_.sees_a_robot(*frame)) {
     mocap_ = frame;
   }

@@ -19,7 +19,7 @@ namespace vantage::localizer {
 ///
 /// A step belongs to an instant t on the grid of kIncrement and is computed kLag later, so that the
 /// odometry of t has arrived. POSE_R has `utime` = t, `step` = the number of steps since the start,
-/// and the names of all inputs, in the order of use. VICON is used once per step: its newest frame.
+/// and the names of all inputs, in the order of use. Each step uses only the newest frame of VICON.
 class LocalizerNode : public bus::Node {
  public:
   /// Time from the instant of a step to its computation.
@@ -32,9 +32,9 @@ class LocalizerNode : public bus::Node {
   [[nodiscard]] std::string name() const override { return "LOCALIZER_" + robot_; }
   [[nodiscard]] Time next_tick() const override { return next_instant_ + kLag; }
   void tick(Time now) override;
-  /// Returns the counters of PoseSteps and these: inputs_overflowed, dropped from the full queue;
-  /// misaddressed, messages with a robot name that differs from that of their channel; misfit,
-  /// mocap frames that are older than the previous one.
+  /// Returns the counters of PoseSteps and these. inputs_overflowed: inputs dropped from a full
+  /// queue. misaddressed: messages with a robot name that differs from that of their channel.
+  /// mocap_out_of_order: mocap frames that are not newer than the previous one.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   /// Returns the number of instants of the grid without a step.
   [[nodiscard]] std::int64_t deadlines_missed() const override { return instants_missed_; }

@@ -28,7 +28,8 @@ struct PoseInput {
 /// in the same order give the same bits.
 class PoseSteps {
  public:
-  /// Even steps contain the motion and the sightings for teammates, odd steps only the pose.
+  /// POSE_R of even steps contains the motion and the sightings for teammates; POSE_R of odd steps
+  /// contains only the pose.
   static constexpr std::int64_t kExchangeEvery = 2;
 
   /// @throws UsageError when `scenario` or its section `localizer` has no such robot.
@@ -42,7 +43,7 @@ class PoseSteps {
   [[nodiscard]] const scenario::LocalizerSpec& spec() const { return spec_; }
   /// Returns the names of all other robots in the section `localizer`.
   [[nodiscard]] std::vector<std::string> teammates() const;
-  /// True if `frame` contains the pose of a robot of the section.
+  /// True if `frame` contains the pose of a robot in the section `localizer`.
   [[nodiscard]] bool sees_a_robot(const models::MocapFrame& frame) const;
   /// Returns the counters of the localizer and of its filter.
   [[nodiscard]] std::vector<models::NamedCount> counters() const;

@@ -21,8 +21,8 @@ namespace vantage::localizer {
 /// messages.
 ///
 /// A step waits for inputs that have not arrived yet, see ReplayQueue. POSE_R does not contain the
-/// joint filter, so the replay begins at step 0 of a run. It ends at the first step with a missing
-/// input, or that is missing itself, until the next step 0.
+/// joint filter, so the replay begins at step 0 of a run. If an input or a step is missing, no
+/// steps are replayed until the next step 0.
 class LocalizerReplayNode : public bus::Node {
  public:
   /// @throws UsageError when `scenario` or its section `localizer` has no such robot.
@@ -32,8 +32,8 @@ class LocalizerReplayNode : public bus::Node {
   [[nodiscard]] std::string name() const override { return "REPLAY_LOCALIZER_" + robot_; }
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
   void tick(Time now) override;
-  /// Returns the counters of PoseSteps and these: inputs_missing; steps_skipped, steps after a
-  /// missing input or step.
+  /// Returns the counters of PoseSteps and these. inputs_missing: inputs that never arrived.
+  /// steps_skipped: steps that were not replayed because an input or an earlier step was missing.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
 
  private:

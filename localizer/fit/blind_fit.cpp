@@ -12,15 +12,15 @@ namespace vantage::localizer {
 namespace {
 
 constexpr int kRoundsMax = 12;
-constexpr double kSmallChange = 0.002;  // of scales, m, rad and s
+constexpr double kSmallChange = 0.002;  // change at which the fit ends; scales, m, rad or s
 
-/// Returns the largest change of a parameter.
+/// Returns the largest change of any parameter.
 double change_of(const scenario::LocalizedRobotSpec& from, const scenario::LocalizedRobotSpec& to) {
   const scenario::SightingSpec& a = from.sightings;
   const scenario::SightingSpec& b = to.sightings;
   const scenario::DriveSpec& c = from.drive;
   const scenario::DriveSpec& d = to.drive;
-  // Delay and lag of a drive can replace each other.
+  // Delay and lag of a drive can replace each other, so only their sum is compared.
   return std::max(
       {std::abs(a.range_scale - b.range_scale), std::abs(a.range_offset_m - b.range_offset_m),
        std::abs(a.axis_rad - b.axis_rad), std::abs(a.bearing_offset_rad - b.bearing_offset_rad),

@@ -12,7 +12,7 @@ namespace vantage::localizer {
 struct BlindFit {
   std::vector<SensorFit> sensors;  ///< in the order of the robots
   std::vector<DriveFit> drives;
-  int rounds = 0;  ///< number of rounds until the parameters changed little
+  int rounds = 0;  ///< number of rounds until the parameters hardly changed
 };
 
 /// Fits sensors and drives without true poses, and writes them to `spec`. Each round estimates all
@@ -21,7 +21,7 @@ struct BlindFit {
 ///
 /// The delay of the stamps keeps its value in `spec`: a common delay of stamps and paths cannot be
 /// observed. The delay of commands is fitted relative to it.
-/// @throws UsageError if a robot has too few sightings, or does not find its start
+/// @throws UsageError if a robot has too few sightings, or if its start is not found
 BlindFit fit_without_truth(scenario::LocalizerSpec& spec, Recording recording);
 
 }  // namespace vantage::localizer

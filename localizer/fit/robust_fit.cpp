@@ -109,7 +109,7 @@ double robust_line(const std::vector<double>& x, const std::vector<double>& y, d
 }
 
 Response least_loss_response(const std::function<double(double, double)>& loss) {
-  // Coarse search over a grid, then halved steps around the best point.
+  // Searches coarsely over a grid, then with halved steps around the best point.
   Response found;
   double best = std::numeric_limits<double>::infinity();
   const auto try_at = [&](double delay, double lag) {

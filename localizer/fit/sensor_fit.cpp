@@ -20,7 +20,7 @@ constexpr double kRangeSigmaM = 0.018;
 constexpr double kRangeSigmaPerM = 0.0013;
 constexpr double kBearingSigmaRad = 0.006;
 constexpr double kOutlierSigma = 6.0;
-// m; bearings of nearer bodies depend on where the code is on the body
+// m; the bearing of a nearer body depends on where the code is on the body
 constexpr double kNearM = 1.5;
 
 double median_of(std::vector<double> values) {
@@ -53,7 +53,7 @@ scenario::SightingSpec sensor_of(const Eigen::VectorXd& p, bool is_depth) {
 
 std::vector<Sample> samples_of(const std::vector<scenario::LandmarkSpec>& landmarks,
                                const RobotRecording& recording) {
-  // Margin within which the stamp may be shifted.
+  // Largest delay of the stamp for which true poses must exist.
   constexpr Duration kMargin = std::chrono::milliseconds(250);
   std::vector<Sample> samples;
   for (const SightingFrame& frame : recording.frames) {
@@ -93,7 +93,8 @@ SightingError error_of(const Sample& sample, const scenario::SightingSpec& senso
 
 /// Sets the noise of `fit` from the errors of its sensor.
 void fit_noise(const std::vector<SightingError>& errors, SensorFit& fit) {
-  // Robust σ of the range in classes of distance, then a line over the squared distance.
+  // Computes the robust σ of the range in classes of distance, then fits a line over the squared
+  // distance.
   constexpr std::array<double, 6> kEdgesM = {0.0, 2.0, 3.0, 4.0, 5.0, 8.0};
   constexpr std::size_t kClassMin = 20;
   double weight = 0.0;
@@ -196,7 +197,8 @@ SensorFit fit_sensor(const std::vector<scenario::LandmarkSpec>& landmarks,
   SensorFit best;
   double best_loss = std::numeric_limits<double>::infinity();
   for (const bool is_depth : {false, true}) {
-    // Parameters: scale, offset, bearing offset, forward, stamp delay and, of a depth, the axis.
+    // Parameters: scale, offset, bearing offset, forward, stamp delay and, if the range is a depth,
+    // the axis.
     Eigen::VectorXd start = Eigen::VectorXd::Zero(is_depth ? 6 : 5);
     start(0) = 1.0;
     start(4) = 0.03;
@@ -357,7 +359,7 @@ DriveFit fit_drive(const RobotRecording& recording, std::optional<Response> resp
   require(fit.windows >= kSamplesMin,
           "at least 100 windows of 0.2 s with true poses are needed; the log has " +
               std::to_string(fit.windows));
-  // Scales and bias from windows of 1 s, whose relative errors are smaller.
+  // Windows of 1 s give scales and bias, because their relative errors are smaller.
   constexpr std::size_t kMerge = 5;
   const Windows merged = windows_of(recording, truth, delay_s, lag_s, kMerge);
   double turn_offset_rad = 0.0;

@@ -16,7 +16,7 @@ struct SensorFit {
   double depth_loss = 0.0;         ///< mean Cauchy loss per sighting if the range is a depth
   double distance_loss = 0.0;      ///< mean Cauchy loss per sighting if the range is the distance
   double range_sigma_m = 0.0;      ///< robust 1σ of the range at distance 0
-  double range_sigma_per_m = 0.0;  ///< 1/m; multiplied by the squared distance and added
+  double range_sigma_per_m = 0.0;  ///< 1/m; growth of the 1σ with squared distance
   double bearing_sigma_rad = 0.0;  ///< robust 1σ of the bearing of landmarks beyond 1.5 m
   double outliers = 0.0;           ///< share of sightings with an error above 6σ
   /// Share of frames with at least one sighting in which a landmark in the used field of view and

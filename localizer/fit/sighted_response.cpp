@@ -14,7 +14,7 @@ namespace vantage::localizer {
 namespace {
 
 constexpr std::size_t kPairsMin = 100;
-constexpr double kSightedTurnSigmaRad = 0.01;  // of a turn between two frames
+constexpr double kSightedTurnSigmaRad = 0.01;  // 1σ of a turn between two frames
 constexpr double kApartMaxS = 0.6;
 
 /// A landmark in two frames.

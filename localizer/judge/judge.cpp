@@ -12,8 +12,8 @@
 namespace vantage::localizer {
 namespace {
 
-constexpr double kUnjudgedS = 60.0;   // after an unknown start, this time is not judged
-constexpr double kStartSigma = 0.01;  // m and rad; 1σ of a known start
+constexpr double kUnjudgedS = 60.0;                       // s; not judged after an unknown start
+constexpr double kStartSigma = 0.01;                      // m and rad; 1σ of a known start
 const Duration kHindsightPass = std::chrono::seconds(2);  // time between two passes of the smoother
 
 struct Span {
@@ -47,8 +47,8 @@ Pose2 start_of(const TruePath& truth, Time time) {
   throw UsageError("a known start requires a true pose after the start of the evaluated time");
 }
 
-/// Calls `use` with the sightings of each frame stamped ≤ `until`, with corrected times, from
-/// `next` on.
+/// Calls `use` once for each frame stamped ≤ `until`, starting at frame `next`. The sightings
+/// passed to `use` have corrected times.
 void pass_frames(const RobotRecording& robot, const scenario::SightingSpec& camera,
                  std::size_t& next, Time until,
                  const std::function<void(std::span<const models::Sighting>)>& use) {
@@ -67,7 +67,7 @@ std::size_t bytes_of(const models::PoseEstimate& message) {
   return kFixed + 24 * message.increments.size() + 28 * message.sightings.size();
 }
 
-/// Positions of a robot in its lists of inputs.
+/// Indices of the next inputs of a robot in its recording.
 struct Cursor {
   std::size_t odometry = 0;
   std::size_t frame = 0;
@@ -157,7 +157,7 @@ JudgeFigures judge_team(const scenario::LocalizerSpec& spec, const Recording& re
   return figures;
 }
 
-/// One joint filter over all data, with its record for hindsight.
+/// One joint filter over all data. It records its steps for estimates in hindsight.
 class JointRun {
  public:
   JointRun(const scenario::LocalizerSpec& spec, const Recording& recording, Span span)

@@ -17,7 +17,7 @@ using PoseWatch = std::function<void(std::size_t robot, Time time, const Pose2& 
 
 /// Options of processing a recording.
 struct JudgeOptions {
-  bool is_start_known = true;  ///< true: σ 0.01 m and 0.01 rad around the true pose
+  bool is_start_known = true;  ///< true: starts are known with 1σ of 0.01 m and 0.01 rad
   double loss = 0.0;           ///< probability that a receiver misses a message
   std::uint64_t seed = 1;      ///< seed of the random message losses
   int message_every = 2;       ///< steps of 0.1 s between the messages of a robot
@@ -25,8 +25,8 @@ struct JudgeOptions {
   /// messages. Above 0: one joint filter without messages; infinity: all data.
   double hindsight_s = 0.0;
   PoseWatch watch = {};  ///< receives all judged estimates; may be empty
-  /// True positions of landmarks whose positions the specification does not contain. If there are
-  /// any, the estimates are judged after one rotation and translation of all of them that fits the
+  /// True positions of the landmarks whose positions the specification does not contain. If there
+  /// are any, the estimates are judged after a common rotation and translation that fits the
   /// robots' positions best.
   std::vector<scenario::LandmarkSpec> hidden_landmarks = {};
 };
@@ -51,12 +51,12 @@ struct JudgeFigures {
   double inside_pose = 0.0;                  ///< share of poses inside their 95 % ellipsoid
   std::vector<double> placed_after_s;        ///< s; time until each robot had a pose; −1: never
   std::vector<Eigen::Vector2d> landmarks_m;  ///< positions of found hidden landmarks, not aligned
-  double landmarks_rmse_m = 0.0;             ///< m; error of landmarks_m, aligned by the robots
-  double landmarks_own_rmse_m = 0.0;         ///< m; error of landmarks_m, aligned by themselves
-  int without_pose = 0;                      ///< instants at which a judged robot had no pose
-  double bytes_per_robot_s = 0.0;            ///< rate of the messages, without transport headers
-  FilterCounts filter;                       ///< counts of the first robot's filter
-  InputCounts inputs;                        ///< counts of the first robot's inputs
+  double landmarks_rmse_m = 0.0;      ///< m; error of landmarks_m, aligned by the robots' paths
+  double landmarks_own_rmse_m = 0.0;  ///< m; error of landmarks_m, aligned by the landmarks
+  int without_pose = 0;               ///< instants at which a judged robot had no pose
+  double bytes_per_robot_s = 0.0;     ///< rate of the messages, without transport headers
+  FilterCounts filter;                ///< counts of the first robot's filter
+  InputCounts inputs;                 ///< counts of the first robot's inputs
 };
 
 /// Runs the localisers on `recording`.
