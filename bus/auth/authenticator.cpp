@@ -50,7 +50,7 @@ bool is_current(Time stamp, Time now) {
 
 constexpr Duration kStaleShownFor = std::chrono::seconds(1);
 
-/// Returns the fault of a real device without required signatures, with its remedy.
+/// Returns the error text, with its remedy, for a real device without required signatures.
 std::string real_device_fault(const scenario::Scenario& scenario) {
   return "a device is real, so its commands must be signed: write security: {mode: require, "
          "keys: FOLDER} into the scenario, and create the keys: vantage keys new " +

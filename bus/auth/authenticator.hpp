@@ -127,7 +127,8 @@ struct RefusalCount {
 std::optional<RefusalCount> parse_refusal(std::string_view counter);
 
 /// Creates the authenticator of a live process of `scenario`; nullptr without security.
-/// @throws StartupError when a device is real and security is not `require`, and as load_keyring().
+/// @throws StartupError when a device is real and security is not `require`, and in the same cases
+/// as load_keyring().
 std::unique_ptr<Authenticator> authenticator_for(const scenario::Scenario& scenario);
 /// Creates the authenticator of a replay: it signs as a replay and checks nothing. nullptr without
 /// security or without the folder of keys. @throws StartupError as load_keyring().

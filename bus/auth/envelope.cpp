@@ -104,7 +104,7 @@ Refusal judge(const Keyring& keyring, std::string_view channel, const SignedPart
   if (foot.mode != expectation.mode) {
     return Refusal::kWrongMode;
   }
-  // Checked before the signature, so that a replayed message cannot use up a budget.
+  // This check precedes the signature check, so that a replayed message cannot use up a budget.
   if (replays.refuses(foot.key_id, foot.session, foot.counter)) {
     return Refusal::kReplayed;
   }

@@ -70,7 +70,7 @@ std::optional<models::Trajectory> trajectory_from(const Wire& wire, Time start_t
   return trajectory;
 }
 
-/// Calls copy(number of the plan, number of the wire struct) for each number that both have.
+/// Calls copy(field of the plan, field of the wire struct) for each numeric field that both have.
 template <class Plan, class Wire, class Copy>
 void each_number(Plan& plan, Wire& wire, const Copy& copy) {
   copy(plan.round, wire.round);

@@ -7,12 +7,13 @@
 
 namespace vantage::bus {
 
-/// Returns the channel of the request: the robot's committed motion from the start of the next
-/// round, as a plan without search results.
+/// Returns the channel of the requests to the external planner. A request contains the robot's
+/// committed motion from the start of the next round, as a plan without search results.
 inline Channel<models::RobotPlan> external_request_channel(const std::string& robot) {
   return {"EXTERNAL_REQUEST_" + robot};
 }
-/// Returns the channel of the answer: the requested plan with other segments.
+/// Returns the channel of the external planner's answers. An answer is the requested plan with
+/// other segments.
 inline Channel<models::RobotPlan> external_plan_channel(const std::string& robot) {
   return {"EXTERNAL_PLAN_" + robot};
 }

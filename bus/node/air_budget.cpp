@@ -13,7 +13,7 @@ constexpr double kBytesPerKbit = 125.0;
 constexpr Duration kStatusPeriodMax{500'000};
 constexpr Duration kHealthPeriodMax{30'000'000};
 
-/// Classes by the begin of the channel name. Channels that are not listed are unlimited.
+/// Classes by the beginning of the channel name. Channels that are not listed are unlimited.
 constexpr std::array<std::pair<std::string_view, AirClass>, 15> kClasses{{
     {"PLAN_", AirClass::kMotion},
     {"PROPOSAL_", AirClass::kMotion},
@@ -55,7 +55,7 @@ double share_of(AirClass kind) {
     case AirClass::kKnowledge:
       return 0.32;
     case AirClass::kHealth:
-      return 0.015;  // sensor, estimator, planner, driver
+      return 0.015;  // for each process: sensor, estimator, planner, driver
     case AirClass::kHost:
     case AirClass::kUnlimited:
       return 0.0;
@@ -73,7 +73,7 @@ std::size_t bytes_on_air(std::size_t channel_bytes, std::size_t payload_bytes) {
   constexpr std::size_t kIpBytes = 20;
   constexpr std::size_t kUdpBytes = 8;
   constexpr std::size_t kLcmBytes = 8;
-  constexpr std::size_t kFrameBytes = 1480;  // after the IP header
+  constexpr std::size_t kFrameBytes = 1480;  // bytes of a frame after the IP header
   const std::size_t datagram = kUdpBytes + kLcmBytes + channel_bytes + 1 + payload_bytes;
   return datagram + kIpBytes * ((datagram + kFrameBytes - 1) / kFrameBytes);
 }

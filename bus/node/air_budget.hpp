@@ -16,20 +16,20 @@
 
 namespace vantage::bus {
 
-/// Kinds of traffic of one robot. Each has its own share of the budget, in every process that sends
-/// this kind.
+/// Kinds of traffic of one robot. Each kind has a separate share of the budget, in every process
+/// that sends this kind.
 enum class AirClass : std::uint8_t {
   kMotion,       ///< plans, proposals, poses; sent always and twice, even beyond the share
   kObservation,  ///< measurements
   kStatus,       ///< VEHICLE_R; at least every 0.5 s
   kKnowledge,    ///< compact beliefs, maps
-  kHealth,       ///< at least every 30 s
+  kHealth,       ///< HEALTH_*; at least every 30 s
   kHost,         ///< for processes of the robot's own host only
   kUnlimited,    ///< not sent by a robot
 };
 
-/// Returns the share of the budget for one class, of one process; 0 for kHost and kUnlimited. The
-/// shares of all processes of a robot add up to 1.
+/// Returns the share of the budget that one process may use for one class; 0 for kHost and
+/// kUnlimited. The shares of all processes of a robot add up to 1.
 double share_of(AirClass kind);
 
 /// True for channels of kMotion. With a budget, each of their messages is published twice, with the
@@ -52,7 +52,8 @@ class AirBudget {
  public:
   explicit AirBudget(const scenario::Scenario& scenario);
 
-  /// Decides whether a message of `payload_bytes` is sent; takes the bytes of a sent message.
+  /// Decides whether a message of `payload_bytes` may be sent to other hosts. If so, takes its
+  /// bytes from the bucket.
   Reach admit(std::string_view channel, std::size_t payload_bytes, Time now);
   /// Returns the largest payload that the bucket of `channel` has room for.
   [[nodiscard]] std::size_t payload_left(std::string_view channel, Time now) const;
@@ -63,8 +64,8 @@ class AirBudget {
   /// True if receivers on other hosts do not receive every message.
   [[nodiscard]] bool is_thinned(std::string_view channel) const;
 
-  /// Returns how often each message of the channel is sent: twice if a vehicle moves by it, so that
-  /// a single lost frame does not lose it.
+  /// Returns how often each message of the channel is sent: twice if vehicles move according to the
+  /// messages, so that the loss of one frame loses no message. Otherwise once.
   [[nodiscard]] int copies_on(std::string_view channel) const {
     return class_of(channel) == AirClass::kMotion ? 2 : 1;
   }
@@ -75,8 +76,8 @@ class AirBudget {
 
  private:
   struct Bucket {
-    double bytes = 0.0;  ///< as of `filled`
-    Time filled{};       ///< epoch: full
+    double bytes = 0.0;  ///< bytes left at the time `filled`
+    Time filled{};       ///< time of the last change of `bytes`; epoch: the bucket is full
     Time sent{};         ///< time of the last message that left the host
   };
   [[nodiscard]] double filled_bytes(const Bucket& bucket, double rate_Bps, Time now) const;

@@ -92,12 +92,12 @@ class Bus {
   template <class Message>
   void subscribe(const Channel<Message>& channel, std::function<void(const Message&)> handler);
 
-  /// As above. The handler also receives the full channel name, for prefix subscriptions.
+  /// As subscribe(), but the handler also receives the full channel name, for prefix subscriptions.
   template <class Message>
   void subscribe_named(const Channel<Message>& channel,
                        std::function<void(const std::string& name, const Message&)> handler);
 
-  /// As above, for handlers that store the message. All handlers share one copy.
+  /// As subscribe_named(), for handlers that store the message. All handlers share one copy.
   template <class Message>
   void subscribe_shared(
       const Channel<Message>& channel,

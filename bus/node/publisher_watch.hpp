@@ -28,7 +28,7 @@ class PublisherWatch {
   struct Runs {
     std::int64_t current = 0;
     std::vector<std::int64_t> earlier;
-    int returns = 0;  ///< changes to an earlier run since the newest run appeared
+    int returns = 0;  ///< number of changes to an earlier run since the newest run
     bool is_contested = false;
   };
   std::map<std::string, Runs, std::less<>> runs_;

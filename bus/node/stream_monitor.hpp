@@ -49,9 +49,9 @@ struct StreamCounts {
 ///
 /// A number more than kStepMax beyond the newest is refused, so that one forged number cannot
 /// silence a sender. Such a number is accepted after kAcceptSteps consecutive refused numbers and,
-/// with a clock, only if the run was otherwise silent for kAcceptSilence. A shorter gap may exceed
-/// the stored numbers. If a number inside this gap then arrives with a newer time, the gap was
-/// forged, so the message is accepted.
+/// with a clock, only if no message of the run was accepted for kAcceptSilence. A smaller step may
+/// skip more numbers than are stored. If a skipped number that is not stored then arrives with a
+/// newer time, the gap was forged, so the message is accepted.
 class StreamMonitor {
  public:
   static constexpr std::int64_t kStepMax = 10'000;

@@ -32,7 +32,7 @@ using ByName = std::unordered_map<std::string, Value, NameHash, std::equal_to<>>
 class ChannelIndex {
  public:
   /// Adds the pattern and returns its number: the last removed number, if any, otherwise the next
-  /// of 0, 1, …
+  /// unused number (0, 1, …).
   std::size_t add(const std::string& pattern) {
     const std::size_t number = free_.empty() ? count_++ : free_.back();
     if (!free_.empty()) {

@@ -78,7 +78,7 @@ int LcmTransport::handle(std::chrono::microseconds timeout) {
   if (has_ended_) {
     return kSourceEnded;
   }
-  // Rounded up, so that a wait of less than 1 ms does not become a busy loop.
+  // The wait is rounded up, so that a wait of less than 1 ms does not become a busy loop.
   auto wait = std::chrono::ceil<std::chrono::milliseconds>(std::max(timeout, {}));
   int handled = 0;
   is_handling_ = true;

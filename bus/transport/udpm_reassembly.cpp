@@ -9,7 +9,7 @@ namespace {
 /// Overhead of allocator and containers that is added to the memory of each stored message and
 /// piece, bytes.
 constexpr std::size_t kMessageOverheadBytes = 256;
-// sizeof(Piece) is 64; twice that, because the vector grows by doubling
+// Twice sizeof(Piece), which is 64, because the vector grows by doubling.
 constexpr std::size_t kPieceOverheadBytes = 128;
 
 /// 1 / kSparedShare of the messages, those with the newest fragments, are not evicted.

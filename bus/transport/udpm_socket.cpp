@@ -150,7 +150,8 @@ void MulticastSocket::open_receiver(const UdpmAddress& address) {
   receive_buffer_bytes_ = doubled / 2;
   set_option(fd, SOL_SOCKET, SO_RXQ_OVFL, 1);       // counts drops; optional
   set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);  // only messages of the joined group
-  // Bound to the group address, so datagrams to this host's own addresses are not received.
+  // The socket is bound to the group address, so it does not receive datagrams to this host's own
+  // addresses.
   if (bind(fd, as_sockaddr(group_), sizeof group_) != 0) {
     throw StartupError("LCM udpm: cannot listen on " + address.group + ":" +
                        std::to_string(address.port) + ": " + reason());

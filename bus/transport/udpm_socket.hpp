@@ -110,7 +110,7 @@ class MulticastSocket {
   std::string fault_;
   std::int64_t network_losses_ = 0;
   std::int64_t next_try_ns_ = 0;
-  int ttl_set_ = 0;  ///< of the sender
+  int ttl_set_ = 0;  ///< TTL that is set in sender_
 };
 
 }  // namespace vantage::bus::udpm

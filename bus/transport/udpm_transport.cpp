@@ -12,7 +12,7 @@ namespace vantage::bus::udpm {
 namespace {
 
 constexpr int kMessagesPerHandle = 4096;
-constexpr int kDatagramsPerTaking = 256;  // limit per read, so that a flood cannot delay handlers
+constexpr int kDatagramsPerTaking = 256;         // limit of one read; a flood cannot delay handlers
 constexpr std::int64_t kOvertimeNs = 5'000'000;  // ns; time allowed beyond the caller's timeout
 constexpr std::int64_t kTakePeriodNs = 100'000;  // ns; longest time between reads from the kernel
 constexpr std::size_t kQueuedOverheadBytes = 128;

@@ -43,12 +43,12 @@ class UdpmTransport : public Transport {
 
  private:
   struct Subscription {
-    std::string pattern;  ///< of channels; empty: the entry is unused
+    std::string pattern;  ///< channel or prefix; empty: the entry is unused
     Handler handler;
   };
   void keep_network();
-  /// Removes the filter of channels until the next handle(), so that a changed set of subscriptions
-  /// is effective at once.
+  /// Removes the channel filter until the next handle(), so that a changed set of subscriptions is
+  /// effective at once.
   void reset_filter();
   void apply_filter();
   bool publish_to(const std::string& channel, std::span<const std::uint8_t> bytes, Reach reach);
@@ -65,7 +65,7 @@ class UdpmTransport : public Transport {
   std::int64_t receive_buffer_requested_bytes_;
   std::size_t arrived_bytes_max_;
   MulticastSocket socket_;
-  std::optional<UnicastRelay> relay_;  ///< only with peers
+  std::optional<UnicastRelay> relay_;  ///< set if the URL has peers
   ReportNetwork report_;
   bool is_loss_reported_ = false;
   Reassembler reassembler_;

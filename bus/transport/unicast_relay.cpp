@@ -29,7 +29,7 @@ std::vector<in_addr_t> own_addresses() {
   }
   for (const ifaddrs* each = first; each != nullptr; each = each->ifa_next) {
     if (each->ifa_addr != nullptr && each->ifa_addr->sa_family == AF_INET) {
-      // The kernel's structure has the type that its family states.
+      // The family AF_INET states that the address has the type sockaddr_in.
       out.push_back(reinterpret_cast<const sockaddr_in*>(each->ifa_addr)  // NOLINT
                         ->sin_addr.s_addr);
     }
@@ -122,7 +122,7 @@ void UnicastRelay::keep(std::int64_t monotonic_ns) {
   constexpr int kBufferBytes = 1 << 20;
   if (fd < 0 || bind(fd, as_sockaddr(address), sizeof address) != 0) {
     if (fd >= 0) {
-      close(fd);  // another process of this host relays
+      close(fd);  // another process of this host is the relay
     }
     return;
   }
