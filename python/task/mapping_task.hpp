@@ -11,7 +11,7 @@
 namespace vantage::python {
 
 /// Exploration by a team that initially knows only the outer walls of its world. The defaults are
-/// those of the dissertation (4 F.2), but with fewer robots.
+/// those of the dissertation (section 4.F.2), but with fewer robots.
 struct MappingTaskSpec {
   int robots = 2;
   std::string world = "pillars";  ///< "pillars" or "corridors"

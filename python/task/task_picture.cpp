@@ -11,7 +11,8 @@
 namespace vantage::python {
 namespace {
 
-// Log-odds of one count in a drawn map, as a share of the clamp: fine enough for eight shades.
+// Log-odds of one count in a drawn map, as a share of the limit of the log-odds. This is fine
+// enough for eight shades.
 constexpr double kCountShare = 1e-3;
 
 logs::TrialSummary summary_of(const TeamTask& task, const std::string& title, double step_s) {

@@ -9,8 +9,8 @@
 
 namespace vantage::python {
 
-/// Drawer of a task as the picture that `vantage demo` draws of a trial. Tracks consist of the
-/// steps of the current episode that were drawn.
+/// Drawer of a task as the picture that `vantage demo` draws of a trial. The tracks in the picture
+/// consist of the steps of the current episode at which draw() was called.
 class TaskPicture {
  public:
   /// Returns the present state of `task` as SVG text, titled `title`. Precondition: the task was

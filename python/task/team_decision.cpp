@@ -28,7 +28,7 @@ using planner::SearchResult;
 using planner::TeamOracle;
 using planner::TeamProblem;
 
-// Maximum number of sets that are evaluated one by one, which takes some seconds.
+// Maximum number of choices or attacks that are evaluated one by one, which takes some seconds.
 constexpr double kMostSets = 1e6;
 
 std::string names_of(const std::function<bool(const DecisionAlgorithm&)>& is_meant) {

@@ -11,7 +11,7 @@ namespace vantage::python {
 /// Simulated attack: temporary loss of some robots' sensors.
 struct JammerSpec {
   int attacks = 0;        ///< α: number of robots jammed simultaneously
-  int period_steps = 25;  ///< steps; duration until other robots are jammed
+  int period_steps = 25;  ///< steps; time after which the attacker chooses the robots again
   /// true: jam the robots that observed most in the last period; false: random
   bool is_greedy = true;
 };

@@ -13,7 +13,7 @@
 namespace vantage::python {
 
 /// Parameters of the tracking of double integrators by a team in a square field. Sensor, motion
-/// primitives and targets are those of the dissertation (4 F.1); the field is smaller.
+/// primitives and targets are those of the dissertation (section 4.F.1); the field is smaller.
 struct TrackingSpec {
   int robots = 1;
   double side_m = 40.0;

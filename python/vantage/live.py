@@ -102,7 +102,7 @@ class Node(Bus):
     def __init__(self, name, url="", scenario=None):
         super().__init__(url, scenario)
         self.name = name
-        """[A-Z0-9_]+"""
+        """Name of the node, of the form [A-Z0-9_]+."""
         self._tasks = []  # [due, period_s, action], due on the monotonic clock
         self._is_stopped = False
         self._loops = 0

@@ -30,7 +30,7 @@ tasks = {
     "TeamMapping": ("mapping", {"robots": 3}),
     "ResilientMapping": ("mapping", {"robots": 4, "attacks": 1}),
 }
-"""{name: (kind, options that differ from the kind's)}."""
+"""{name of the task: (kind, options that differ from the defaults of the kind)}."""
 
 
 def _task(name, options):
