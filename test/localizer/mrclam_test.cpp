@@ -52,7 +52,7 @@ class MrclamSetSix : public ::testing::Test {
     }
   }
   [[nodiscard]] static JudgeFigures run(const JudgeOptions& options) {
-    // The true heading of robot 1 has errors of up to 0.1 rad.
+    // The recorded true heading of robot 1 has errors of up to 0.1 rad.
     const JudgeFigures figures =
         judge(trial_->spec, trial_->recording, options, {false, true, true, true, true});
     std::printf(

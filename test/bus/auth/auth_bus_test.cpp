@@ -349,7 +349,7 @@ TEST_F(SecuredBus, ReplayedStatusesDoNotReplaceTheCurrentNonce) {
   pass(std::chrono::seconds(1));
   vehicle_.bus.renew_session();
   publish_status(vehicle_.bus);
-  Process second(hub_, clock_, 8, test::authenticator(keys_));  // has received neither status yet
+  Process second(hub_, clock_, 8, test::authenticator(keys_));  // has received no status yet
   publish_status(vehicle_.bus);
   second.handle_all();
   send_again(old);

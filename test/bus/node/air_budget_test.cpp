@@ -57,7 +57,7 @@ TEST(AirBudget, DividesTheWholeBudget) {
 TEST(BytesOnAir, IncludeAllHeaders) {
   EXPECT_EQ(bytes_on_air(7, 100), 20U + 8 + 8 + 8 + 100);
   EXPECT_EQ(bytes_on_air(7, 1456), 1500U);        // one full frame
-  EXPECT_EQ(bytes_on_air(7, 1457), 1501U + 20U);  // a second one
+  EXPECT_EQ(bytes_on_air(7, 1457), 1501U + 20U);  // one full frame and a second one
 }
 
 /// Returns the bytes sent in `seconds`, with a message of `payload` bytes every `period_us`.
@@ -85,7 +85,7 @@ TEST(AirBudget, LimitsTheMeanRateOfEachShare) {
     AirBudget budget(team(16.0));
     const double rate_Bps = 16.0 * 125.0 * share_of(row.kind);
     const double bytes = sent(budget, row.channel, row.payload, 10'000, 200.0);
-    // At most the initial two seconds and one message more.
+    // The bytes exceed the mean rate at most by two seconds of the share and one message.
     EXPECT_GE(bytes, rate_Bps * 199.0) << row.channel;
     EXPECT_LE(bytes, rate_Bps * 202.0 + 1.1 * static_cast<double>(row.payload) + 100.0)
         << row.channel;
@@ -103,7 +103,7 @@ TEST(AirBudget, NeverHoldsPlans) {
 
 TEST(AirBudget, SendsStatusAndHealthAtLeastRarely) {
   AirBudget budget(team(4.0));
-  EXPECT_GE(sent(budget, "VEHICLE_Q1", 500, 100'000, 60.0), 119.0 * 546.0);  // every 0.5 s
+  EXPECT_GE(sent(budget, "VEHICLE_Q1", 500, 100'000, 60.0), 119.0 * 546.0);  // one per 0.5 s
   EXPECT_GE(sent(budget, "HEALTH_PLANNER_Q1", 3000, 1'000'000, 90.0), 3.0 * 3000.0);
 }
 

@@ -268,7 +268,8 @@ TEST(Bus, KeepsTheFirstMocapWhileItPublishes) {
   expect_first_is_kept(kVicon, models::MocapFrame{});
 }
 
-// A second simulation on the network of a real flight reports the same robots as on the ground.
+// A second simulation on the network of a real flight reports that the same robots are on the
+// ground.
 TEST(Bus, KeepsTheFirstPublisherOfAVehicleWhileItPublishes) {
   models::VehicleStatus status;
   status.robot = "Q1";

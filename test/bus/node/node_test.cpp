@@ -317,8 +317,8 @@ TEST_F(Health, IsPublishedAtOnceAndDegradedAfterADrop) {
   EXPECT_EQ(loop(milliseconds(2'500)), 5U) << "an idle loop is not a fault";
 }
 
-// Health is published at most ten times per second, to the microsecond. The periodic report follows
-// one second after the last periodic report.
+// The limit of ten reports per second is exact to the microsecond. The periodic report follows one
+// second after the last periodic report.
 TEST_F(Health, IsPublishedAtMostTenTimesPerSecond) {
   HealthReporter reporter(bus_, node_);
   const auto reports = [&](Duration at) {

@@ -147,7 +147,7 @@ TEST(ThreadWait, ReadsTheCounterOfTheThreadThatOpenedIt) {
   EXPECT_GE(wait.waited_us().value_or(-1), *read_us) << "the file is read from its beginning again";
 }
 
-// The kernel's values read before and after bound the reported values.
+// The reported values are between the kernel's values read before and after the report.
 TEST(UsageCounters, EqualTheKernelsFigures) {
   const auto kernel_usage = [] {
     rusage own{};

@@ -142,7 +142,7 @@ TEST(ParsePacket, ReadsEveryValidHead) {
 TEST(ParsePacket, AcceptsOneFragmentPerByte) {
   EXPECT_TRUE(parse_packet(fragment(4, 3, 3, 4, Bytes(1))).has_value());
   EXPECT_FALSE(parse_packet(fragment(4, 3, 3, 5, Bytes(1))).has_value());
-  const auto bytes = fragment(1, 0, 0, 1, Bytes(1));  // the parsed packet refers to these bytes
+  const auto bytes = fragment(1, 0, 0, 1, Bytes(1));  // the parsed packet refers to `bytes`
   const auto whole = parse_packet(bytes);
   ASSERT_TRUE(whole.has_value());
   EXPECT_EQ(whole->channel, "T");

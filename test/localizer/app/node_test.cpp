@@ -166,7 +166,7 @@ TEST_F(LocalizerNodeTest, CountsMisaddressedMessagesAndMissedInstants) {
   EXPECT_TRUE(poses_.back().inputs.empty());
   clock_.set(kStart + 1s);
   node.tick(clock_.now());
-  EXPECT_EQ(node.deadlines_missed(), 7);  // 0.2 to 0.8 s
+  EXPECT_EQ(node.deadlines_missed(), 7);  // the instants 0.2 to 0.8 s have no step
 }
 
 TEST_F(LocalizerNodeTest, SendsMotionToTeammatesInEverySecondMessage) {

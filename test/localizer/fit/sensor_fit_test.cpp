@@ -142,7 +142,7 @@ TEST(SightedResponse, FindsSumOfDelayAndLagFromSightingsAlone) {
   recording.truth = {};
   const Response response = sighted_response(hall(), sensor, recording);
   EXPECT_NEAR(response.delay_s + response.lag_s, kDrive.delay_s + kDrive.lag_s, 0.05);
-  // An unknown delay of the stamps becomes a part of the delay.
+  // An unknown delay of the stamps becomes part of the fitted delay of the commands.
   scenario::SightingSpec late = sensor;
   late.stamp_delay_s = 0.0;
   const Response later = sighted_response(hall(), late, recording);
