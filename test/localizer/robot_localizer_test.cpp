@@ -142,7 +142,7 @@ TEST(RobotLocalizer, MovesBySameDistanceForIncrementsAndCommands) {
   EXPECT_NEAR(measured.pose().x_m, 0.56, 1e-9);
 }
 
-TEST(RobotLocalizer, RefusesMessagesOfUnknownRobotsAndOtherGrids) {
+TEST(RobotLocalizer, RefusesMessagesOfUnknownRobotsOrWithOtherIncrements) {
   test::SimulatedTeam team(2, 1);
   RobotLocalizer localizer(team.spec, 0);
   localizer.advance_to(team.now);

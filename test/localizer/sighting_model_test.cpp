@@ -27,7 +27,7 @@ TEST(SightingModel, MatchesClosedFormForPointAhead) {
   EXPECT_NEAR(ahead.distance_m, 3.0, 1e-12);
 }
 
-TEST(SightingModel, ReportsDepthOfPointAsideIfRangeIsDepth) {
+TEST(SightingModel, ReportsDepthOfPointToTheSideIfRangeIsDepth) {
   scenario::SightingSpec spec;
   const Eigen::Vector2d point_m(3.0, 4.0);
   EXPECT_NEAR(expected_sighting(spec, {}, point_m).range_m, 5.0, 1e-12);
@@ -35,7 +35,7 @@ TEST(SightingModel, ReportsDepthOfPointAsideIfRangeIsDepth) {
   EXPECT_NEAR(expected_sighting(spec, {}, point_m).range_m, 3.0, 1e-12);
 }
 
-TEST(SightingModel, HasDerivativesOfItsValues) {
+TEST(SightingModel, DerivativesAgreeWithFiniteDifferences) {
   std::mt19937 rng(5);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   for (int i = 0; i < 200; ++i) {

@@ -24,7 +24,7 @@ models::Sighting sighting_of(const scenario::LocalizerSpec& spec, int robot, con
   return {{}, id, expected.range_m, expected.bearing_rad};
 }
 
-TEST(TeamFilter, EqualsInformationFormForSightingOfTeammate) {
+TEST(TeamFilter, AgreesWithInformationFormForSightingOfTeammate) {
   // The expected covariance is P = (P0⁻¹ + Hᵀ R⁻¹ H)⁻¹ over the poses of both robots.
   test::SimulatedTeam team(2, 1);
   TeamFilter filter(team.spec);
@@ -57,7 +57,7 @@ TEST(TeamFilter, EqualsInformationFormForSightingOfTeammate) {
   EXPECT_LT((filter.pose(0).position_m() - first.position_m()).norm(), 1e-9);
 }
 
-TEST(TeamFilter, ImprovesTeammateByLandmarkAfterMeeting) {
+TEST(TeamFilter, LandmarkSightingAlsoImprovesTeammateThatSawTheRobot) {
   test::SimulatedTeam team(2, 1);
   TeamFilter filter(team.spec);
   const Pose2 first{0.0, 0.0, 0.0};
@@ -229,7 +229,7 @@ TEST(TeamFilter, UsesNoSightingThatFitsNoBody) {
   EXPECT_EQ(filter.counts().used, 0);
 }
 
-TEST(TeamFilter, AssignsTwoSightingsWhenTheirOrderDecides) {
+TEST(TeamFilter, AssignsSightingsThatOnlyTogetherAreUnambiguous) {
   // Each sighting alone fits both landmarks, because the heading is uncertain.
   test::SimulatedTeam team(1, 1);
   team.spec.landmarks = {{1001, {3.0, 0.35}}, {1002, {3.0, -0.35}}, {1003, {4.0, 1.2}}};

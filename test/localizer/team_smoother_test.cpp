@@ -52,7 +52,7 @@ TEST(TeamSmoother, CorrectsEarlierPosesByLaterSightings) {
   EXPECT_NEAR(first_y_m, 0.3, 0.15);
 }
 
-TEST(TeamSmoother, EqualsFilterIfMotionIsExact) {
+TEST(TeamSmoother, AgreesWithFilterIfMotionIsExact) {
   // Without process noise the smoothed start is the final pose minus the motion.
   test::SimulatedTeam team(1, 1);
   team.spec.odometry_noise = {0.0, 0.0, 0.0, 1e-9, 10.0, 1e-9, 10.0};

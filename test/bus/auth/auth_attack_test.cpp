@@ -147,7 +147,7 @@ Duration longest_wait(const std::vector<Forged>& attack, bool repeats_now) {
   return std::max(longest, end - accepted);
 }
 
-TEST(ReplayAttack, DelaysOrdersByAtMostOnePeriod) {
+TEST(ReplayAttack, DelaysNoOperatorOrder) {
   struct Row {
     const char* name;
     std::function<std::vector<Forged>()> attack;
@@ -156,13 +156,13 @@ TEST(ReplayAttack, DelaysOrdersByAtMostOnePeriod) {
   const std::vector<Row> rows{
       {"commands of one earlier session", [] { return recorded_commands(1); }},
       {"commands of 299 earlier sessions", [] { return recorded_commands(299); }},
-      {"the same under a thousand addresses",
+      {"commands of 299 earlier sessions from a thousand addresses",
        [] { return under_addresses(recorded_commands(299), 1'000); }},
-      {"the same under the station's address",
+      {"commands of one earlier session from the station's address",
        [] { return under_the_stations_address(recorded_commands(1)); }},
       {"statuses of an earlier session of the vehicle", recorded_statuses},
       {"unsigned messages on ever new names", unsigned_names},
-      {"what the operator has just sent", [] { return recorded_commands(1); }, true},
+      {"repetitions of the operator's latest message", [] { return recorded_commands(1); }, true},
   };
   for (const Row& row : rows) {
     EXPECT_LE(longest_wait(row.attack(), row.repeats_now), milliseconds(200)) << row.name;
@@ -171,7 +171,7 @@ TEST(ReplayAttack, DelaysOrdersByAtMostOnePeriod) {
 
 // The attacker replays commands recorded in the same session of the station, from before the
 // vehicle was armed.
-TEST(ReplayAttack, SpendsNoBudgetOfTheStation) {
+TEST(ReplayAttack, DoesNotUseTheSignatureBudgetOfTheStation) {
   const auto vehicle = process();
   const auto station = process();
   vehicle->act_as_vehicle("Q1");

@@ -56,7 +56,7 @@ TEST(SignatureBudgets, HostBudgetCoversAllPorts) {
 }
 
 // A sender with a valid signature is identified by address and session together.
-TEST(SignatureBudgets, VerifiedSenderHasOwnBudget) {
+TEST(SignatureBudgets, VerifiedSenderHasASeparateBudget) {
   SignatureBudgets budgets({Budget(0.0, 2.0), Budget(0.0, 2.0)}, {kNone, kNone}, {kAny, kAny});
   const Sender known{host(1, 5), 7};
   EXPECT_FALSE(budgets.take(known, false, kNow));
@@ -120,7 +120,7 @@ TEST(SignatureBudgets, UnknownSendersOfAllHostsShareOneBudget) {
 
 // Compares the guard with a set of all received counters. The guard stores the newest 64 counters.
 // Once it has dropped a counter, it refuses this and all lower counters.
-TEST(ReplayGuard, EqualsAReferenceThatStoresAllNumbers) {
+TEST(ReplayGuard, AgreesWithAReferenceThatStoresAllCounters) {
   std::mt19937_64 rng(9);
   for (int trial = 0; trial < 30; ++trial) {
     ReplayGuard guard;

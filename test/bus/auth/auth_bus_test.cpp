@@ -138,7 +138,7 @@ TEST_F(SecuredBus, SignedMessagesAreReadableWithAndWithoutKeys) {
 
 // The run id, the next number and the current time are readable on the network, so a forged frame
 // can contain them.
-TEST_F(SecuredBus, RefusesAForgedFrameWithTheTrueRunAndNumber) {
+TEST_F(SecuredBus, RefusesAForgedFrameWithTheCorrectRunIdAndSequenceNumber) {
   lab_.bus.publish(kVicon, frame());
   handle_all();
   models::MocapFrame forged = frame();
@@ -169,7 +169,7 @@ TEST_F(SecuredBus, RefusesMessagesSignedWithKeysOfAnotherTrial) {
   EXPECT_EQ(vehicle_.count("VICON.unknown_key"), 1);
 }
 
-TEST_F(SecuredBus, RefusesASimulationAndAReplayWithTheSameKeys) {
+TEST_F(SecuredBus, RefusesMessagesOfSimulationsAndReplaysWithTheSameKeys) {
   Process simulation(hub_, clock_, 4,
                      test::authenticator(keys_, {SecurityMode::kRequire, TrialMode::kSimulation}));
   Process replay(hub_, clock_, 5,
@@ -187,7 +187,7 @@ TEST_F(SecuredBus, RefusesASimulationAndAReplayWithTheSameKeys) {
   EXPECT_EQ(replay.frames.size(), 3U) << "a replay accepts messages of any time";
 }
 
-TEST_F(SecuredBus, RefusesReplayedMessagesAtOnceAndLater) {
+TEST_F(SecuredBus, RefusesMessagesReplayedImmediatelyOrLater) {
   lab_.bus.publish(kVicon, frame());
   handle_all();
   send_again(recorded_.at(0));
@@ -200,7 +200,7 @@ TEST_F(SecuredBus, RefusesReplayedMessagesAtOnceAndLater) {
   EXPECT_EQ(late.count("VICON.stale"), 1);
 }
 
-TEST_F(SecuredBus, AcceptsUnsignedMessagesOnUncriticalChannels) {
+TEST_F(SecuredBus, AcceptsUnsignedMessagesOnNoncriticalChannels) {
   const Channel<models::HostReport> camera{"CAMERA"};
   int received = 0;
   vehicle_.bus.subscribe<models::HostReport>(camera, [&](const auto&) { ++received; });
@@ -298,7 +298,7 @@ TEST_F(SecuredBus, CommandReachesTheVehicleWhoseNonceWasReceived) {
   EXPECT_EQ(vehicle_.count("COMMAND.wrong_destination"), 0);
 }
 
-TEST_F(SecuredBus, CommandWithoutTheVehiclesNonceMayOnlyStop) {
+TEST_F(SecuredBus, CommandWithoutTheVehiclesNonceMayOnlyHoldLandOrStop) {
   for (const OperatorAction action :
        {OperatorAction::kHeartbeat, OperatorAction::kArm, OperatorAction::kTakeOff,
         OperatorAction::kFollow, OperatorAction::kHold, OperatorAction::kLand,

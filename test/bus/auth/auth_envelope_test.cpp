@@ -61,7 +61,7 @@ Message signed_by(const Key& key, const std::string& channel, const Message& pay
 
 // The expected bytes were made by Python's hashlib.blake2b, with the code that
 // docs/guide/security.md shows for other programs.
-TEST(Sign, EqualsAnIndependentImplementation) {
+TEST(Sign, AgreesWithAnIndependentImplementation) {
   const Key key = test::key_of(Role::kMocap, 0);
   EXPECT_EQ(key.id, 0x5b595a32U);
   const Message payload = bytes_of("what the cameras saw");
@@ -74,7 +74,7 @@ TEST(Sign, EqualsAnIndependentImplementation) {
 }
 
 // The expected command was signed with Ed25519 by OpenSSL.
-TEST(Sign, CommandEqualsAnIndependentImplementation) {
+TEST(Sign, SignsCommandsAsAnIndependentImplementationDoes) {
   const Key key = test::key_of(Role::kOperator, 0);
   const Message payload = bytes_of("land");
   Message expected = payload;
@@ -180,7 +180,7 @@ TEST(Verify, ReturnsTheReasonOfARefusal) {
   EXPECT_EQ(receiver.judge("VICON", signed_by(mocap, "VICON", payload)), Refusal::kReplayed);
 }
 
-TEST(Verify, ReportsABadMacForAForeignKeyOfTheSameId) {
+TEST(Verify, ReportsABadMacForAnotherKeyWithTheSameId) {
   Key forged = test::key_of(Role::kMocap, 50);
   forged.id = test::key_of(Role::kMocap, 1).id;
   Receiver receiver = receiver_of({Role::kMocap});
@@ -405,7 +405,7 @@ TEST(SignatureBudgets, FloodFromAnotherHostDelaysNoCommand) {
 }
 
 // The attacker also sends from forged source addresses.
-TEST(SignatureBudgets, FloodFromAnyAddressDelaysNoKnownStation) {
+TEST(SignatureBudgets, FloodFromForgedAddressesDelaysNoKnownStation) {
   for (const bool is_stop : {false, true}) {
     std::mt19937_64 rng(7);
     const Flooded out = flooded(is_stop, true, [&](Attack& attack, Receiver& receiver) {
@@ -430,7 +430,7 @@ TEST(SignatureBudgets, NewStationIsAcceptedDuringAnotherHostsFlood) {
 }
 
 // An attacker without a key replays the operator's messages.
-TEST(SignatureBudgets, AreNotSpentByReplays) {
+TEST(SignatureBudgets, AreNotUsedUpByReplayedMessages) {
   const Key station = test::key_of(Role::kOperator, 4);
   Receiver receiver = receiver_of({Role::kOperator});
   const Message beat = signed_by(station, "COMMAND", bytes_of("beat"), kNowCounter);

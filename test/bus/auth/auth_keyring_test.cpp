@@ -90,7 +90,7 @@ TEST_F(KeyFolder, IsRefusedWhenOtherUsersCanAccessAKey) {
   EXPECT_NE(refusal_of(folder()).find("chmod 700"), std::string::npos);
 }
 
-TEST_F(KeyFolder, IsRefusedWhenAKeyIsALinkOrOfAnotherUser) {
+TEST_F(KeyFolder, IsRefusedWhenAKeyIsALinkOrBelongsToAnotherUser) {
   const std::string file = file_of(Role::kVehicle);
   if (geteuid() == 0) {
     ASSERT_EQ(chown(file.c_str(), 12345, getegid()), 0);
@@ -212,7 +212,7 @@ TEST_F(KeyFolder, RotatesRolesIndependently) {
       << "a second call does not rotate again";
 }
 
-TEST_F(KeyFolder, RevokesKeysByNameAndNumberWithTheSeed) {
+TEST_F(KeyFolder, RevokesAKeyAndItsSeedByNameOrId) {
   const auto files = [this] {
     return std::distance(fs::directory_iterator(folder()), fs::directory_iterator());
   };
@@ -255,7 +255,7 @@ TEST_F(KeyFolder, DoesNotPrintARefusedSecret) {
   }
 }
 
-TEST(Secret, BeginsWithZeros) {
+TEST(Secret, ContainsZerosAtCreation) {
   const Secret secret(40);
   EXPECT_EQ(secret.bytes().size(), 40U);
   for (const std::uint8_t byte : secret.bytes()) {
@@ -283,7 +283,7 @@ TEST(Keyring, HasOneKeyPerIdAndOneSigningKeyPerRole) {
   EXPECT_EQ(keyring.find(1), nullptr);
 }
 
-TEST_F(KeyFolder, IsMissingWhenOnlyTheNextKeyExists) {
+TEST_F(KeyFolder, IsIncompleteWhenOnlyTheNextKeyExists) {
   const Keyring before = load_keyring(folder());
   begin_rotation(folder(), Role::kMocap);
   revoke_key(folder(), key_name(*before.signing(Role::kMocap)));

@@ -97,7 +97,7 @@ TEST(Authenticator, EchoesNewVehiclesInsteadOfSilentOnes) {
   }
 }
 
-TEST(Authenticator, NumbersIncreaseWithTheClockAndNeverDecrease) {
+TEST(Authenticator, CountersIncreaseWithTheClockAndNeverDecrease) {
   const auto node = process();
   std::uint64_t last = 0;
   for (const int at_ms : {0, 0, 5, -100, -100, 6}) {

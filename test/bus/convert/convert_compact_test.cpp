@@ -37,7 +37,7 @@ TEST(CompactBeliefBytes, HaveTheDocumentedSize) {
 }
 
 // The bytes of one target, from the position after the fixed fields.
-TEST(CompactBeliefBytes, FollowTheTable) {
+TEST(CompactBeliefBytes, FollowTheDocumentedLayout) {
   const std::vector<std::uint8_t> bytes = test::encoded(small_belief());
   const std::vector<std::uint8_t> target(bytes.begin() + 83, bytes.begin() + 107);
   EXPECT_EQ(target, (std::vector<std::uint8_t>{0,    0,    0,    5,                   // id
@@ -83,7 +83,7 @@ TEST(CompactBelief, RefusesImpossibleValues) {
 }
 
 // Random changes of single bytes give a refusal or a valid belief.
-TEST(CompactBelief, SurvivesChangedBytes) {
+TEST(CompactBelief, IsRefusedOrValidWhenBytesChange) {
   test::Sampler sampler(9);
   int accepted = 0;
   for (int i = 0; i < 20'000; ++i) {

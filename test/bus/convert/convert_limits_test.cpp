@@ -286,7 +286,7 @@ TEST(Limits, AreEnforcedForMaps) {
 }
 
 // A text of the autopilot that is too long is shortened; the other fields remain valid.
-TEST(Limits, ShortenLongReasons) {
+TEST(Limits, ShortenLongReasonsOfVehicleStatuses) {
   const auto decoded_reasons = [](const std::string& reason) {
     models::VehicleStatus status;
     status.reasons = {reason, "and this"};

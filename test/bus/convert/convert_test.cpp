@@ -268,7 +268,7 @@ TEST(FromWireBelief, RefusesInvalidValues) {
       "a product that overflows");
 }
 
-TEST(FromWireBelief, AcceptsAsymmetryOfRounding) {
+TEST(FromWireBelief, AcceptsAsymmetryByRoundingErrors) {
   const auto good =
       rich_wire<models::RobotBelief>([](const auto& m) { return !m.targets.empty(); });
   expect_accepted<wire::belief_t>(

@@ -45,7 +45,7 @@ TEST(AirBudget, ClassifiesChannels) {
   }
 }
 
-TEST(AirBudget, DividesTheWholeBudget) {
+TEST(AirBudget, SharesAddUpToTheWholeBudget) {
   double sum = 4.0 * share_of(AirClass::kHealth);
   for (const AirClass kind :
        {AirClass::kMotion, AirClass::kObservation, AirClass::kStatus, AirClass::kKnowledge}) {
@@ -92,7 +92,7 @@ TEST(AirBudget, LimitsTheMeanRateOfEachShare) {
   }
 }
 
-TEST(AirBudget, NeverHoldsPlans) {
+TEST(AirBudget, NeverHoldsBackPlans) {
   AirBudget budget(team(4.0));
   for (int i = 0; i < 1000; ++i) {
     ASSERT_EQ(budget.admit("PLAN_Q1", 5000, kStart + Duration{i * 1000}), Reach::kAll);
@@ -101,13 +101,13 @@ TEST(AirBudget, NeverHoldsPlans) {
   EXPECT_GT(budget.counters()[1].count, 900);
 }
 
-TEST(AirBudget, SendsStatusAndHealthAtLeastRarely) {
+TEST(AirBudget, SendsStatusAndHealthAtAMinimumRate) {
   AirBudget budget(team(4.0));
   EXPECT_GE(sent(budget, "VEHICLE_Q1", 500, 100'000, 60.0), 119.0 * 546.0);  // one per 0.5 s
   EXPECT_GE(sent(budget, "HEALTH_PLANNER_Q1", 3000, 1'000'000, 90.0), 3.0 * 3000.0);
 }
 
-TEST(AirBudget, KeepsRobotsApart) {
+TEST(AirBudget, HasSeparateSharesForEachRobot) {
   AirBudget budget(team(4.0));
   sent(budget, "COMPACT_BELIEF_Q1", 5000, 100'000, 1.0);
   EXPECT_EQ(budget.admit("COMPACT_BELIEF_Q1", 100, kStart + Duration{1'000'000}), Reach::kHost);

@@ -369,7 +369,7 @@ TEST_F(Health, IsDegradedByLossNotByTraffic) {
 }
 
 // A rejected input is not a loss.
-TEST(IsNormalCounter, CoversTrafficTimesAndRejections) {
+TEST(IsNormalCounter, IsTrueForTrafficAndDurationsAndRejections) {
   for (const char* name : {"transport.messages_sent", "PLAN_Q1.fresh", "busy_us", "rest_rounds",
                            "gated", "undiscoverable", "jammed_looks", "map.jammed_scans"}) {
     EXPECT_TRUE(is_normal_counter(name)) << name;

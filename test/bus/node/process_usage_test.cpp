@@ -148,7 +148,7 @@ TEST(ThreadWait, ReadsTheCounterOfTheThreadThatOpenedIt) {
 }
 
 // The reported values are between the kernel's values read before and after the report.
-TEST(UsageCounters, EqualTheKernelsFigures) {
+TEST(UsageCounters, AgreeWithTheKernelsFigures) {
   const auto kernel_usage = [] {
     rusage own{};
     ::getrusage(RUSAGE_SELF, &own);
@@ -178,7 +178,7 @@ TEST(UsageCounters, EqualTheKernelsFigures) {
   }
 }
 
-TEST(UsageOf, ReadsThisProcessAndNoEndedOne) {
+TEST(UsageOf, ReadsThisProcessAndReturnsNothingForAnEndedOne) {
   const auto own = usage_of(::getpid());
   ASSERT_TRUE(own);
   if (!test::is_emulated()) {

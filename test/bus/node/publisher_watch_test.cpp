@@ -44,7 +44,7 @@ TEST(PublisherWatch, DistinguishesTwoPublishersFromARestart) {
   }
 }
 
-TEST(PublisherWatch, KeepsChannelsApartAndBoundsThem) {
+TEST(PublisherWatch, SeparatesChannelsAndLimitsTheirNumber) {
   PublisherWatch watch;
   for (int k = 0; k < 6; ++k) {
     for (int channel = 0; channel < 20'000; ++channel) {

@@ -148,7 +148,7 @@ TEST(InputStore, KeepsTheLastMessageOfASilentPublisher) {
   EXPECT_NE(store.find({"B", 2, 994}), nullptr);
 }
 
-TEST(ReplayQueue, GivesUpAfterTwoSecondsPerRequest) {
+TEST(ReplayQueue, GivesUpOnEachMessageAfterTwoSeconds) {
   Player player;
   player.missing = 7;
   for (int i = 0; i < 30; ++i) {  // no entry waits for input

@@ -382,7 +382,7 @@ TEST(SharedStreamMonitor, DropsTheLongestSilentOf33Runs) {
 
 // Compares the monitor with a set of all received numbers. Gaps are small enough for the monitor to
 // store them.
-TEST(StreamMonitor, EqualsAReferenceOnShuffledStreams) {
+TEST(StreamMonitor, AgreesWithAReferenceOnShuffledStreams) {
   std::mt19937_64 rng(7);
   for (int trial = 0; trial < 50; ++trial) {
     StreamMonitor monitor;

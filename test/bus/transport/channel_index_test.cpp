@@ -9,7 +9,7 @@
 namespace vantage::bus {
 namespace {
 
-TEST(ChannelIndex, EqualsALinearSearch) {
+TEST(ChannelIndex, FindsTheSameAsALinearSearch) {
   std::mt19937_64 rng(5);
   const std::vector<std::string> patterns = {"A", "AB", "A*", "*", "PLAN_Q1", "PLAN_*", "PLAN_Q"};
   const std::vector<std::string> channels = {"A", "AB", "ABC", "PLAN_Q1", "PLAN_Q", "PLAN_", "B"};
@@ -39,7 +39,7 @@ TEST(ChannelIndex, EqualsALinearSearch) {
 
 // Compares the index with a plain list of subscriptions while names and patterns are added and
 // removed.
-TEST(ChannelIndex, EqualsALinearSearchWhileEntriesChange) {
+TEST(ChannelIndex, FindsTheSameAsALinearSearchWhileEntriesChange) {
   std::mt19937_64 rng(6);
   const std::vector<std::string> patterns = {"A", "AB", "A*", "*", "PLAN_Q1", "PLAN_*"};
   const std::vector<std::string> channels = {"A", "AB", "PLAN_Q1", "PLAN_", "B"};

@@ -210,7 +210,7 @@ TEST(Reassembler, RefusesShortMessages) {
   EXPECT_EQ(reassembler.messages_kept(), 0U);
 }
 
-TEST(Reassembler, RefusesFragmentsThatDoNotTile) {
+TEST(Reassembler, RefusesFragmentsThatOverlap) {
   Reassembler reassembler;
   const Message message(1, 200, 100);
   Packet overlapping = message.piece(1);
@@ -353,7 +353,7 @@ TEST(Reassembler, LimitsAllSendersTogether) {
 
 // Memory is charged by what arrived: per fragment its bytes and an overhead allowance; per message
 // an overhead allowance and one bit per fragment.
-TEST(Reassembler, ChargesFragmentsAndMessageSize) {
+TEST(Reassembler, CountsMemoryForFragmentsAndMessageSize) {
   Reassembler reassembler;
   const Message message(1, 8'000, 10);
   std::size_t before = 0;

@@ -33,7 +33,7 @@ TEST(SightedResponse, RefusesTooFewPairs) {
                UsageError);
 }
 
-TEST(BlindFit, FindsDepthAndScaleWithoutTruth) {
+TEST(BlindFit, FindsDepthAndScaleWithoutTruePoses) {
   test::SimulatedTeam team(3, 6);
   const Recording recording = recorded(team, 120.0);
   scenario::LocalizerSpec spec = team.spec;

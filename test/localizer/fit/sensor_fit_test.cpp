@@ -73,7 +73,7 @@ RobotRecording recorded(const scenario::SightingSpec& sensor, const scenario::Dr
 
 constexpr scenario::DriveSpec kDrive{0.15, 0.1, 1.03, 0.96, -0.002};
 
-TEST(SensorFit, FindsDepthLawAndGeometry) {
+TEST(SensorFit, FindsDepthModelAndGeometry) {
   const scenario::SightingSpec sensor{true, 1.03, 0.12, 0.03, -0.01, 0.08, 0.04};
   const SensorFit fit = fit_sensor(hall(), recorded(sensor, kDrive));
   EXPECT_TRUE(fit.sensor.range_is_depth);
@@ -90,7 +90,7 @@ TEST(SensorFit, FindsDepthLawAndGeometry) {
   EXPECT_LT(fit.outliers, 0.01);
 }
 
-TEST(SensorFit, FindsDistanceLaw) {
+TEST(SensorFit, FindsDistanceModel) {
   const scenario::SightingSpec sensor{false, 0.98, 0.05, 0.0, 0.0, 0.0, 0.02};
   const SensorFit fit = fit_sensor(hall(), recorded(sensor, kDrive));
   EXPECT_FALSE(fit.sensor.range_is_depth);

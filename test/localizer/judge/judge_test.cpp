@@ -58,7 +58,7 @@ Recording recorded(test::SimulatedTeam& team, double seconds) {
   return recording;
 }
 
-TEST(Judge, JudgesEveryRobotAndInstant) {
+TEST(Judge, EvaluatesEveryRobotAtEveryInstant) {
   test::SimulatedTeam team(3, 1);
   const Recording recording = recorded(team, 30.0);
   const JudgeFigures figures = judge(team.spec, recording, {});
