@@ -78,7 +78,7 @@ class RobotLocalizer {
   static constexpr int kSightings = 256;  ///< sightings kept per robot
   static constexpr int kFixes = 64;       ///< poses from motion capture kept per robot
   struct Cell {
-    std::int64_t index = -1;  ///< start / kIncrement
+    std::int64_t index = -1;  ///< start of the cell divided by kIncrement
     Eigen::Vector3d increment = Eigen::Vector3d::Zero();
   };
   /// A pose from motion capture.

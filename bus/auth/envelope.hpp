@@ -59,8 +59,8 @@ class ReplayGuard {
   static constexpr std::size_t kWindow = 64;
   static constexpr std::size_t kSessionsMax = 256;
 
-  /// Returns true at the first call with each counter ≥ 1. Must only be called for messages that
-  /// are verified with the key.
+  /// Records the counter (≥ 1). Returns false if it was received before or is too old. Must only be
+  /// called for messages that are verified with the key.
   bool admit(std::uint32_t key_id, std::uint64_t session, std::uint64_t counter);
   /// True if admit() would refuse the counter; changes nothing.
   [[nodiscard]] bool refuses(std::uint32_t key_id, std::uint64_t session,

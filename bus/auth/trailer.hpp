@@ -78,7 +78,7 @@ struct SignedParts {
 /// nothing outside `message`.
 std::optional<SignedParts> split(Bytes message);
 
-/// Returns `message` without its trailer, if any. For decoders that check every byte.
+/// Returns `message` without its trailer, if any. Used by decoders that check every byte.
 Bytes payload_of(Bytes message);
 
 /// Appends the number as `width` bytes, big-endian.

@@ -36,7 +36,7 @@ class Node {
   virtual void tick(Time now) = 0;
   /// Returns a descriptor; when it is readable, tick() is called even before next_tick(). −1: none.
   /// With a descriptor, bus messages are only handled when the descriptor is readable or at
-  /// next_tick(). For nodes that process the data of a device.
+  /// next_tick(). Used by nodes that process the data of a device.
   [[nodiscard]] virtual int wakes_on() const { return -1; }
   /// Reports how long the node's thread waited for a processor in the last second, s. Called before
   /// a tick in real time if the kernel counts this time; never in virtual time.

@@ -46,7 +46,8 @@ class UnicastRelay {
   void keep(std::int64_t monotonic_ns);
 
   [[nodiscard]] bool is_relaying() const { return thread_.joinable(); }
-  /// Returns the number of dropped datagrams: of strangers, or malformed.
+  /// Returns the number of datagrams that were dropped because they came from unknown addresses or
+  /// were malformed.
   [[nodiscard]] std::int64_t refused() const { return refused_; }
   [[nodiscard]] std::int64_t relayed() const { return relayed_; }
 

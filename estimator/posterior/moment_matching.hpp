@@ -61,7 +61,7 @@ struct ProductRule {
 ///
 /// The moments come from a fixed product rule on ±3σ of the position ellipse. The rule is scaled to
 /// have the first two moments of the Gaussian, so a constant likelihood changes nothing. The
-/// covariance may shrink (one side is excluded) or grow (the middle is excluded). In every
+/// covariance may shrink if one side is excluded, and may grow if the middle is excluded. In every
 /// direction it is at least the variance of one cell of the rule, so it stays positive definite.
 ///
 /// The belief is returned unchanged in three cases: the likelihood is 1 at every point, the
@@ -70,7 +70,7 @@ struct ProductRule {
 /// @param share  if not null: receives Z, or 1 if the likelihood is 1 at every point; not written
 /// when the covariance is not positive definite
 /// Source: assumed-density filtering; Ristic, Arulampalam, Gordon, Beyond the Kalman Filter (2004).
-// Long function: it computes the points of an integral and their moments, and handles the cases in
+// Long function: it computes the points of a quadrature and their moments, and handles the cases in
 // which the belief does not change.
 template <class Likelihood>
 models::Gaussian reweighted(const models::Gaussian& belief, const Likelihood& likelihood,

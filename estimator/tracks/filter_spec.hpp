@@ -81,7 +81,7 @@ struct FilterCounters {
   /// detections without ids beyond the capacity per observation
   std::int64_t surplus_detections = 0;
   std::int64_t gated = 0;
-  std::int64_t unknown_ids = 0;        ///< ids that are neither a target nor a track label
+  std::int64_t unknown_ids = 0;        ///< ids that name neither a target nor a track
   std::int64_t undiscoverable = 0;     ///< first detections from which no position can be computed
   std::int64_t singular = 0;           ///< matrices that could not be inverted
   std::int64_t missed_detections = 0;  ///< belief updates by missed detections

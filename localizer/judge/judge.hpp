@@ -21,8 +21,9 @@ struct JudgeOptions {
   double loss = 0.0;           ///< probability that a receiver misses a message
   std::uint64_t seed = 1;      ///< seed of the random message losses
   int message_every = 2;       ///< steps of 0.1 s between the messages of a robot
-  /// s; an estimate for t uses data up to t + hindsight_s. 0: filter, one localiser per robot with
-  /// messages. Above 0: one joint filter without messages; infinity: all data.
+  /// s; an estimate for t uses data up to t + hindsight_s. 0: one localiser per robot; the
+  /// localisers exchange messages. Above 0: one joint filter, without messages. Infinity: all data
+  /// are used.
   double hindsight_s = 0.0;
   PoseWatch watch = {};  ///< receives all judged estimates; may be empty
   /// True positions of the landmarks whose positions the specification does not contain. If there

@@ -33,7 +33,7 @@ class Bus:
         if scenario is not None and not isinstance(scenario, _vantage.Scenario):
             scenario = _vantage.Scenario(scenario)
         self.scenario = scenario
-        """The Scenario, or None."""
+        """Scenario of this connection, or None."""
         self._bus = _vantage._Bus(url, scenario)
         self._run_id = self._bus.random_run_id()
         self._sequences = {}

@@ -210,8 +210,8 @@ void PositionHypotheses::merge_similar() {
       Hypothesis& a = hypotheses_[index(i)];
       const Hypothesis& b = hypotheses_[index(j)];
       const Eigen::Vector2d apart_m = (b.belief.mean - a.belief.mean).head<2>();
-      // Near means within the distance by both covariances, so that a wide hypothesis does not
-      // absorb a narrow one.
+      // Two hypotheses are near if they are within the distance by both covariances, so that a wide
+      // hypothesis does not absorb a narrow one.
       const auto is_near = [&](const Gaussian& belief) {
         const Eigen::LLT<Eigen::Matrix2d> root(
             Eigen::Matrix2d(belief.covariance.topLeftCorner<2, 2>()));

@@ -59,7 +59,7 @@ class PositionHypotheses {
     double weight = 0.0;
     models::Gaussian belief;
   };
-  /// Keeps `candidate` if there is room, or instead of a less probable hypothesis.
+  /// Keeps `candidate` if there is room, or if it can replace a less probable hypothesis.
   void offer(const Hypothesis& candidate);
   /// Normalises the weights, drops improbable hypotheses and merges similar ones.
   void reduce();

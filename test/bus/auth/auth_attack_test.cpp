@@ -10,7 +10,8 @@
 #include "test/bus/auth/auth_support.hpp"
 #include "test/bus/convert/message_types.hpp"
 
-// An attacker without keys replays recorded messages; this must not delay the operator's orders.
+// An attacker without keys replays recorded messages. The replay must not delay the operator's
+// orders.
 
 namespace vantage::bus::auth {
 namespace {
