@@ -27,7 +27,7 @@ struct CandidateBody {
   Eigen::Matrix<double, 3, 2> cross = Eigen::Matrix<double, 3, 2>::Zero();
 };
 
-/// A frame of a sensor and what is known about the world.
+/// One frame of a sensor, and the data needed to assign its sightings.
 struct FrameScene {
   const scenario::SightingSpec& sensor;
   const scenario::SightingNoiseSpec& noise;

@@ -13,7 +13,7 @@ namespace {
 constexpr std::int64_t kLatencyCells = 2;
 /// Factor of the variances of a motion that is guessed from the previous one.
 constexpr double kGuessNoiseScale = 30.0;
-constexpr double kAgeMaxS = 1e6;  // s; reported age without an observation
+constexpr double kAgeMaxS = 1e6;  // s; age reported if there was no observation
 
 /// Returns the displacement during the share [from, to) of a motion with a constant twist, in the
 /// body frame at the start of this share.
@@ -25,7 +25,7 @@ Eigen::Vector3d part_of(const Eigen::Vector3d& motion, double from, double to) {
                                        -s * motion.x() + c * motion.y(), motion.z());
 }
 
-/// Returns the displacement `first` followed by `second`.
+/// Returns the total displacement of `first` followed by `second`.
 Eigen::Vector3d followed_by(const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
   const double c = std::cos(first.z());
   const double s = std::sin(first.z());
@@ -89,7 +89,7 @@ void RobotLocalizer::add_odometry(const models::OdometryReport& odometry) {
     ++counts_.refused;
     return;
   }
-  // Divide the increment among the cells that it overlaps.
+  // Divides the increment among the cells that it overlaps.
   if (start != partial_to_) {
     partial_.setZero();  // the odometry has a gap
   }

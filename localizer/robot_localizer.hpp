@@ -74,9 +74,9 @@ class RobotLocalizer {
   void write_message(models::PoseEstimate& message) const;
 
  private:
-  static constexpr int kCells = 64;       ///< increments kept per robot
-  static constexpr int kSightings = 256;  ///< sightings kept per robot
-  static constexpr int kFixes = 64;       ///< poses from motion capture kept per robot
+  static constexpr int kCells = 64;       ///< number of increments kept per robot
+  static constexpr int kSightings = 256;  ///< number of sightings kept per robot
+  static constexpr int kFixes = 64;       ///< number of mocap poses kept per robot
   struct Cell {
     std::int64_t index = -1;  ///< start of the cell divided by kIncrement
     Eigen::Vector3d increment = Eigen::Vector3d::Zero();
@@ -123,7 +123,7 @@ class RobotLocalizer {
   scenario::LocalizerSpec spec_;
   int robot_;
   CommandedMotion motion_;
-  /// displacement so far in the cell of partial_to_
+  /// displacement since the start of the cell that contains partial_to_
   Eigen::Vector3d partial_ = Eigen::Vector3d::Zero();
   Time partial_to_ = Time::min();  ///< end of the newest increment
   bool is_commanded_ = true;       ///< false: the odometer reports increments
@@ -133,8 +133,8 @@ class RobotLocalizer {
   std::int64_t base_cell_ = -1;
   std::int64_t now_cell_ = -1;
   Time now_{};
-  Time last_observation_ = Time::min();      ///< newest own sighting or fix
-  Time last_fix_ = Time::min();              ///< newest own fix
+  Time last_observation_ = Time::min();      ///< time of the newest sighting or fix of this robot
+  Time last_fix_ = Time::min();              ///< time of the newest fix of this robot
   std::vector<Eigen::Vector3d> increments_;  ///< workspace
   std::vector<double> noise_scale_;          ///< workspace
   std::vector<std::size_t> next_sighting_;   ///< workspace

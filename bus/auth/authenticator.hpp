@@ -83,7 +83,7 @@ class Authenticator {
   [[nodiscard]] std::optional<Duration> stale_ahead(Time now) const;
 
  private:
-  /// Nonce that a vehicle's statuses request.
+  /// Nonce that commands to a vehicle must echo, as requested by its statuses.
   struct RequestedNonce {
     std::uint64_t nonce = 0;
     std::uint64_t counter = 0;  ///< counter of the newest status with this nonce

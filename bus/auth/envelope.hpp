@@ -75,7 +75,7 @@ class ReplayGuard {
     std::uint64_t session = 0;
     std::uint64_t used_last = 0;
     std::uint64_t forgotten = 0;      ///< newest counter that was removed from `seen`; 0: none
-    std::vector<std::uint64_t> seen;  ///< ascending
+    std::vector<std::uint64_t> seen;  ///< stored counters, ascending
   };
   [[nodiscard]] const Session* find(std::uint32_t key_id, std::uint64_t session) const;
   [[nodiscard]] static bool was_received(const Session& session, std::uint64_t counter);
@@ -98,7 +98,7 @@ class Budget {
   std::optional<Time> last_take_;
 };
 
-/// Sender of a message, as far as visible before verification.
+/// Sender of a message, as far as known before verification.
 struct Sender {
   std::uint64_t source = 0;  ///< address and port as in bus::Payload::source
   std::uint64_t session = 0;

@@ -140,8 +140,8 @@ bool Bus::send(const std::string& channel, std::span<const std::uint8_t> bytes) 
   }
   bool is_sent = transport_.publish(channel, bytes);
   for (int copy = 1; copy < air_->copies_on(channel); ++copy) {
-    // Receivers refuse a second message with the same signature, but drop one with the same
-    // sequence number quietly.
+    // Receivers drop a second message with the same sequence number silently, but count one with
+    // the same signature as refused. Each copy is therefore signed again.
     if (const auto sealed = authenticator_ ? auth::split(buffer_) : std::nullopt) {
       buffer_.resize(sealed->payload.size());
       seal(channel, "");

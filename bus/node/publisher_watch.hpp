@@ -10,7 +10,7 @@
 namespace vantage::bus {
 
 /// Detector of two processes that publish on one channel, such as our sensor and a user's detector.
-/// Receivers then use one of them, and which one can change.
+/// Receivers then use only one of the two, which may change.
 ///
 /// A restarted process never publishes with its earlier run id again, so the order of run ids A, B,
 /// A, B, A, B shows two publishers. A shorter order can be one delayed message of a process that

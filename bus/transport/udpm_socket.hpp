@@ -69,7 +69,7 @@ class MulticastSocket {
   /// Returns the size of the receive buffer that the kernel granted.
   [[nodiscard]] std::int64_t receive_buffer_bytes() const { return receive_buffer_bytes_; }
   /// Returns the number of datagrams dropped since opening because the receive buffer was full.
-  /// With a filter, filtered datagrams of the same time are counted, too.
+  /// With a filter, datagrams that it dropped at the same time are counted, too.
   [[nodiscard]] std::int64_t kernel_drops() const { return kernel_drops_; }
 
  private:

@@ -11,7 +11,7 @@
 #include "models/belief/gaussian.hpp"
 
 // Updates a Gaussian with a likelihood of the position that is not Gaussian: the product is
-// replaced by the Gaussian of the same mean and covariance.
+// replaced by the Gaussian with the same mean and covariance.
 
 namespace vantage::estimator {
 

@@ -19,9 +19,10 @@ struct LimitSoftness {
 /// (docs/decisions/0021).
 inline constexpr double kSoftShare = 0.1;
 
-/// Returns the softness for noise covariance V: kSoftShare times 1σ of a range or position
-/// coordinate, of a bearing or of a camera's line of sight. Limits are exact for a sensor kind that
-/// measures something else or defines its own limits.
+/// Returns the softness for noise covariance V: kSoftShare times 1σ of a range or a position
+/// coordinate (distance_m), and kSoftShare times 1σ of a bearing or a camera's line of sight
+/// (angle_rad). Limits are exact for a sensor kind that measures something else or defines its own
+/// limits.
 LimitSoftness limit_softness(const models::SensorModel& sensor, const models::MeasurementMatrix& V);
 
 /// Returns the probability that a target at `target_m` is in view: the product of Φ(distance from

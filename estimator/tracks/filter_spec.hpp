@@ -26,8 +26,8 @@ struct FilterSpec {
   std::string robot;
   models::SensorModel sensor;
   models::DetectionModel detection{};  ///< detects_ids applies to the whole team
-  /// The filter uses the observations of these robots in addition to this robot's own. The order is
-  /// the same for all robots. This robot may be included.
+  /// The filter uses the observations of these robots in addition to this robot's own. Every robot
+  /// lists them in the same order. This robot may be included.
   std::vector<ObservationSource> team;
   models::Viewpoint
       start;  ///< viewpoint that is assumed for this robot until its first pose arrives

@@ -7,8 +7,8 @@
 
 namespace vantage::localizer {
 
-/// Robust nonlinear least squares: minimises Σ log(1 + r²), the Cauchy loss of the residuals that
-/// `residuals` writes, by Levenberg–Marquardt with numerical derivatives.
+/// Minimises Σ log(1 + r²), the Cauchy loss of the residuals r that `residuals` writes, by
+/// Levenberg–Marquardt with numerical derivatives (robust nonlinear least squares).
 /// @param steps  per parameter: step of the numerical derivative
 /// @return the parameters; `cost` receives their loss
 Eigen::VectorXd robust_fit(
@@ -16,8 +16,8 @@ Eigen::VectorXd robust_fit(
     const std::function<void(const Eigen::VectorXd&, std::vector<double>&)>& residuals,
     double& cost);
 
-/// Robust line y = scale · x + offset by reweighted least squares with the Cauchy loss of errors in
-/// units of `sigma`. Returns its loss. Without `has_offset`, the offset is 0.
+/// Fits the line y = scale · x + offset by reweighted least squares, with the Cauchy loss of the
+/// errors in units of `sigma`. Returns the loss. Without `has_offset`, the offset is 0.
 double robust_line(const std::vector<double>& x, const std::vector<double>& y, double sigma,
                    bool has_offset, double& scale, double& offset);
 

@@ -92,7 +92,7 @@ Turns turns_of(const std::vector<Pair>& pairs, const std::vector<Pose2>& command
   Turns out;
   for (const Pair& pair : pairs) {
     const Pose2 moved = inverse(commanded[pair.first]) * commanded[pair.second];
-    double turn_rad = 0.0;  // mean over the landmarks
+    double turn_rad = 0.0;  // mean over the common landmarks of the pair
     for (const Common& each : pair.landmarks) {
       const Eigen::Vector2d from = each.first_m - moved.position_m();
       turn_rad += wrap_to_pi(std::atan2(from.y(), from.x()) -

@@ -69,8 +69,9 @@ double mahalanobis2(const models::Gaussian& a, const models::Gaussian& b) {
   return off_m.dot(S_m2.llt().solve(off_m));
 }
 
-/// Finds the nearest pair of an own and a received track. The label of each track must be unknown
-/// to the other side. Gives both tracks the older label. Returns false if no such pair exists.
+/// Finds the nearest pair of a track of this robot and a received track. The label of each track
+/// must be unknown to the other side. Gives both tracks the older label. Returns false if no such
+/// pair exists.
 bool join_nearest(std::vector<LabelledTrack>& tracks, std::span<ReceivedLabel> received,
                   Reconciled& done) {
   LabelledTrack* own = nullptr;

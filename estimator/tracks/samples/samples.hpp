@@ -73,8 +73,8 @@ class Samples {
   /// moments.
   bool measure(const models::SensorModel& sensor, const models::Viewpoint& from,
                const models::Measurement& measurement, double gate_sigma);
-  /// Applies collisions with another target; the distance of the centres is at least `distance_m`.
-  /// Each sample is paired with a sample of `others`, drawn in proportion to its weight; `key`
+  /// Applies collisions with another target, whose centre stays at least `distance_m` away. Each
+  /// sample is paired with a sample of `others`, drawn in proportion to its weight; `key`
   /// determines the pairs. A sample that reaches its partner within the next dt_s is reflected: the
   /// x or y component of its velocity is reversed, whichever makes it move away. The partner's
   /// velocity is unchanged. The sample is moved such that a prediction by dt_s gives its position

@@ -302,7 +302,7 @@ TEST(SignatureBudgets, HaveTheStatedBurstAndRate) {
     int in_a_tenth;
   };
   for (const Row& row :
-       {Row{Asker::kProven, false, 50 + 10, 10 + 1},  // own budget plus that of its host
+       {Row{Asker::kProven, false, 50 + 10, 10 + 1},  // sender's budget plus that of its host
         Row{Asker::kProven, true, 50 + 20, 10 + 2}, Row{Asker::kOneHost, false, 10, 1},
         Row{Asker::kOneHost, true, 20, 2}, Row{Asker::kManyHosts, false, 40, 4},
         Row{Asker::kManyHosts, true, 50, 10}}) {
