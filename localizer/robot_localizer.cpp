@@ -85,13 +85,15 @@ void RobotLocalizer::add_odometry(const models::OdometryReport& odometry) {
   is_commanded_ = false;
   const Time end = odometry.stamp.time;
   const Time start = end - odometry.interval;
-  if (start < partial_to_) {
+  if (start < partial_to_ || start < Time{}) {
     ++counts_.refused;
     return;
   }
-  // Divides the increment among the cells that it overlaps.
+  // Divides the increment among the cells that it overlaps. After a gap, the first cell is complete
+  // only if the increment begins with it.
   if (start != partial_to_) {
-    partial_.setZero();  // the odometry has a gap
+    partial_.setZero();
+    is_partial_whole_ = start == start_of(cell_of(start));
   }
   const double whole_s = to_seconds(odometry.interval);
   for (Time from = start; from < end;) {
@@ -101,8 +103,11 @@ void RobotLocalizer::add_odometry(const models::OdometryReport& odometry) {
         followed_by(partial_, part_of(odometry.motion_body, to_seconds(from - start) / whole_s,
                                       to_seconds(to - start) / whole_s));
     if (to == start_of(cell + 1)) {
-      add_increment(cell, own(), partial_);
+      if (is_partial_whole_) {
+        add_increment(cell, own(), partial_);
+      }
       partial_.setZero();
+      is_partial_whole_ = true;
     }
     from = to;
   }
@@ -158,13 +163,15 @@ void RobotLocalizer::add_teammate(const models::PoseEstimate& estimate) {
       spec_.robots.begin(), spec_.robots.end(),
       [&](const scenario::LocalizedRobotSpec& each) { return each.name == estimate.robot; });
   const auto index = static_cast<int>(mate - spec_.robots.begin());
+  const std::int64_t first = cell_of(estimate.increments_from);
+  const auto increments = static_cast<std::int64_t>(estimate.increments.size());
   if (mate == spec_.robots.end() || index == robot_ || estimate.increment != kIncrement ||
-      estimate.increments_from != start_of(cell_of(estimate.increments_from))) {
+      estimate.increments_from != start_of(first) || first < 0 || increments > kMessageIncrements ||
+      first + increments > cell_of(estimate.stamp.time)) {
     ++counts_.refused;
     return;
   }
   Track& track = tracks_[static_cast<std::size_t>(index)];
-  const std::int64_t first = cell_of(estimate.increments_from);
   std::int64_t cell = first;
   for (const Eigen::Vector3d& increment : estimate.increments) {
     if (cell >= base_cell_) {
@@ -350,11 +357,18 @@ void RobotLocalizer::write_message(models::PoseEstimate& message) const {
   message.increment = kIncrement;
   message.increments.clear();
   message.increments_from = start_of(first);
-  for (std::int64_t cell = first; cell < now_cell_; ++cell) {
-    const Cell& known = own().cells[static_cast<std::size_t>(cell % kCells)];
-    if (known.index == cell) {
-      message.increments.push_back(known.increment);
-    } else {  // no increment yet, or a gap: begin after it
+  const auto at = [this](std::int64_t cell) -> const Cell& {
+    return own().cells[static_cast<std::size_t>(cell % kCells)];
+  };
+  // The newest cells are unknown until the next report of the odometer.
+  std::int64_t last = now_cell_;
+  while (last > first && at(last - 1).index != last - 1) {
+    --last;
+  }
+  for (std::int64_t cell = first; cell < last; ++cell) {
+    if (at(cell).index == cell) {
+      message.increments.push_back(at(cell).increment);
+    } else {  // a gap: begin after it
       message.increments.clear();
       message.increments_from = start_of(cell + 1);
     }

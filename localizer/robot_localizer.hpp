@@ -126,6 +126,7 @@ class RobotLocalizer {
   /// displacement since the start of the cell that contains partial_to_
   Eigen::Vector3d partial_ = Eigen::Vector3d::Zero();
   Time partial_to_ = Time::min();  ///< end of the newest increment
+  bool is_partial_whole_ = false;  ///< partial_ begins at the start of its cell
   bool is_commanded_ = true;       ///< false: the odometer reports increments
   std::vector<Track> tracks_;
   TeamFilter base_;

@@ -22,6 +22,8 @@ constexpr int kYaw = 2;
 constexpr int kTurnError = 3;
 constexpr int kSpeedError = 4;
 
+// m; a sighting at a smaller distance does not determine its landmark's position
+constexpr double kMappedDistanceMinM = 0.1;
 constexpr double kWeakenSigma = 2.5;  // σ; a sighting with a larger error gets a larger variance
 constexpr double kRejectSigma = 5.0;  // σ; a sighting with a larger error is rejected
 // 1σ that is added to the pose after a slip of the wheels.
@@ -191,14 +193,18 @@ TeamFilter::Row TeamFilter::row_of(int robot, const Pose2& world_from_body,
   return row;
 }
 
-void TeamFilter::map_landmark(int robot, const models::Sighting& sighting) {
+bool TeamFilter::map_landmark(int robot, const models::Sighting& sighting) {
+  const scenario::SightingSpec& law = spec_.robots[index(robot)].sightings;
+  const Eigen::Vector2d point_m = sighted_point_m(law, sighting.range_m, sighting.bearing_rad);
+  if (!((point_m - Eigen::Vector2d(law.forward_m, 0.0)).norm() >= kMappedDistanceMinM)) {
+    return false;
+  }
   const int k =
       static_cast<int>(std::find(mapped_.begin(), mapped_.end(), kNoBodyId) - mapped_.begin());
   const int column = at_landmark(k);
   const int i = at(robot);
   Body body{true, false, column, Eigen::Vector2d::Zero()};
-  body.position_m = pose(robot) * sighted_point_m(spec_.robots[index(robot)].sightings,
-                                                  sighting.range_m, sighting.bearing_rad);
+  body.position_m = pose(robot) * point_m;
   const Row row = row_of(robot, pose(robot), sighting, body);
   const Eigen::Matrix2d to_point = row.by_other.inverse();
   const Eigen::Matrix<double, 2, kRobotDim> by_own = -to_point * row.by_own;
@@ -215,6 +221,7 @@ void TeamFilter::map_landmark(int robot, const models::Sighting& sighting) {
   x_.segment<2>(column) = body.position_m;
   mapped_[index(k)] = sighting.id;
   uses_[index(k)] = 0;
+  return true;
 }
 
 void TeamFilter::forget_landmark(int k) {
@@ -233,7 +240,9 @@ void TeamFilter::linearise(int robot, std::span<const models::Sighting> sighting
     if (is_new) {
       models::Sighting first = sightings[k];
       first.id = id;
-      map_landmark(robot, first);
+      if (!map_landmark(robot, first)) {
+        ++counts_.unknown;
+      }
       continue;
     }
     if (!body.is_known || body.column == at(robot)) {
@@ -314,7 +323,7 @@ int TeamFilter::weigh(int robot) {
   for (Row& row : rows_) {
     const Eigen::Matrix2d S = innovation(robot, row);
     const double squared = row.residual.dot(S.inverse() * row.residual);
-    if (squared > kRejectSigma * kRejectSigma) {
+    if (!(squared <= kRejectSigma * kRejectSigma)) {  // also rejects NaN
       row.weight = 0.0;
       rejected_landmarks += row.is_mate ? 0 : 1;
     } else {
@@ -396,7 +405,7 @@ void TeamFilter::update(int robot) {
   }
   // S = L Lᵀ. With W = L⁻¹ H P: x += Wᵀ L⁻¹ r and P −= Wᵀ W.
   const Eigen::LLT<FrameMatrix> factor(S);
-  if (factor.info() != Eigen::Success) {
+  if (factor.info() != Eigen::Success || !factor.matrixLLT().allFinite()) {
     return;
   }
   for (int k = 0; k < m; ++k) {

@@ -114,8 +114,9 @@ class TeamFilter {
   [[nodiscard]] Body find_body(int id, bool& is_new) const;
   [[nodiscard]] Row row_of(int robot, const Pose2& world_from_body,
                            const models::Sighting& sighting, const Body& body) const;
-  /// Adds the landmark of `sighting` to the state.
-  void map_landmark(int robot, const models::Sighting& sighting);
+  /// Adds the landmark of `sighting` to the state. Returns false if the sighting is too near to the
+  /// sensor to determine its position.
+  bool map_landmark(int robot, const models::Sighting& sighting);
   /// Removes a landmark from the state.
   void forget_landmark(int k);
   /// Fills rows_ from the usable sightings of `robot`.

@@ -130,8 +130,10 @@ bool UdpmTransport::publish_on_host(const std::string& channel,
 bool UdpmTransport::send(std::span<const std::uint8_t> head, std::span<const std::uint8_t> payload,
                          Reach reach) {
   const bool is_sent = socket_.send(head, payload, reach == Reach::kHost);
-  const bool is_for_peers = relay_ && reach == Reach::kAll;
-  return (!is_for_peers || relay_->send(head, payload)) && is_sent;
+  if (relay_ && reach == Reach::kAll) {
+    is_sent_to_peers_ = relay_->send(head, payload) && is_sent_to_peers_;
+  }
+  return is_sent;
 }
 
 bool UdpmTransport::publish_to(const std::string& channel, std::span<const std::uint8_t> bytes,
@@ -145,9 +147,11 @@ bool UdpmTransport::publish_to(const std::string& channel, std::span<const std::
     return false;
   }
   const std::uint32_t sequence = next_sequence_++;
-  const bool is_sent = cut->fragments == 1
-                           ? send(PacketHead::of_short(sequence, channel).bytes(), bytes, reach)
-                           : send_fragments(channel, bytes, *cut, sequence, reach);
+  is_sent_to_peers_ = true;
+  const bool is_sent_here =
+      cut->fragments == 1 ? send(PacketHead::of_short(sequence, channel).bytes(), bytes, reach)
+                          : send_fragments(channel, bytes, *cut, sequence, reach);
+  const bool is_sent = is_sent_here && is_sent_to_peers_;
   ++(is_sent ? stats_.messages_sent : stats_.send_errors);
   return is_sent;
 }

@@ -52,6 +52,8 @@ class UdpmTransport : public Transport {
   void reset_filter();
   void apply_filter();
   bool publish_to(const std::string& channel, std::span<const std::uint8_t> bytes, Reach reach);
+  /// Returns false if the datagram was not sent to this host's group. Peers that cannot be reached
+  /// do not end a message for the own host; they set is_sent_to_peers_ to false.
   bool send(std::span<const std::uint8_t> head, std::span<const std::uint8_t> payload, Reach reach);
   bool send_fragments(const std::string& channel, std::span<const std::uint8_t> bytes,
                       const Cut& cut, std::uint32_t sequence, Reach reach);
@@ -66,6 +68,7 @@ class UdpmTransport : public Transport {
   std::size_t arrived_bytes_max_;
   MulticastSocket socket_;
   std::optional<UnicastRelay> relay_;  ///< set if the URL has peers
+  bool is_sent_to_peers_ = true;       ///< whether the present message reached all peers so far
   ReportNetwork report_;
   bool is_loss_reported_ = false;
   Reassembler reassembler_;

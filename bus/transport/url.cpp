@@ -143,6 +143,10 @@ UdpmAddress parse_udpm(const Url& url) {
     throw StartupError("LCM url: ttl is " + std::to_string(address.ttl) +
                        ", must be 0 with peers: messages leave this host by unicast");
   }
+  if (!address.peers.empty() && !address.interface.empty()) {
+    throw StartupError("LCM url: interface is " + address.interface +
+                       ", must be left out with peers: the routes to the peers choose the card");
+  }
   return address;
 }
 

@@ -52,7 +52,8 @@ struct UdpmAddress {
 /// Options: ttl, recv_buf_size and max_message_size (bytes), interface,
 /// peers (ADDRESS:PORT,ADDRESS:PORT,…).
 /// @throws StartupError for an address that is not multicast, a number out of range, an invalid
-///         interface or peer, peers together with a ttl above 0, or an unknown option.
+///         interface or peer, peers together with a ttl above 0 or an
+///         interface, or an unknown option.
 UdpmAddress parse_udpm(const Url& url);
 
 }  // namespace vantage::bus

@@ -27,7 +27,8 @@ void EstimatedPose::on_odometry(const models::OdometryReport& odometry) {
 
 std::optional<EstimatedPose::Filled> EstimatedPose::fill(const models::MocapFrame& frame) const {
   const Time time = frame.stamp.time;
-  if (!newest_ || time - newest_->stamp.time > kAgeMax) {
+  const Duration age = newest_ ? time - newest_->stamp.time : kAgeMax;
+  if (!newest_ || age > kAgeMax || age < -kAgeMax) {  // a stamp in the future would never be old
     return std::nullopt;
   }
   const auto named = [this](const models::MocapBody& body) { return body.name == robot_; };

@@ -58,9 +58,13 @@ void LocalizerNode::on_mocap(const std::shared_ptr<const models::MocapFrame>& fr
     ++mocap_out_of_order_;
     return;
   }
+  // A frame that is later than the next step is not used: a later step uses a newer frame.
+  if (frame->stamp.time > next_instant_) {
+    mocap_too_new_ += frame->stamp.time > next_instant_ + PoseSteps::kAheadMax ? 1 : 0;
+    return;
+  }
   last_mocap_ = frame->stamp.time;
-  // A frame that is later than the next step is not used. A later step uses a newer frame.
-  if (frame->stamp.time <= next_instant_ && steps_.sees_a_robot(*frame)) {
+  if (steps_.sees_a_robot(*frame)) {
     mocap_ = frame;
   }
 }
@@ -85,7 +89,8 @@ std::vector<models::NamedCount> LocalizerNode::counters() const {
   std::vector<models::NamedCount> all = steps_.counters();
   models::append_nonzero(all, {{"localizer.inputs_overflowed", inputs_overflowed_},
                                {"localizer.misaddressed", misaddressed_},
-                               {"localizer.mocap_out_of_order", mocap_out_of_order_}});
+                               {"localizer.mocap_out_of_order", mocap_out_of_order_},
+                               {"localizer.mocap_too_new", mocap_too_new_}});
   return all;
 }
 

@@ -34,7 +34,8 @@ class LocalizerNode : public bus::Node {
   void tick(Time now) override;
   /// Returns the counters of PoseSteps and these. inputs_overflowed: inputs dropped from a full
   /// queue. misaddressed: messages with a robot name that differs from that of their channel.
-  /// mocap_out_of_order: mocap frames that are not newer than the previous one.
+  /// mocap_out_of_order: mocap frames that are not newer than the previous one. mocap_too_new:
+  /// mocap frames with a time too far in the future.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   /// Returns the number of instants of the grid without a step.
   [[nodiscard]] std::int64_t deadlines_missed() const override { return instants_missed_; }
@@ -59,6 +60,7 @@ class LocalizerNode : public bus::Node {
   std::int64_t inputs_overflowed_ = 0;
   std::int64_t misaddressed_ = 0;
   std::int64_t mocap_out_of_order_ = 0;
+  std::int64_t mocap_too_new_ = 0;
 };
 
 }  // namespace vantage::localizer

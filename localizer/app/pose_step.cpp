@@ -34,7 +34,29 @@ PoseSteps::PoseSteps(const scenario::Scenario& scenario, const std::string& robo
   fix_covariance_ = sigma.cwiseAbs2().asDiagonal();
 }
 
-void PoseSteps::add(const models::SightingReport& report) {
+void PoseSteps::add(const models::OdometryReport& odometry, Time limit) {
+  if (odometry.stamp.time > limit) {
+    ++too_new_;
+    return;
+  }
+  localizer_.add_odometry(odometry);
+}
+
+void PoseSteps::add(const models::PoseEstimate& estimate, Time limit) {
+  // Sightings are in ascending order.
+  if (estimate.stamp.time > limit ||
+      (!estimate.sightings.empty() && estimate.sightings.back().time > limit)) {
+    ++too_new_;
+    return;
+  }
+  localizer_.add_teammate(estimate);
+}
+
+void PoseSteps::add(const models::SightingReport& report, Time limit) {
+  if (!report.sightings.empty() && report.sightings.back().time > limit) {
+    ++too_new_;
+    return;
+  }
   const scenario::LocalizedRobotSpec& own = spec_.robots[static_cast<std::size_t>(robot_)];
   corrected_ = report.sightings;
   for (models::Sighting& sighting : corrected_) {
@@ -43,7 +65,11 @@ void PoseSteps::add(const models::SightingReport& report) {
   localizer_.add_sightings(corrected_);
 }
 
-void PoseSteps::add(const models::MocapFrame& frame) {
+void PoseSteps::add(const models::MocapFrame& frame, Time limit) {
+  if (frame.stamp.time > limit) {
+    ++too_new_;
+    return;
+  }
   for (std::size_t robot = 0; robot < spec_.robots.size(); ++robot) {
     const models::MocapBody* const body = frame.find(spec_.robots[robot].name, robot);
     if (body != nullptr && !body->occluded) {
@@ -57,7 +83,7 @@ models::PoseEstimate PoseSteps::step(Time t, std::int64_t step,
                                      const std::vector<PoseInput>& inputs) {
   models::PoseEstimate made;
   for (const PoseInput& input : inputs) {
-    std::visit([this](const auto& content) { add(*content); }, input.content);
+    std::visit([&](const auto& content) { add(*content, t + kAheadMax); }, input.content);
     made.inputs.push_back(input.ref);
   }
   localizer_.advance_to(t);
@@ -94,6 +120,7 @@ std::vector<models::NamedCount> PoseSteps::counters() const {
                           {"localizer.sightings_lost", inputs.lost_sightings},
                           {"localizer.increments_missing", inputs.missing_increments},
                           {"localizer.inputs_refused", inputs.refused},
+                          {"localizer.inputs_too_new", too_new_},
                           {"localizer.fixes_late", inputs.late_fixes},
                           {"localizer.sightings_rejected", filter.rejected},
                           {"localizer.sightings_unknown", filter.unknown},

@@ -31,6 +31,10 @@ class PoseSteps {
   /// POSE_R of even steps contains the motion and the sightings for teammates; POSE_R of odd steps
   /// contains only the pose.
   static constexpr std::int64_t kExchangeEvery = 2;
+  /// Inputs may be newer than their step by the node's lag and by the offset between the clocks of
+  /// hosts. Inputs that are still newer are refused: a false time in the future would block all
+  /// later inputs of the same kind.
+  static constexpr Duration kAheadMax = std::chrono::milliseconds(500);
 
   /// @throws UsageError when `scenario` or its section `localizer` has no such robot.
   PoseSteps(const scenario::Scenario& scenario, const std::string& robot);
@@ -49,16 +53,18 @@ class PoseSteps {
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
 
  private:
-  void add(const models::OdometryReport& odometry) { localizer_.add_odometry(odometry); }
-  void add(const models::SightingReport& report);
-  void add(const models::PoseEstimate& estimate) { localizer_.add_teammate(estimate); }
-  void add(const models::MocapFrame& frame);
+  // `limit`: inputs that are stamped later are refused and counted.
+  void add(const models::OdometryReport& odometry, Time limit);
+  void add(const models::SightingReport& report, Time limit);
+  void add(const models::PoseEstimate& estimate, Time limit);
+  void add(const models::MocapFrame& frame, Time limit);
 
   scenario::LocalizerSpec spec_;
   int robot_;
   Eigen::Matrix3d fix_covariance_;
   RobotLocalizer localizer_;
   std::vector<models::Sighting> corrected_;  ///< workspace
+  std::int64_t too_new_ = 0;                 ///< inputs with a time too far in the future
 };
 
 }  // namespace vantage::localizer

@@ -157,6 +157,88 @@ TEST(RobotLocalizer, RefusesMessagesOfUnknownRobotsOrWithOtherIncrements) {
   EXPECT_EQ(localizer.counts().refused, 2);
 }
 
+// A negative index would be outside the array of increments.
+TEST(RobotLocalizer, RefusesTimesBeforeTheEpoch) {
+  test::SimulatedTeam team(2, 1);
+  RobotLocalizer localizer(team.spec, 0);
+  models::OdometryReport odometry;
+  odometry.kind = models::OdometryKind::kIncrement;
+  odometry.interval = Duration{50'000};
+  localizer.add_odometry(odometry);
+  models::PoseEstimate message;
+  message.robot = "R2";
+  message.increment = kIncrement;
+  message.increments_from = from_utime(-kIncrement.count());
+  message.increments = {Eigen::Vector3d::Zero()};
+  localizer.add_teammate(message);
+  EXPECT_EQ(localizer.counts().refused, 2);
+}
+
+TEST(RobotLocalizer, RefusesIncrementsThatATeammateCannotKnow) {
+  test::SimulatedTeam team(2, 1);
+  RobotLocalizer localizer(team.spec, 0);
+  localizer.advance_to(team.now);
+  models::PoseEstimate message;
+  message.robot = "R2";
+  message.increment = kIncrement;
+  message.stamp.time = team.now;
+  message.increments_from = team.now - kMessageIncrements * kIncrement;
+  message.increments.assign(kMessageIncrements, Eigen::Vector3d::Zero());
+  localizer.add_teammate(message);
+  EXPECT_EQ(localizer.counts().refused, 0);
+  message.increments_from = team.now - kIncrement;  // ends after the message
+  message.increments.assign(2, Eigen::Vector3d::Zero());
+  localizer.add_teammate(message);
+  EXPECT_EQ(localizer.counts().refused, 1);
+  message.increments_from = team.now - 2 * kMessageIncrements * kIncrement;
+  message.increments.assign(kMessageIncrements + 1, Eigen::Vector3d::Zero());
+  localizer.add_teammate(message);
+  EXPECT_EQ(localizer.counts().refused, 2);
+}
+
+/// Returns the increments that a robot sends after `reports` of its odometer, each for 50 ms and
+/// 5 mm. The first report begins `phase` after a step; report number `lost` is missing.
+std::vector<Eigen::Vector3d> increments_sent(Duration phase, int reports, int lost) {
+  test::SimulatedTeam team(2, 1);
+  RobotLocalizer localizer(team.spec, 0);
+  localizer.place(0, {}, 1e-4 * Eigen::Matrix3d::Identity());
+  localizer.advance_to(team.now);
+  models::OdometryReport odometry;
+  odometry.kind = models::OdometryKind::kIncrement;
+  odometry.interval = Duration{50'000};
+  odometry.motion_body = {0.005, 0.0, 0.0};
+  for (int i = 0; i < reports; ++i) {
+    odometry.stamp.time = team.now + phase + (i + 1) * odometry.interval;
+    if (i != lost) {
+      localizer.add_odometry(odometry);
+    }
+  }
+  localizer.advance_to(odometry.stamp.time);
+  models::PoseEstimate message;
+  localizer.write_message(message);
+  EXPECT_LE(message.increments_from + static_cast<int>(message.increments.size()) * kIncrement,
+            message.stamp.time);
+  return message.increments;
+}
+
+TEST(RobotLocalizer, SendsItsMotionAtAnyPhaseOfTheOdometer) {
+  for (const Duration phase : {Duration{0}, Duration{10'000}, Duration{30'000}, Duration{49'999}}) {
+    const auto increments = increments_sent(phase, 20, -1);
+    ASSERT_GE(increments.size(), 9U) << phase.count();
+    for (const Eigen::Vector3d& increment : increments) {
+      EXPECT_NEAR(increment.x(), 0.01, 1e-12) << phase.count();
+    }
+  }
+}
+
+TEST(RobotLocalizer, SendsNoPartOfAnIncrementAfterALostReport) {
+  for (const Duration phase : {Duration{0}, Duration{30'000}}) {
+    for (const Eigen::Vector3d& increment : increments_sent(phase, 20, 10)) {
+      EXPECT_NEAR(increment.x(), 0.01, 1e-12) << phase.count();
+    }
+  }
+}
+
 TEST(RobotLocalizer, RefusesRobotThatTheScenarioDoesNotHave) {
   test::SimulatedTeam team(2, 1);
   EXPECT_THROW(RobotLocalizer(team.spec, 2), UsageError);

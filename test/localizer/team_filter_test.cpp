@@ -57,6 +57,23 @@ TEST(TeamFilter, AgreesWithInformationFormForSightingOfTeammate) {
   EXPECT_LT((filter.pose(0).position_m() - first.position_m()).norm(), 1e-9);
 }
 
+TEST(TeamFilter, StaysFiniteWhenAnUnknownLandmarkIsSightedAtTheSensor) {
+  test::SimulatedTeam team(1, 1);
+  team.spec.unknown_landmarks_max = 4;
+  const scenario::SightingSpec& law = team.spec.robots[0].sightings;
+  for (const double range_m : {1e-6, law.range_offset_m, law.range_offset_m + 1e-9}) {
+    TeamFilter filter(team.spec);
+    filter.place(0, {0.0, 0.0, 0.2}, kStart);
+    for (int i = 0; i < 3; ++i) {
+      const models::Sighting sighting{{}, 77, range_m, 0.3};
+      filter.observe(0, {&sighting, 1});
+      EXPECT_TRUE(filter.covariance(0).allFinite()) << range_m;
+      EXPECT_TRUE(filter.pose(0).position_m().allFinite()) << range_m;
+    }
+    EXPECT_EQ(filter.counts().used, 0) << range_m;
+  }
+}
+
 TEST(TeamFilter, LandmarkSightingAlsoImprovesTeammateThatSawTheRobot) {
   test::SimulatedTeam team(2, 1);
   TeamFilter filter(team.spec);

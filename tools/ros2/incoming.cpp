@@ -145,7 +145,8 @@ std::optional<std::vector<StampedPose>> read_poses(scenario::Ros2PoseType type, 
       pose.child = in.text();
     }
     pose.frame_from_body = read_pose(in);
-    if (!in.ok() || !normalise(pose.frame_from_body)) {
+    pose.is_possible = normalise(pose.frame_from_body);
+    if (!in.ok() || (!is_list && !pose.is_possible)) {
       return std::nullopt;
     }
     out.push_back(std::move(pose));

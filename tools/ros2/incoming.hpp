@@ -26,12 +26,14 @@ struct StampedPose {
   std::string frame;
   std::string child;  ///< frame of the body; empty in messages without it
   Pose3 frame_from_body;
+  bool is_possible = true;  ///< false: the numbers are no pose, for example those of a lost body
 };
 
 /// Returns the ROS 2 name of a type, such as "geometry_msgs/msg/PoseStamped".
 std::string_view type_of(scenario::Ros2PoseType type);
 
-/// Returns the poses of a message: one, or all of kTransforms.
+/// Returns the poses of a message: one, or all of kTransforms, where impossible poses are marked.
+/// nullopt if the message cannot be read or its only pose is impossible.
 std::optional<std::vector<StampedPose>> read_poses(scenario::Ros2PoseType type, Bytes cdr);
 
 /// One object of a Detection3DArray, with the hypothesis of the highest score.

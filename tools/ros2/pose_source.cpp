@@ -29,6 +29,10 @@ void PoseSource::on_message(const scenario::Ros2PoseInput& input, Bytes cdr,
       counts_.wrong_frame += is_tree ? 0 : 1;
       continue;
     }
+    if (!pose.is_possible) {
+      ++counts_.unreadable;  // a lost body; the other bodies of the message are used
+      continue;
+    }
     add(is_tree ? pose.child : input.body, pose, now);
   }
   assembly_.pass_on_if_complete();

@@ -55,7 +55,8 @@ TEST(ParseUdpm, ReadsPeers) {
 TEST(ParseUdpm, RefusesInvalidPeers) {
   for (const char* options :
        {"peers=", "peers=10.0.0.1", "peers=10.0.0.1:0", "peers=host:7001", "peers=10.0.0.1:7001x",
-        "peers=239.1.2.3:7001", "peers=10.0.0.1:7001,10.0.0.1:7001", "ttl=1&peers=10.0.0.1:7001"}) {
+        "peers=239.1.2.3:7001", "peers=10.0.0.1:7001,10.0.0.1:7001", "ttl=1&peers=10.0.0.1:7001",
+        "interface=wlan0&peers=10.0.0.1:7001"}) {
     EXPECT_THROW(parse_udpm(parse_url(std::string("udpm://?") + options)), StartupError) << options;
   }
 }

@@ -43,6 +43,19 @@ TEST(ReadPoses, ReadsEachType) {
   EXPECT_EQ(with_child->front().child, "base_link");
 }
 
+TEST(ReadPoses, MarksImpossibleTransformsOnly) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const Pose3 lost{{kNan, kNan, kNan}, Quaternion(0.0, 0.0, 0.0, 0.0)};
+  const std::string tree =
+      test::transform_message(kTime, "world", {{"Q1", kPose}, {"HAT", lost}, {"Q2", kPose}});
+  const auto poses = read_poses(Ros2PoseType::kTransforms, test::bytes_of(tree));
+  ASSERT_TRUE(poses && poses->size() == 3);
+  EXPECT_TRUE(poses->at(0).is_possible);
+  EXPECT_FALSE(poses->at(1).is_possible);
+  EXPECT_TRUE(poses->at(2).is_possible);
+  expect_pose(poses->at(2));
+}
+
 TEST(ReadPoses, RefusesEachTruncatedMessage) {
   const std::string whole = test::transform_message(kTime, "world", {{"Q1", kPose}, {"Q2", kPose}});
   for (std::size_t size = 0; size < whole.size(); ++size) {
