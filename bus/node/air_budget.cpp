@@ -14,7 +14,7 @@ constexpr Duration kStatusPeriodMax{500'000};
 constexpr Duration kHealthPeriodMax{30'000'000};
 
 /// Classes by the beginning of the channel name. Channels that are not listed are unlimited.
-constexpr std::array<std::pair<std::string_view, AirClass>, 15> kClasses{{
+constexpr std::array<std::pair<std::string_view, AirClass>, 16> kClasses{{
     {"PLAN_", AirClass::kMotion},
     {"PROPOSAL_", AirClass::kMotion},
     {"TEAM_PROPOSAL_", AirClass::kMotion},
@@ -29,6 +29,7 @@ constexpr std::array<std::pair<std::string_view, AirClass>, 15> kClasses{{
     {"MIXTURE_", AirClass::kHost},
     {"SCAN_", AirClass::kHost},
     {"ODOMETRY_", AirClass::kHost},
+    {"SIGHTINGS_", AirClass::kHost},
     {"EXTERNAL_REQUEST_", AirClass::kHost},
 }};
 

@@ -20,6 +20,8 @@ namespace {
 constexpr std::uint32_t kBuffers = 4;
 constexpr std::int64_t kExposureUnit_us = 100;  // unit of V4L2_CID_EXPOSURE_ABSOLUTE
 constexpr std::int64_t kExposureMax_us = 1'000'000;
+// Cameras may stall without an error. Longer than the longest exposure.
+constexpr Duration kStallMax = std::chrono::seconds(3);
 
 struct Format {
   std::uint32_t code;
@@ -184,6 +186,7 @@ void V4l2Source::open(Time now) {
     close();
     return;
   }
+  last_image_ = now;
   status_ = fmt::format("camera {} delivers {} x {} pixels", path_, camera_.width, camera_.height);
 }
 
@@ -211,9 +214,12 @@ std::optional<CapturedImage> V4l2Source::next(Time now) {
     if (calls_.control(device_, VIDIOC_DQBUF, &buffer) < 0) {
       if (errno != EAGAIN) {
         on_failure(failure("it no longer delivers images"));
+      } else if (now - last_image_ > kStallMax) {
+        on_failure("it stopped delivering images without an error; it is opened again");
       }
       return std::nullopt;
     }
+    last_image_ = now;
     const std::uint32_t sequence = buffer.sequence;
     counts_.lost += last_sequence_ ? static_cast<std::int64_t>(std::min<std::uint32_t>(
                                          sequence - *last_sequence_ - 1, 1000))

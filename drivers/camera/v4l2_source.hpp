@@ -71,6 +71,7 @@ class V4l2Source : public ImageSource {
   std::vector<Memory> memories_;
   std::optional<std::uint32_t> last_sequence_;
   Time next_try_{};
+  Time last_image_{};  ///< time of the newest image; the time of opening if there is none
   SourceCounts counts_;
   std::string status_;
 };

@@ -184,9 +184,10 @@ void BeliefSender::add_cells(const models::RobotBelief& own, std::size_t bytes_m
     int length = 0;
     std::uint8_t code = 0;
   };
-  // Selects whole rows, starting with the row after the last one that was sent.
+  // Selects whole rows, starting with the row after the last one that was sent. If already the
+  // first row is too large, its first runs are sent; the others follow in the next message.
+  const std::size_t runs_max = bytes_max / kRunBytes;
   std::vector<Run> runs;
-  std::size_t bytes = 0;
   int done = 0;
   for (; done < grid.rows; ++done) {
     const int first = (next_row_ + done) % grid.rows * grid.columns;
@@ -204,14 +205,16 @@ void BeliefSender::add_cells(const models::RobotBelief& own, std::size_t bytes_m
         runs.push_back({cell, 1, *code});
       }
     }
-    bytes += (runs.size() - before) * kRunBytes;
-    if (bytes > bytes_max) {
-      runs.resize(before);
-      break;
+    const bool fits = runs.size() <= runs_max;
+    if (!fits) {
+      runs.resize(done == 0 ? runs_max : before);
     }
     for (std::size_t i = before; i < runs.size(); ++i) {
       const auto begin = own.last_seen_utime.begin() + runs[i].begin;
       std::copy_n(begin, runs[i].length, cells_utime_.begin() + runs[i].begin);
+    }
+    if (!fits) {
+      break;
     }
   }
   next_row_ = (next_row_ + done) % grid.rows;

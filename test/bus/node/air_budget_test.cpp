@@ -35,6 +35,7 @@ TEST(AirBudget, ClassifiesChannels) {
                            {"MAP_Q1", AirClass::kKnowledge},
                            {"HEALTH_PLANNER_Q1", AirClass::kHealth},
                            {"BELIEF_Q1", AirClass::kHost},
+                           {"SIGHTINGS_Q1", AirClass::kHost},
                            {"MIXTURE_Q1", AirClass::kHost},
                            {"PLAN_Q3", AirClass::kUnlimited},
                            {"HEALTH_SIM", AirClass::kUnlimited},

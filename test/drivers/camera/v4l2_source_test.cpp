@@ -166,6 +166,21 @@ TEST_F(V4l2SourceTest, ReadsGreyLevelsFromGreyAndYuyvImages) {
   }
 }
 
+TEST_F(V4l2SourceTest, OpensTheDeviceAgainWhenItStallsWithoutAnError) {
+  V4l2Source source = this->source();
+  shoot(kMonotonic, 1, V4L2_BUF_FLAG_TSTAMP_SRC_SOE);
+  EXPECT_TRUE(source.next(kNow));
+  EXPECT_FALSE(source.next(kNow + std::chrono::seconds(3)));
+  EXPECT_EQ(source.counts().interruptions, 0);
+  const Time stalled = kNow + std::chrono::milliseconds(3'001);
+  EXPECT_FALSE(source.next(stalled));
+  EXPECT_EQ(source.counts().interruptions, 1);
+  EXPECT_NE(source.status().find("stopped delivering images"), std::string::npos);
+  shoot(kMonotonic, 1, V4L2_BUF_FLAG_TSTAMP_SRC_SOE);
+  EXPECT_TRUE(source.next(stalled + kReopenPeriod));
+  EXPECT_EQ(device_.opened, 2);
+}
+
 TEST_F(V4l2SourceTest, OpensTheDeviceAgainAfterItWasUnplugged) {
   V4l2Source source = this->source();
   EXPECT_FALSE(source.next(kNow));

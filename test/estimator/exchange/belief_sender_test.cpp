@@ -135,7 +135,11 @@ models::RobotBelief with_cells(std::int64_t step, const std::vector<std::int64_t
   return belief;
 }
 
-TEST(BeliefSender, SendsTheWholeGridInParts) {
+// A row of the grid has up to 60 runs of 4 bytes, so it does not fit into the smaller limit.
+class BeliefSenderLimit : public ::testing::TestWithParam<std::size_t> {};
+INSTANTIATE_TEST_SUITE_P(Bytes, BeliefSenderLimit, ::testing::Values(1000, 200));
+
+TEST_P(BeliefSenderLimit, LetsTheWholeGridBeSentInParts) {
   BeliefSender sender(spec_of(0));
   std::vector<std::int64_t> own(2400);
   for (std::size_t i = 0; i < own.size(); ++i) {
@@ -143,7 +147,7 @@ TEST(BeliefSender, SendsTheWholeGridInParts) {
   }
   std::vector<std::int64_t> received(2400, 0);
   for (int step = 0; step < 2 * BeliefSender::kGridPeriodSteps; ++step) {
-    const auto message = sender.select(with_cells(step, own), {}, 1000);
+    const auto message = sender.select(with_cells(step, own), {}, GetParam());
     const auto parts = message ? models::expand(*message) : std::nullopt;
     ASSERT_TRUE(!message || parts);
     if (parts && !parts->last_seen_utime.empty()) {
