@@ -221,6 +221,22 @@ TEST_F(UdpmCards, RefusesMissingCardByName) {
   }
 }
 
+// This network has no route to the peer, like a robot out of radio range.
+TEST(UdpmLink, DeliversLargeMessagesOnItsHostWithoutAReachablePeer) {
+  if (!test::has_large_buffers()) {
+    GTEST_SKIP() << test::kNeedsLargeBuffers;
+  }
+  const auto ours = bus::open_transport(test::kUrl + "&peers=10.99.0.1:7001");
+  Messages received;
+  test::collect(*ours, "X", received);
+  const Bytes large = test::random_bytes(200'000, 1);
+  EXPECT_FALSE(ours->publish("X", large)) << "no peer is reachable";
+  EXPECT_EQ(ours->stats().send_errors, 1);
+  test::handle_until(*ours, [&] { return !received.empty(); });
+  ASSERT_EQ(received.size(), 1U);
+  EXPECT_EQ(received[0].second, large);
+}
+
 TEST(UdpmLink, CountsUnsentMessagesAndRecovers) {
   const auto ours = bus::open_transport(test::kUrl);
   Messages received;
