@@ -135,8 +135,8 @@ TEST(ScenarioRules, GridsFitIntoAMessage) {
             "cells; 0.4999 gives 4004001");
   EXPECT_EQ(with("400", "0.283", "80"), "taken") << "707 by 707";
   EXPECT_EQ(with("400", "0.28", "80"),
-            "f:6: estimator.grid_resolution_m: must divide the 2.5 · network.neighbourhood_m that "
-            "a belief contains into at most 499975 cells; 0.28 gives 511225");
+            "f:6: estimator.grid_resolution_m: must divide the area of each belief (side 2.5 · "
+            "network.neighbourhood_m) into at most 499975 cells; 0.28 gives 511225");
 }
 
 // 63 steps and a stop are 64 segments; a stop from 4 m/s at 2 m/s² takes 2 s.
