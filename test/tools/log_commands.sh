@@ -93,7 +93,8 @@ sed -e 's/range_scale: 1 *$/range_scale: 1.1/' -e 's/motion: random_waypoint/mot
 json 'abs(d["range_scale"] - 1.1) < 3 * d["range_scale_sigma"] < 0.25 and len(d["beacons"]) > 2' < still.json | grep -q True || fail "fit-ranges of a log"
 # A data set of three simulated robots: import, fit of sensors and drives, localisers.
 "$(dirname "$0")/mrclam_folder.py" set
-"$vantage" log import mrclam set set.lcmlog | grep -q "of 3 robots and 12 landmarks" || fail "import"
+"$vantage" log import mrclam set set.lcmlog > import.txt
+grep -q "of 3 robots and 12 landmarks" import.txt || fail "import"
 exits_with 0 "$vantage" log check set.lcmlog
 exits_with 2 "$vantage" log import mrclam set set.lcmlog
 grep -q "exists already" err.txt || fail "import overwrites a log"
@@ -111,7 +112,8 @@ json 'max(abs(r["stamp_delay_s"] - 0.04) for r in d["robots"]) < 0.008' < fit.js
 json 'max(abs(r["drive"]["delay_s"] + r["drive"]["lag_s"] - 0.15) for r in d["robots"]) < 0.03' < fit.json \
   | grep -q True || fail "fit-sensor: command delay"
 exits_with 0 "$vantage" check fitted.yaml
-"$vantage" log fit-sensor set.lcmlog | grep -q "^localizer:" || fail "fit-sensor prints no section"
+"$vantage" log fit-sensor set.lcmlog > section.txt
+grep -q "^localizer:" section.txt || fail "fit-sensor prints no section"
 "$vantage" log fit-sensor set.lcmlog --without-truth --json > blind.json
 json 'all(r["range_is_depth"] and abs(r["range_scale"] - 1.03) < 0.02 for r in d["robots"])' < blind.json \
   | grep -q True || fail "fit-sensor --without-truth"
@@ -132,8 +134,8 @@ json 'd["landmarks"]["found"] == 12 and d["landmarks"]["own_rmse_m"] < 0.03' < h
 grep -q "lost robots: none" without.txt || fail "localize --without-ids"
 exits_with 2 "$vantage" log localize set.lcmlog --landmarks unknown --start unknown
 exits_with 2 "$vantage" log localize set.lcmlog --without-ids --start unknown
-"$vantage" log localize set.lcmlog --scenario fitted.yaml --out poses.lcmlog --csv poses.csv | grep -q "^all robots" ||
-  fail "localize"
+"$vantage" log localize set.lcmlog --scenario fitted.yaml --out poses.lcmlog --csv poses.csv > poses.txt
+grep -q "^all robots" poses.txt || fail "localize"
 [[ $(events poses.lcmlog) == $(wc -l < poses.csv) ]] || fail "localize: log and table differ"
 exits_with 0 "$vantage" log check poses.lcmlog
 exits_with 2 "$vantage" log localize set.lcmlog --heading R9
