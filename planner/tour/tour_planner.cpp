@@ -33,8 +33,10 @@ models::Gaussian belief_at_end(const SearchProblem& problem, std::size_t m, bool
     belief = models::predict(belief, target.model, problem.step_s);
     if (has_teammates && !problem.fixed_information.empty() &&
         problem.fixed_information[m][t].size() > 0) {
-      belief.covariance =
-          models::update_covariance(belief.covariance, problem.fixed_information[m][t]);
+      const models::StateMatrix& fixed = problem.fixed_information[m][t];
+      belief.covariance = fixed.rows() == target.model.position_dim
+                              ? models::update_covariance(belief.covariance, fixed)
+                              : models::update_state_covariance(belief.covariance, fixed);
     }
   }
   return belief;
@@ -230,8 +232,11 @@ void TourPlanner::tabulate_gains(int stop) {
   const auto later = [&](const models::StateMatrix& P) -> models::StateMatrix {
     return A * P * A.transpose() + W;
   };
-  const Visit visit(*problem_, target.model, spec_.visit_s,
-                    beliefs_[index(stop)].mean.head(target.model.position_dim));
+  // The landmark of a region is planar, also if the targets are not.
+  models::PositionVector mean_m = target.prior.mean.head(target.model.position_dim);
+  const Eigen::Index known = std::min(mean_m.size(), beliefs_[index(stop)].mean.size());
+  mean_m.head(known) = beliefs_[index(stop)].mean.head(known);
+  const Visit visit(*problem_, target.model, spec_.visit_s, mean_m);
   const models::StateMatrix now =
       is_region ? target.prior.covariance : beliefs_[index(stop)].covariance;
   std::array<double, kSamples> unvisited{};

@@ -101,6 +101,53 @@ TEST(TourPlanner, PrefersTheLessCertainOfTwoTargets) {
   EXPECT_EQ(targets_of(planner.plan(problem, {}, spec_of(80.0))), (std::vector<int>{1, 0}));
 }
 
+// Teammates with sensors that measure velocity send information about position and velocity.
+TEST(TourPlanner, UsesInformationAboutPositionOrState) {
+  SearchProblem problem = empty_problem();
+  problem.targets = {moving_target(20.0, 0.0, 0.0), moving_target(-20.0, 0.0, 0.0)};
+  SearchProblem with_velocity = problem;
+  const Eigen::Matrix2d M = 3.0 * Eigen::Matrix2d::Identity();
+  Eigen::Matrix4d whole = Eigen::Matrix4d::Zero();
+  whole.topLeftCorner<2, 2>() = M;
+  for (int m = 0; m < 2; ++m) {
+    problem.fixed_information.emplace_back(4,
+                                           m == 0 ? models::StateMatrix(M) : models::StateMatrix());
+    with_velocity.fixed_information.emplace_back(
+        4, m == 0 ? models::StateMatrix(whole) : models::StateMatrix());
+  }
+  const std::vector<FixedTeammate> team = {teammate_at(200.0, 0.0)};
+  TourPlanner planner(4);
+  TourPlanner other(4);
+  const auto expected = planner.plan(problem, team, spec_of(80.0));
+  const auto tour = other.plan(with_velocity, team, spec_of(80.0));
+  ASSERT_EQ(targets_of(tour), targets_of(expected));
+  ASSERT_FALSE(tour.empty());
+  for (std::size_t i = 0; i < tour.size(); ++i) {
+    EXPECT_NEAR(tour[i].rate_per_s, expected[i].rate_per_s, 1e-9 * expected[i].rate_per_s);
+    EXPECT_NEAR(tour[i].open, expected[i].open, 1e-9 * std::abs(expected[i].open));
+  }
+}
+
+// The landmark of a region is planar; the targets have a height.
+TEST(TourPlanner, PlansVisitsOfRegionsWithTargetsInSpace) {
+  SearchProblem problem = empty_problem();
+  problem.targets = {still_target(20.0, 0.0)};
+  TourRegions regions;
+  regions.undiscovered.model = {models::TargetKind::kRandomWalk, 3, 0.01};
+  regions.undiscovered.prior = {Eigen::Vector3d(0.0, 0.0, 0.5),
+                                100.0 * Eigen::Matrix3d::Identity()};
+  regions.regions = {{0, 0.5}};
+  TourPlanner planner(4);
+  double rate_per_s = 0.0;
+  for (int repetition = 0; repetition < 3; ++repetition) {
+    const auto tour = planner.plan(problem, {}, spec_of(80.0), regions);
+    ASSERT_EQ(targets_of(tour), std::vector<int>{0});
+    EXPECT_GT(tour[0].rate_per_s, 0.0);
+    EXPECT_TRUE(repetition == 0 || tour[0].rate_per_s == rate_per_s);
+    rate_per_s = tour[0].rate_per_s;
+  }
+}
+
 TEST(TourPlanner, OmitsStopsThatItCannotReachInTime) {
   SearchProblem problem = empty_problem();
   problem.targets = {still_target(20.0, 0.0), still_target(100.0, 0.0)};
