@@ -13,6 +13,11 @@ namespace {
 constexpr std::int64_t kLatencyCells = 2;
 /// Factor of the variances of a motion that is guessed from the previous one.
 constexpr double kGuessNoiseScale = 30.0;
+// 1σ of the change of a robot's speed and turn rate per second, and limits of this change.
+constexpr double kGuessAcceleration_mps2 = 1.0;
+constexpr double kGuessSpeedMax_mps = 0.5;
+constexpr double kGuessTurnAcceleration_radps2 = 2.0;
+constexpr double kGuessTurnMax_radps = 1.0;
 constexpr double kAgeMaxS = 1e6;  // s; age reported if there was no observation
 
 /// Returns the displacement during the share [from, to) of a motion with a constant twist, in the
@@ -23,6 +28,15 @@ Eigen::Vector3d part_of(const Eigen::Vector3d& motion, double from, double to) {
   const double s = std::sin(angle_rad);
   return (to - from) * Eigen::Vector3d(c * motion.x() + s * motion.y(),
                                        -s * motion.x() + c * motion.y(), motion.z());
+}
+
+/// Returns the variance that the error of a guessed motion gains between `from_s` and `to_s` after
+/// the last known motion. The error is that of a constant acceleration, until the limit of speed.
+double guess_variance(double from_s, double to_s, double acceleration, double speed_max) {
+  const auto sigma = [&](double t_s) {
+    return std::min(0.5 * acceleration * t_s * t_s, speed_max * t_s);
+  };
+  return sigma(to_s) * sigma(to_s) - sigma(from_s) * sigma(from_s);
 }
 
 /// Returns the total displacement of `first` followed by `second`.
@@ -55,7 +69,7 @@ RobotLocalizer::RobotLocalizer(const scenario::LocalizerSpec& spec, int robot)
       base_(spec),
       newest_(spec),
       increments_(spec.robots.size(), Eigen::Vector3d::Zero()),
-      noise_scale_(spec.robots.size(), 1.0),
+      guesses_(spec.robots.size()),
       next_sighting_(spec.robots.size(), 0),
       next_fix_(spec.robots.size(), 0) {
   for (Track& track : tracks_) {
@@ -72,6 +86,7 @@ void RobotLocalizer::place(int robot, const Pose2& world_from_body,
 void RobotLocalizer::add_increment(std::int64_t cell, Track& track,
                                    const Eigen::Vector3d& increment) {
   track.cells[static_cast<std::size_t>(cell % kCells)] = {cell, increment};
+  track.newest = std::max(track.newest, cell);
 }
 
 void RobotLocalizer::add_odometry(const models::OdometryReport& odometry) {
@@ -196,19 +211,28 @@ void RobotLocalizer::set_increments(std::int64_t cell, Time from, Time to, bool 
   const double to_share = to_seconds(to - start_of(cell)) / width_s;
   for (std::size_t robot = 0; robot < tracks_.size(); ++robot) {
     const Track& track = tracks_[robot];
-    noise_scale_[robot] = 1.0;
+    guesses_[robot] = {};
     // An unknown increment is assumed to equal the newest earlier one.
+    std::int64_t last_known =
+        std::max(std::min(track.newest, cell - kMessageIncrements), first_cell_ - 1);
     Eigen::Vector3d whole = Eigen::Vector3d::Zero();
     for (std::int64_t known = cell; known >= 0 && known > cell - kMessageIncrements; --known) {
       const Cell& candidate = track.cells[static_cast<std::size_t>(known % kCells)];
       if (candidate.index == known) {
         whole = candidate.increment;
+        last_known = known;
         break;
       }
-      noise_scale_[robot] = kGuessNoiseScale;
     }
-    if (is_base && noise_scale_[robot] > 1.0 && from == start_of(cell)) {
-      ++counts_.missing_increments;
+    if (last_known < cell) {
+      const Time known_until = start_of(last_known + 1);
+      const double from_s = to_seconds(from - known_until);
+      const double to_s = to_seconds(to - known_until);
+      guesses_[robot] = {
+          kGuessNoiseScale,
+          guess_variance(from_s, to_s, kGuessAcceleration_mps2, kGuessSpeedMax_mps),
+          guess_variance(from_s, to_s, kGuessTurnAcceleration_radps2, kGuessTurnMax_radps)};
+      counts_.missing_increments += is_base && from == start_of(cell) ? 1 : 0;
     }
     increments_[robot] = part_of(whole, from_share, to_share);
   }
@@ -281,7 +305,7 @@ void RobotLocalizer::run(TeamFilter& filter, std::int64_t from, std::int64_t to,
       if (event.time > time) {
         set_increments(cell, time, event.time, is_base);
         const double duration_s = to_seconds(event.time - time);
-        filter.advance(duration_s, increments_, noise_scale_);
+        filter.advance(duration_s, increments_, guesses_);
         for (std::size_t robot = 0; is_base && robot < tracks_.size(); ++robot) {
           tracks_[robot].search.advance(duration_s, increments_[robot]);
         }
@@ -310,6 +334,7 @@ void RobotLocalizer::advance_to(Time now) {
     return;
   }
   if (base_cell_ < 0) {
+    first_cell_ = cell;
     base_cell_ = cell;
     now_cell_ = cell;
     static_cast<void>(motion_.advance_to(start_of(cell)));

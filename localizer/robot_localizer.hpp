@@ -89,6 +89,7 @@ class RobotLocalizer {
   /// Newest known motion and sightings of one robot.
   struct Track {
     std::array<Cell, kCells> cells;
+    std::int64_t newest = -1;  ///< index of the newest known cell
     /// index of a cell; all cells before it, and their sightings, are known
     std::int64_t complete_until = -1;
     std::vector<models::Sighting> sightings;  ///< ascending in time; capacity kSightings
@@ -100,7 +101,7 @@ class RobotLocalizer {
   [[nodiscard]] static Time start_of(std::int64_t cell);
   void add_increment(std::int64_t cell, Track& track, const Eigen::Vector3d& increment);
   void add_sighting(Track& track, const models::Sighting& sighting);
-  /// Sets increments_ and noise_scale_ for the part [from, to) of grid cell `cell`.
+  /// Sets increments_ and guesses_ for the part [from, to) of grid cell `cell`.
   void set_increments(std::int64_t cell, Time from, Time to, bool is_base);
   /// A frame of sightings or a fix of one robot. If there is none, `robot` is the number of robots.
   struct Event {
@@ -131,15 +132,16 @@ class RobotLocalizer {
   std::vector<Track> tracks_;
   TeamFilter base_;
   TeamFilter newest_;
+  std::int64_t first_cell_ = -1;  ///< cell of the first step
   std::int64_t base_cell_ = -1;
   std::int64_t now_cell_ = -1;
   Time now_{};
   Time last_observation_ = Time::min();      ///< time of the newest sighting or fix of this robot
   Time last_fix_ = Time::min();              ///< time of the newest fix of this robot
   std::vector<Eigen::Vector3d> increments_;  ///< workspace
-  std::vector<double> noise_scale_;          ///< workspace
-  std::vector<std::size_t> next_sighting_;   ///< workspace
-  std::vector<std::size_t> next_fix_;        ///< workspace
+  std::vector<TeamFilter::GuessNoise> guesses_;  ///< workspace
+  std::vector<std::size_t> next_sighting_;       ///< workspace
+  std::vector<std::size_t> next_fix_;            ///< workspace
   InputCounts counts_;
 };
 

@@ -95,7 +95,7 @@ Eigen::Matrix3d TeamFilter::covariance(int robot) const {
 }
 
 void TeamFilter::advance(double duration_s, std::span<const Eigen::Vector3d> increments,
-                         std::span<const double> noise_scale) {
+                         std::span<const GuessNoise> guesses) {
   const scenario::OdometryNoiseSpec& odometry = spec_.odometry_noise;
   const double keep_turn = std::exp(-duration_s / odometry.turn_drift_time_s);
   const double keep_speed = std::exp(-duration_s / odometry.speed_drift_time_s);
@@ -116,7 +116,7 @@ void TeamFilter::advance(double duration_s, std::span<const Eigen::Vector3d> inc
 
     if (is_placed(robot)) {
       const Eigen::Vector3d& increment = increments[index(robot)];
-      const double scale = noise_scale.empty() ? 1.0 : noise_scale[index(robot)];
+      const GuessNoise guess = guesses.empty() ? GuessNoise{} : guesses[index(robot)];
       const double distance_m = increment.head<2>().norm();
       const double turn_rad = increment.z() + x_(i + kTurnError) * duration_s;
       const double forward_m = increment.x() * (1.0 + x_(i + kSpeedError));
@@ -133,10 +133,12 @@ void TeamFilter::advance(double duration_s, std::span<const Eigen::Vector3d> inc
       F(1, kSpeedError) = s * increment.x();
       F(kYaw, kTurnError) = duration_s;
       const double slide = odometry.slide_sigma_per_sqrt_m;
-      Q(0) = Q(1) = scale * slide * slide * distance_m;
+      Q(0) = Q(1) = guess.scale * slide * slide * distance_m + guess.position_m2;
       const double per_s = odometry.turn_sigma_rad_per_sqrt_s;
       const double per_rad = odometry.turn_sigma_per_sqrt_rad;
-      Q(kYaw) = scale * (per_s * per_s * duration_s + per_rad * per_rad * std::abs(increment.z()));
+      const double turn_rad2 =
+          per_s * per_s * duration_s + per_rad * per_rad * std::abs(increment.z());
+      Q(kYaw) = guess.scale * turn_rad2 + guess.heading_rad2;
       x_(i) += east_m;
       x_(i + 1) += north_m;
       x_(i + kYaw) = wrap_to_pi(x_(i + kYaw) + turn_rad);

@@ -52,11 +52,17 @@ class TeamFilter {
   void remove(int robot);
   [[nodiscard]] bool is_placed(int robot) const { return placed_[index(robot)] != 0; }
 
+  /// Additional noise of an increment that is a guess.
+  struct GuessNoise {
+    double scale = 1.0;         ///< factor of the increment's own variances
+    double position_m2 = 0.0;   ///< variance added to each coordinate
+    double heading_rad2 = 0.0;  ///< variance added to the heading
+  };
+
   /// Moves all robots by `increments` (forward m, left m, turn rad; one per robot), which took
-  /// `duration_s`. `noise_scale` multiplies the variances of each robot's increment if its motion
-  /// is a guess.
+  /// `duration_s`. `guesses`: empty, or one per robot.
   void advance(double duration_s, std::span<const Eigen::Vector3d> increments,
-               std::span<const double> noise_scale = {});
+               std::span<const GuessNoise> guesses = {});
 
   /// Uses the sightings of one frame of `robot`'s sensor.
   void observe(int robot, std::span<const models::Sighting> sightings);

@@ -221,6 +221,28 @@ std::vector<Eigen::Vector3d> increments_sent(Duration phase, int reports, int lo
   return message.increments;
 }
 
+// A silent teammate may drive up to 0.5 m/s away from where its last motion leads.
+TEST(RobotLocalizer, IsUncertainAboutASilentTeammate) {
+  test::SimulatedTeam team(2, 1);
+  RobotLocalizer localizer(team.spec, 0);
+  localizer.place(0, {}, 1e-4 * Eigen::Matrix3d::Identity());
+  localizer.place(1, {2.0, 0.0, 0.0}, 1e-4 * Eigen::Matrix3d::Identity());
+  localizer.advance_to(team.now);
+  models::PoseEstimate message;
+  message.robot = "R2";
+  message.increment = kIncrement;
+  message.increments = {Eigen::Vector3d::Zero()};  // the teammate stands
+  message.increments_from = team.now;
+  message.stamp.time = team.now + kIncrement;
+  localizer.add_teammate(message);
+  const auto sigma_m = [&] { return std::sqrt(localizer.team().covariance(1)(0, 0)); };
+  for (const double silence_s : {0.2, 1.0, 2.0, 5.0, 20.0}) {
+    localizer.advance_to(message.stamp.time + from_seconds(silence_s));
+    EXPECT_NEAR(sigma_m(), std::min(0.5 * silence_s * silence_s, 0.5 * silence_s), 0.02)
+        << silence_s;
+  }
+}
+
 TEST(RobotLocalizer, SendsItsMotionAtAnyPhaseOfTheOdometer) {
   for (const Duration phase : {Duration{0}, Duration{10'000}, Duration{30'000}, Duration{49'999}}) {
     const auto increments = increments_sent(phase, 20, -1);
