@@ -108,7 +108,7 @@ struct SafetyLimits {
   double lift_height_m = 0.2;  ///< m above the ground position; hover height of the first lift
   double lift_done_m = 0.3;    ///< m; rise of this vehicle after which the next one may lift
   double lift_risen_m = 0.1;
-  /// s; maximum time from take-off to lift_risen_m, with the start of the motors
+  /// s; maximum time from the take-off order to lift_risen_m, including motor start
   double lift_wait_s = 6.0;
   /// s; longest motor idling while another vehicle lifts; autopilots stop idle motors after 10 s
   double lift_idle_s = 5.0;

@@ -5,7 +5,7 @@
 namespace vantage::test::faults {
 namespace {
 
-/// Sets the battery share; of two faults the lower one counts.
+/// Sets the battery share; if several faults limit it, the lowest limit applies.
 Act caps_battery(double share) {
   return [share](FlightBench& bench, double) {
     q1(bench).battery_share = std::min(share, q1(bench).battery_share.value_or(1.0));

@@ -76,7 +76,8 @@ TEST_P(Heuristic, IsAdmissibleAndConsistent) {
       ++nodes;
     }
   }
-  EXPECT_GT(informed, nodes / 6);  // three of four nodes are leaves, whose bound equals the floors
+  EXPECT_GT(informed,
+            nodes / 6);  // three quarters of the nodes are leaves, whose bound is the floor
 }
 
 // A slow robot begins within the minimum range of its target and leaves it in the last steps. The

@@ -26,7 +26,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSight_m = 1.0;
 
 /// Returns a problem with an isotropic position sensor, so that all measurements have equal
-/// information. Its static targets partly have noise or information of teammates.
+/// information. Some of its static targets have process noise; some have information from
+/// teammates.
 SearchProblem all_round_problem(std::mt19937_64& rng) {
   SearchProblem problem;
   problem.start = {uniform(rng, -2.0, 2.0), uniform(rng, -2.0, 2.0), uniform(rng, -kPi, kPi)};

@@ -180,7 +180,7 @@ TEST(ActiveChannels, AreLimitedToTenThousandNames) {
 TEST(ActiveChannels, AreCollectedForTheGivenTime) {
   bus::InProcessHub hub;
   const auto receiving_end = hub.connect();
-  // The function checks for a stop at most every 50 ms: at 0 and 50 ms, and perhaps at 100 ms.
+  // A stop is checked for at intervals of 50 ms: at 0 and 50 ms, and perhaps at 100 ms.
   const std::int64_t begin_ns = monotonic_ns();
   int checks = 0;
   find_active_channels(*receiving_end, std::chrono::milliseconds(75),
