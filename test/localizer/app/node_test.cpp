@@ -14,6 +14,7 @@
 #include "localizer/app/replay_node.hpp"
 #include "scenario/reader/localizer_yaml.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
+#include "test/localizer/app/pair_scenario.hpp"
 
 namespace vantage::localizer {
 namespace {
@@ -21,17 +22,6 @@ namespace {
 using namespace std::chrono_literals;
 
 const Time kStart = from_utime(1'700'000'000'000'000);
-
-const char* const kScenario = R"(
-name: pair
-world: {bounds: {min_m: [-5, -5], max_m: [5, 5]}}
-targets: {count: 1}
-robot_defaults: {primitives: lab, sensor: {kind: range}}
-robots: [{name: A, start: {x_m: 0, y_m: 0}}, {name: B, start: {x_m: 2, y_m: 0}}]
-localizer:
-  landmarks: [{id: 10, x_m: 3, y_m: 1}, {id: 11, x_m: 3, y_m: -1}, {id: 12, x_m: -3, y_m: 0}]
-  robots: [{name: A, id: 1, sightings: {stamp_delay_s: 0.03}}, {name: B, id: 2}]
-)";
 
 /// Robot A with its localizer, a teammate that sends poses, and a replay of A.
 class LocalizerNodeTest : public ::testing::Test {
@@ -98,7 +88,7 @@ class LocalizerNodeTest : public ::testing::Test {
     return 0;
   }
 
-  scenario::Scenario scenario_ = scenario::parse_scenario(kScenario, "pair.yaml");
+  scenario::Scenario scenario_ = scenario::parse_scenario(test::kPairScenario, "pair.yaml");
   scenario::LocalizerSpec spec_ = *scenario::localizer_of(scenario_);
   bus::VirtualClock clock_{kStart};
   bus::InProcessHub hub_;

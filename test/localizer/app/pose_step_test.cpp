@@ -6,23 +6,13 @@
 #include <gtest/gtest.h>
 
 #include "scenario/reader/scenario_yaml.hpp"
+#include "test/localizer/app/pair_scenario.hpp"
 
 namespace vantage::localizer {
 namespace {
 
 const Time kStart = from_utime(1'700'000'000'000'000);
 const Duration kHour = std::chrono::hours(1);
-
-const char* const kScenario = R"(
-name: pair
-world: {bounds: {min_m: [-5, -5], max_m: [5, 5]}}
-targets: {count: 1}
-robot_defaults: {primitives: lab, sensor: {kind: range}}
-robots: [{name: A, start: {x_m: 0, y_m: 0}}, {name: B, start: {x_m: 2, y_m: 0}}]
-localizer:
-  landmarks: [{id: 10, x_m: 3, y_m: 1}, {id: 11, x_m: 3, y_m: -1}, {id: 12, x_m: -3, y_m: 0}]
-  robots: [{name: A, id: 1}, {name: B, id: 2}]
-)";
 
 template <class Message>
 PoseInput input_of(Message message) {
@@ -75,7 +65,7 @@ std::int64_t count_of(const PoseSteps& steps, const std::string& name) {
 // One false time, for example of a host whose clock was wrong for a moment, must not block the
 // inputs that follow.
 TEST(PoseSteps, RefusesInputsFarInTheFutureAndUsesLaterOnes) {
-  const scenario::Scenario scenario = scenario::parse_scenario(kScenario, "pair.yaml");
+  const scenario::Scenario scenario = scenario::parse_scenario(test::kPairScenario, "pair.yaml");
   PoseSteps steps(scenario, "A");
   PoseSteps undisturbed(scenario, "A");
   const auto inputs_at = [](Time time) {
@@ -102,7 +92,7 @@ TEST(PoseSteps, RefusesInputsFarInTheFutureAndUsesLaterOnes) {
 
 // The clocks of two hosts may differ a little.
 TEST(PoseSteps, AcceptsInputsALittleNewerThanTheStep) {
-  PoseSteps steps(scenario::parse_scenario(kScenario, "pair.yaml"), "A");
+  PoseSteps steps(scenario::parse_scenario(test::kPairScenario, "pair.yaml"), "A");
   static_cast<void>(steps.step(kStart, 0,
                                {input_of(sighting_at(kStart + PoseSteps::kAheadMax)),
                                 input_of(frame_at(kStart + PoseSteps::kAheadMax))}));
